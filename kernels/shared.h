@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Types, sentinels, bit layouts and counters that kernels and host share. OpenCL C and C++17.
+#ifndef GCDT_SHARED_H
+#define GCDT_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+typedef int i32;
+typedef uint u32;
+typedef long i64;
+typedef ulong u64;
+#define GCDT_INLINE static inline
+#else
+#include <cstdint>
+namespace gcdt::device {
+typedef std::int32_t i32;
+typedef std::uint32_t u32;
+typedef std::int64_t i64;
+typedef std::uint64_t u64;
+#define GCDT_INLINE inline
+#endif
+
+// No triangle, edge, vertex or constraint has this number.
+#define GCDT_NONE 0xFFFFFFFFu
+
+// ---- The mesh -----------------------------------------------------------------------------------
+// n finite vertices 0 .. n-1 and three symbolic ones n, n+1, n+2 (predicates.h).
+// A complete triangulation of the symbolic triangle has 2n+1 faces and 3n+3 edges.
+//
+//   corners[t]    = uint4: the three corners, counter-clockwise; w: claim word (claims.h)
+//   sides[t]      = uint4: sides[t][k] is the side code of the edge opposite corner k; w: spare
+//   edge_faces[s] = uint: the face reference on side s of edge s/2
+//   edge_marks[e] = uint: bits below
+//
+//   side code       31 .............. 1   0          face reference  31 ............. 2   1 .. 0
+//                   edge number           side                        face number          corner k
+//
+// edge_faces[sides[t][k]] == (t, k): side codes index edge_faces; s ^ 1 is the other side.
+// Every word has one owner: whoever owns face t owns corners[t], sides[t] and edge_faces[sides[t][k]]
+// (L1 in kernels/README.md).
+#define GCDT_FACE_REF(face, corner) (((u32)(face) << 2) | (u32)(corner))
+#define GCDT_REF_FACE(ref) ((ref) >> 2)
+#define GCDT_REF_CORNER(ref) ((ref) & 3u)
+#define GCDT_SIDE(edge, side) (((u32)(edge) << 1) | (u32)(side))
+#define GCDT_SIDE_EDGE(code) ((code) >> 1)
+
+GCDT_INLINE u32 gcdt_face_count(u32 n) { return 2u * n + 1u; }
+GCDT_INLINE u32 gcdt_edge_count(u32 n) { return 3u * n + 3u; }
+
+// edge_marks
+#define GCDT_MARK_CONSTRAINED 1u  // part of a constraint: never flipped, never crossed
+#define GCDT_MARK_QUEUED 2u       // stands in the list of edges to be tested next
+
+// ---- Failure bits (Counters.failed) ---------------------------------------------------------------
+#define GCDT_FAILED_WALK 1u        // a walk did not find what must be there
+#define GCDT_FAILED_CROSSING 2u    // two constraints cross (comparator or a crossed constrained edge)
+#define GCDT_FAILED_COUNT 4u       // crossed triangles and new triangles differ in number
+#define GCDT_FAILED_MATCH 8u       // an edge of a new triangle has no partner
+#define GCDT_FAILED_MISSING 16u    // a constraint is not an edge after enforcement
+#define GCDT_FAILED_HIT 32u        // a vertex inside a piece: cleaning should have split there
+
+// Everything the device reports to the host; zeroed at the start of a phase.
+typedef struct Counters {
+  u32 failed;
+  u32 history_depth;
+  u32 edge_splits;
+  u32 pending;        // vertices or walkers not done after a round
+  u32 list_test[3];   // lengths of the flip phase's lists, by round modulo 3 and 2
+  u32 list_flip[2];
+  u32 list_insert[2]; // lengths of the insert phase's lists, by round modulo 2
+  u32 rounds;         // rounds done inside one work-group
+  u32 flips_low, flips_high;
+  u32 steps_low, steps_high;  // triangles visited by point location
+  u32 pairs_low, pairs_high;  // crossed (triangle, constraint) pairs
+  u32 existing_edges;
+  u32 symbolic_chain_vertices;
+  u32 hexagons;
+  u32 new_edges;
+  u32 hits;
+  u32 reserved[8];
+} Counters;
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(Counters) == 32 * sizeof(u32), "Counters has the same layout on host and device");
+}  // namespace gcdt::device
+#endif
+
+#endif

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists OpenCL devices and chooses among them.
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+
+#include "opencl.hpp"
+
+namespace gcdt {
+
+namespace runtime {
+
+std::vector<cl::Device> all_devices() {
+  std::vector<cl::Platform> platforms;
+  cl::Platform::get(&platforms);  // no platform is an error code here, and an empty list for us
+  std::vector<cl::Device> all;
+  for (const auto& platform : platforms) {
+    std::vector<cl::Device> of_platform;
+    platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
+    all.insert(all.end(), of_platform.begin(), of_platform.end());
+  }
+  return all;
+}
+
+DeviceInfo describe(const cl::Device& device) {
+  DeviceInfo info;
+  auto text = [](std::string s) {
+    s.erase(std::find(s.begin(), s.end(), '\0'), s.end());
+    return s;
+  };
+  info.name = text(device.getInfo<CL_DEVICE_NAME>());
+  info.vendor = text(device.getInfo<CL_DEVICE_VENDOR>());
+  info.driver = text(device.getInfo<CL_DRIVER_VERSION>());
+  info.version = text(device.getInfo<CL_DEVICE_VERSION>());
+  info.platform = text(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>());
+  const auto type = device.getInfo<CL_DEVICE_TYPE>();
+  info.is_gpu = type & CL_DEVICE_TYPE_GPU;
+  info.is_cpu = type & CL_DEVICE_TYPE_CPU;
+  info.memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+  info.largest_buffer_bytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+  info.local_bytes = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
+  info.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
+  info.largest_work_group = static_cast<std::uint32_t>(device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>());
+  const std::string extensions = device.getInfo<CL_DEVICE_EXTENSIONS>();
+  auto has = [&](const char* name) { return extensions.find(name) != std::string::npos; };
+  info.atomics64 = has("cl_khr_int64_base_atomics") && has("cl_khr_int64_extended_atomics");
+  info.fp64 = has("cl_khr_fp64");
+  info.subgroups = has("cl_khr_subgroups");
+  return info;
+}
+
+}  // namespace runtime
+
+std::vector<DeviceInfo> devices() {
+  std::vector<DeviceInfo> all;
+  for (const auto& device : runtime::all_devices()) all.push_back(runtime::describe(device));
+  return all;
+}
+
+std::size_t select_device(const std::string& spec, bool* ambiguous) {
+  if (ambiguous) *ambiguous = false;
+  const std::vector<DeviceInfo> all = devices();
+  if (all.empty())
+    throw Error(Status::no_device, "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a GPU its vendor's OpenCL driver");
+  std::string wanted = spec;
+  if (wanted.empty())
+    if (const char* variable = std::getenv("GCDT_DEVICE")) wanted = variable;
+  if (wanted.empty()) wanted = "auto";
+  auto first = [&](auto&& fits) -> std::optional<std::size_t> {
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (fits(all[i])) return i;
+    return std::nullopt;
+  };
+  auto gpu = [](const DeviceInfo& d) { return d.is_gpu; };
+  auto cpu = [](const DeviceInfo& d) { return d.is_cpu; };
+  std::optional<std::size_t> found;
+  if (wanted == "auto") {
+    found = first(gpu);
+    if (!found) found = first(cpu);
+    if (!found) found = 0;
+  } else if (wanted == "gpu") {
+    found = first(gpu);
+  } else if (wanted == "cpu") {
+    found = first(cpu);
+  } else if (std::all_of(wanted.begin(), wanted.end(), [](unsigned char c) { return std::isdigit(c); })) {
+    if (wanted.size() <= 9 && std::stoul(wanted) < all.size()) found = std::stoul(wanted);
+  } else {
+    auto lower = [](std::string s) {
+      std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+      return s;
+    };
+    auto matches = [&](const DeviceInfo& d) { return lower(d.name + " " + d.platform).find(lower(wanted)) != std::string::npos; };
+    found = first(matches);
+    if (ambiguous) *ambiguous = std::count_if(all.begin(), all.end(), matches) > 1;
+  }
+  if (!found) {
+    std::string list;
+    for (std::size_t i = 0; i < all.size(); ++i) list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
+    throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
+  }
+  return *found;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "opencl.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "kernel_sources.hpp"
+
+namespace gcdt::runtime {
+
+namespace {
+// A work-group of 128 keeps occupancy on GPUs with kernels of 64 or more registers; on CPUs a group
+// is a loop of one thread, and 64 items amortise its start.
+constexpr std::size_t gpu_group = 128, cpu_group = 64;
+// Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
+constexpr std::size_t gpu_groups_per_unit = 16, cpu_groups_per_unit = 64;
+}  // namespace
+
+Runtime::Runtime(const cl::Device& device, CallHook hook) : device_(device), hook_(std::move(hook)), info_(describe(device)) {
+  call("clCreateContext", info_.name.c_str(), [&] {
+    cl_int code;
+    context_ = cl::Context(device_, nullptr, nullptr, nullptr, &code);
+    return code;
+  });
+  call("clCreateCommandQueue", info_.name.c_str(), [&] {
+    cl_int code;
+    queue_ = cl::CommandQueue(context_, device_, cl::QueueProperties::None, &code);
+    return code;
+  });
+  const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
+  geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit} : Geometry{cpu_group, units * cpu_groups_per_unit};
+  geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
+}
+
+void Runtime::fail(const char* name, const char* detail, cl_int code) {
+  const bool memory = code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES || code == CL_OUT_OF_HOST_MEMORY ||
+                      code == CL_INVALID_BUFFER_SIZE;
+  throw Error(memory ? Status::out_of_memory : Status::device_failed,
+              std::string(name) + " (" + detail + ") on " + info_.name + " failed with OpenCL code " + std::to_string(code),
+              {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))});
+}
+
+cl::Program& Runtime::find_program(const char* program) {
+  auto found = programs_.find(program);
+  if (found == programs_.end()) {
+    const auto start = std::chrono::steady_clock::now();
+    found = programs_.emplace(program, build_program(*this, program)).first;
+    build_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+  return found->second;
+}
+
+Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
+  const auto key = std::make_pair(std::string(program), std::string(kernel));
+  auto found = kernels_.find(key);
+  if (found != kernels_.end()) return found->second;
+  cl::Program& built = find_program(program);
+  Kernel k;
+  k.name = kernel;
+  call("clCreateKernel", kernel, [&] {
+    cl_int code;
+    k.handle = cl::Kernel(built, kernel, &code);
+    return code;
+  });
+  call("clGetKernelInfo", kernel, [&] { return k.handle.getInfo(CL_KERNEL_NUM_ARGS, &k.arguments); });
+  call("clGetKernelWorkGroupInfo", kernel, [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
+  return kernels_.emplace(key, std::move(k)).first->second;
+}
+
+cl::Buffer Runtime::allocate_bytes(const char* name, std::size_t bytes) {
+  if (bytes > info_.largest_buffer_bytes || meter_->now + bytes > info_.memory_bytes)
+    throw Error(Status::out_of_memory, std::string(name) + " needs " + std::to_string(bytes) + " bytes beside " + std::to_string(meter_->now) +
+                                           " in use; " + info_.name + " has " + std::to_string(info_.memory_bytes) + ", at most " +
+                                           std::to_string(info_.largest_buffer_bytes) + " in one buffer");
+  cl::Buffer memory;
+  call("clCreateBuffer", name, [&] {
+    cl_int code;
+    memory = cl::Buffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
+    return code;
+  });
+  return memory;
+}
+
+void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
+  if (bytes == 0) return;
+  call("clEnqueueWriteBuffer", "", [&] { return clEnqueueWriteBuffer(queue_(), to, CL_TRUE, offset, bytes, from, 0, nullptr, nullptr); });
+}
+
+void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
+  if (bytes == 0) return;
+  ++read_backs_;
+  call("clEnqueueReadBuffer", "", [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
+}
+
+void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes) {
+  if (bytes == 0) return;
+  call("clEnqueueFillBuffer", "", [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
+}
+
+void Runtime::copy_bytes(cl_mem from, cl_mem to, std::size_t bytes) {
+  if (bytes == 0) return;
+  call("clEnqueueCopyBuffer", "", [&] { return clEnqueueCopyBuffer(queue_(), from, to, 0, 0, bytes, 0, nullptr, nullptr); });
+}
+
+void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value) {
+  call("clSetKernelArg", kernel.name.c_str(), [&] { return clSetKernelArg(kernel.handle(), index, bytes, value); });
+}
+
+void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
+  if (arguments != kernel.arguments)
+    throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " + std::to_string(arguments));
+  const std::size_t local = std::min(geometry_.local, kernel.largest_group);
+  const std::size_t wanted = (range.items + local - 1) / local;
+  const std::size_t groups = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
+  const std::size_t global = groups * local;
+  ++launches_;
+  call("clEnqueueNDRangeKernel", kernel.name.c_str(),
+       [&] { return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, nullptr); });
+}
+
+void Runtime::finish() {
+  call("clFinish", "", [&] { return clFinish(queue_()); });
+}
+
+void Runtime::flush() {
+  call("clFlush", "", [&] { return clFlush(queue_()); });
+}
+
+}  // namespace gcdt::runtime

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// One OpenCL device in use: context, queue, typed buffers, typed launches. Every OpenCL call that the
+// library makes goes through Runtime::call, the one place where tests make the k-th call fail and
+// where launches are timed and counted.
+#pragma once
+
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
+#define CL_HPP_TARGET_OPENCL_VERSION 120
+#define CL_HPP_MINIMUM_OPENCL_VERSION 120
+#include <CL/opencl.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <gcdt/gcdt.hpp>
+
+namespace gcdt::runtime {
+
+class Runtime;
+
+/// Device bytes in use now and at the peak; buffers hold it so that they may outlive a Runtime's move.
+struct MemoryMeter {
+  std::uint64_t now = 0, peak = 0;
+  void add(std::uint64_t bytes) { peak = std::max(peak, now += bytes); }
+  void remove(std::uint64_t bytes) { now -= bytes; }
+};
+
+/// `size` elements of T in device memory, released with the object. Never empty on the device:
+/// a size of 0 holds one element, so that kernels always get a valid pointer.
+template <class T>
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer moved(std::move(other));
+    swap(moved);
+    return *this;
+  }
+  ~Buffer() {
+    if (meter_) meter_->remove(bytes());
+  }
+
+  std::size_t size() const { return size_; }
+  std::size_t bytes() const { return std::max<std::size_t>(size_, 1) * sizeof(T); }
+  bool allocated() const { return meter_ != nullptr; }
+  cl_mem handle() const { return memory_(); }
+
+ private:
+  friend class Runtime;
+  Buffer(cl::Buffer memory, std::size_t size, std::shared_ptr<MemoryMeter> meter)
+      : memory_(std::move(memory)), size_(size), meter_(std::move(meter)) {
+    meter_->add(bytes());
+  }
+  void swap(Buffer& other) {
+    std::swap(memory_, other.memory_);
+    std::swap(size_, other.size_);
+    std::swap(meter_, other.meter_);
+  }
+  cl::Buffer memory_;
+  std::size_t size_ = 0;
+  std::shared_ptr<MemoryMeter> meter_;
+};
+
+/// How many work-items a launch wants. Kernels loop with the global size as stride, so any launch
+/// is right for any count; this only chooses the parallelism.
+struct Range {
+  std::size_t items = 1;
+  bool one_group = false;  ///< exactly one work-group, for kernels that loop with barriers
+};
+inline Range over(std::size_t items) { return {items, false}; }
+inline Range one_group() { return {1, true}; }
+
+/// Launch geometry; tests change it to shake the schedule.
+struct Geometry {
+  std::size_t local = 0;       ///< work-items of a group
+  std::size_t max_groups = 0;  ///< groups of a launch at most
+};
+
+/// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
+struct CallHook {
+  std::function<cl_int(const char* call, const char* detail)> before;
+};
+
+class Runtime {
+ public:
+  /// Makes a context and an in-order queue on `device`.
+  explicit Runtime(const cl::Device& device, CallHook hook = {});
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+
+  const cl::Device& device() const { return device_; }
+  const cl::Context& context() const { return context_; }
+  const DeviceInfo& info() const { return info_; }
+
+  /// A new buffer of `count` elements; contents undefined. `name` is for error messages.
+  /// Throws out_of_memory, naming the bytes asked for and the device's limit.
+  template <class T>
+  Buffer<T> allocate(const char* name, std::size_t count) {
+    const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
+    return Buffer<T>(allocate_bytes(name, bytes), count, meter_);
+  }
+  /// Makes `buffer` hold at least `count` elements; contents are lost if it grows.
+  template <class T>
+  void reserve(Buffer<T>& buffer, const char* name, std::size_t count) {
+    if (buffer.allocated() && buffer.size() >= count) return;
+    buffer = Buffer<T>();
+    buffer = allocate<T>(name, count);
+  }
+
+  /// Writes from host memory; the host memory may be reused on return. count 0 is fine.
+  template <class T>
+  void write(const Buffer<T>& to, const T* from, std::size_t count, std::size_t offset = 0) {
+    write_bytes(to.handle(), offset * sizeof(T), from, count * sizeof(T));
+  }
+  /// Reads into host memory and waits for it: the only blocking calls are read() and finish().
+  template <class T>
+  void read(const Buffer<T>& from, T* to, std::size_t count, std::size_t offset = 0) {
+    read_bytes(from.handle(), offset * sizeof(T), to, count * sizeof(T));
+  }
+  template <class T>
+  T read_one(const Buffer<T>& from, std::size_t index = 0) {
+    T value;
+    read(from, &value, 1, index);
+    return value;
+  }
+  template <class T>
+  void fill(const Buffer<T>& buffer, T value, std::size_t count, std::size_t offset = 0) {
+    fill_bytes(buffer.handle(), &value, sizeof(T), offset * sizeof(T), count * sizeof(T));
+  }
+  template <class T>
+  void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count) {
+    copy_bytes(from.handle(), to.handle(), count * sizeof(T));
+  }
+
+  /// Enqueues `kernel` of `program`. Buffers are passed as they are, scalars by value with the
+  /// kernel's exact type (cl_uint, cl_ulong, cl_int ...).
+  template <class... Args>
+  void launch(const char* program, const char* kernel, Range range, const Args&... args) {
+    Kernel& k = find_kernel(program, kernel);
+    cl_uint index = 0;
+    (set_argument(k, index++, args), ...);
+    enqueue(k, range, index);
+  }
+
+  void finish();
+  void flush();
+
+  std::uint64_t launches() const { return launches_; }
+  std::uint64_t read_backs() const { return read_backs_; }
+  double build_ms() const { return build_ms_; }
+  MemoryMeter& meter() { return *meter_; }
+  Geometry& geometry() { return geometry_; }
+  /// Options that every program is built with; part of the cache key.
+  std::string build_options() const;
+
+  /// Makes one OpenCL call: asks the hook, runs `f`, throws on an error code.
+  template <class F>
+  void call(const char* name, const char* detail, F&& f) {
+    cl_int code = hook_.before ? hook_.before(name, detail) : CL_SUCCESS;
+    if (code == CL_SUCCESS) code = f();
+    if (code != CL_SUCCESS) fail(name, detail, code);
+  }
+
+ private:
+  struct Kernel {
+    std::string name;
+    cl::Kernel handle;
+    cl_uint arguments = 0;
+    std::size_t largest_group = 0;
+  };
+
+  [[noreturn]] void fail(const char* name, const char* detail, cl_int code);
+  Kernel& find_kernel(const char* program, const char* kernel);
+  cl::Program& find_program(const char* program);
+  cl::Buffer allocate_bytes(const char* name, std::size_t bytes);
+  void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
+  void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
+  void copy_bytes(cl_mem from, cl_mem to, std::size_t bytes);
+  void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
+  void enqueue(Kernel& kernel, Range range, cl_uint arguments);
+
+  template <class T>
+  void set_argument(Kernel& kernel, cl_uint index, const Buffer<T>& buffer) {
+    cl_mem memory = buffer.handle();
+    set_argument_bytes(kernel, index, sizeof memory, &memory);
+  }
+  template <class T, class = std::enable_if_t<std::is_trivially_copyable_v<T>>>
+  void set_argument(Kernel& kernel, cl_uint index, const T& value) {
+    set_argument_bytes(kernel, index, sizeof(T), &value);
+  }
+
+  cl::Device device_;
+  CallHook hook_;
+  DeviceInfo info_;
+  cl::Context context_;
+  cl::CommandQueue queue_;
+  std::shared_ptr<MemoryMeter> meter_ = std::make_shared<MemoryMeter>();
+  Geometry geometry_;
+  std::map<std::string, cl::Program> programs_;
+  std::map<std::pair<std::string, std::string>, Kernel> kernels_;
+  std::uint64_t launches_ = 0, read_backs_ = 0;
+  double build_ms_ = 0;
+  friend cl::Program build_program(Runtime&, const char*);
+};
+
+/// Builds the embedded program `name` for the runtime's device (lib/program.cpp).
+cl::Program build_program(Runtime& runtime, const char* name);
+
+/// What `device` is and has.
+DeviceInfo describe(const cl::Device& device);
+
+/// All devices of all platforms, in the order of gcdt::devices().
+std::vector<cl::Device> all_devices();
+
+}  // namespace gcdt::runtime
