@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Device-wide scan, compaction and radix sort, without waiting between work-groups.
+#pragma once
+
+#include "opencl.hpp"
+
+namespace gcdt {
+
+/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host.
+class Primitives {
+ public:
+  explicit Primitives(runtime::Runtime& runtime) : runtime_(runtime) {}
+
+  /// out[i] = in[0] + ... + in[i-1] for 0 <= i <= count, modulo 2^32; out[count] is the total, so out
+  /// holds count + 1 elements. `in` and `out` may be the same buffer. count may be 0.
+  /// Example: in = {3, 0, 2}, out = {0, 3, 3, 5}.
+  void exclusive_scan(const runtime::Buffer<cl_uint>& in, const runtime::Buffer<cl_uint>& out, std::size_t count);
+
+  /// Given offsets = exclusive_scan(flags) of flags 0 or 1: out[offsets[i]] = i for every i with
+  /// offsets[i + 1] > offsets[i]. Ascending. out holds offsets[count] elements.
+  void compact_indices(const runtime::Buffer<cl_uint>& offsets, const runtime::Buffer<cl_uint>& out, std::size_t count);
+
+  /// Sorts pairs by bits [0, bits) of the key, ascending and stable, least significant digit first.
+  /// The buffers are exchanged with scratch of the same capacity, so their handles may change.
+  void sort(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 64);
+  void sort(runtime::Buffer<cl_uint>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 32);
+
+  /// Releases the scratch.
+  void release();
+
+ private:
+  runtime::Runtime& runtime_;
+};
+
+}  // namespace gcdt
