@@ -156,13 +156,17 @@ GCDT_INLINE u32 gcdt_place(u64 bits, u64 five, i32 offset, u64* window) {
   const i32 shift = gcdt_exponent(bits) + offset;
   const i32 length = high != 0 ? 64 + gcdt_bit_length(high) : gcdt_bit_length(low);
   if (shift + length > 254) return 0;
-  u64 carry = (bits & GCDT_SIGN_BIT) ? 1 : 0;
-  const u64 flip = carry ? ~(u64)0 : 0;
+  // (high, low) * 2^shift = (top, middle, bottom) at limb `first`.
+  const i32 first = shift >> 6, up = shift & 63;
+  const u64 bottom = low << up, middle = (high << up) | (low >> 1 >> (63 - up)), top = high >> 1 >> (63 - up);
+  const u64 lost = (first < 0 ? bottom : 0) | (first < -1 ? middle : 0) | (first < -2 ? top : 0);
+  const u64 flip = (bits & GCDT_SIGN_BIT) ? ~(u64)0 : 0;
+  u64 carry = flip & 1;
   for (i32 i = 0; i < GCDT_WINDOW_LIMBS; ++i) {
-    u64 limb = gcdt_limb(low, high, shift - 64 * i);
-    if (i == 0 && gcdt_loses_bits(low, high, shift)) limb |= 1;
+    u64 limb = (i == first ? bottom : 0) | (i == first + 1 ? middle : 0) | (i == first + 2 ? top : 0);
+    if (i == 0 && lost != 0) limb |= 1;
     window[i] = (limb ^ flip) + carry;
-    carry = carry != 0 && window[i] == 0 ? 1 : 0;
+    carry &= window[i] == 0 ? 1 : 0;
   }
   return 1;
 }
@@ -202,7 +206,7 @@ GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i3
     u64 carry = 1;
     for (i32 i = 0; i < GCDT_WINDOW_LIMBS; ++i) {
       d[i] = ~d[i] + carry;
-      carry = carry != 0 && d[i] == 0 ? 1 : 0;
+      carry &= d[i] == 0 ? 1 : 0;
     }
   }
   // Now |D| = T X + remainder, X < 2^31 or outside: |D| / 2^31 < T < 2^118.
