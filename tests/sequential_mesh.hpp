@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -41,16 +42,18 @@ class SequentialMesh {
     return device::gcdt_sign64(device::gcdt_orient2d(vertex(a), vertex(b), vertex(c)));
   }
 
-  /// Makes ab an edge and flags it: edges in the way are flipped away in turn (Sloan 1993). No vertex
-  /// lies inside ab and no flagged edge crosses it. The mesh is not Delaunay before restore().
+  /// Makes ab an edge and flags it: edges in the way are flipped away in turn (Sloan 1993), at random
+  /// where that puts another one in the way, so that it ends. No vertex lies inside ab and no flagged
+  /// edge crosses it. The mesh is not Delaunay before restore().
   void constrain(std::uint32_t a, std::uint32_t b) {
+    std::minstd_rand random;
     for (;;) {
       bool crossed = false;
       for (int f = 0; f < static_cast<int>(faces_.size()); ++f)
         for (int k = 0; k < 3; ++k) {
           if (faces_[f].neighbours[k] < 0 || !crosses(a, b, corner(f, k + 1), corner(f, k + 2))) continue;
           crossed = true;
-          if (convex(f, k)) flip(f, k);
+          if (convex(f, k) && (!crosses(a, b, corner(f, k), apex(f, k)) || random() % 2)) flip(f, k);
         }
       if (!crossed) break;
     }
@@ -124,10 +127,13 @@ class SequentialMesh {
     return static_cast<int>(faces_.size()) - 1;
   }
 
-  //      p                p
-  //     /|\              / \        f = (p, a, b), g = (q, b, a)
-  //    / | \            / f \       become
-  //   a  |  b   is not  a---b  but  f = (p, a, q), g = (p, q, b)
+  //        p                p
+  //       / \              /|\
+  //      / f \            / | \        f = (p, a, b), g = (q, b, a) become
+  //     a-----b    ->    a f|g b       f = (p, a, q), g = (p, q, b)
+  //      \ g /            \ | /
+  //       \ /              \|/
+  //        q                q
   void flip(int f, int k) {
     const int g = faces_[f].neighbours[k], j = corner_to(g, f);
     const std::uint32_t p = corner(f, k), a = corner(f, k + 1), b = corner(f, k + 2), q = corner(g, j);
