@@ -76,7 +76,7 @@ typedef struct Counters {
   u32 hexagons;
   u32 new_edges;
   u32 hits;
-  u32 reserved[8];
+  u32 reserved[9];
 } Counters;
 
 #ifndef __OPENCL_VERSION__
