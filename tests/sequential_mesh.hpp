@@ -13,6 +13,7 @@
 
 namespace gcdt::test {
 
+using device::u32;  // the macros of shared.h name it
 using Point = std::array<std::int32_t, 2>;
 
 struct Face {
@@ -127,12 +128,12 @@ class SequentialMesh {
     return static_cast<int>(faces_.size()) - 1;
   }
 
+  // f = (p, a, b), g = (q, b, a)  become  f = (p, a, q), g = (p, q, b)
+  //
   //        p                p
-  //       / \              /|\
-  //      / f \            / | \        f = (p, a, b), g = (q, b, a) become
-  //     a-----b    ->    a f|g b       f = (p, a, q), g = (p, q, b)
+  //      / f \            / | \.
+  //     a-----b    ->    a f|g b
   //      \ g /            \ | /
-  //       \ /              \|/
   //        q                q
   void flip(int f, int k) {
     const int g = faces_[f].neighbours[k], j = corner_to(g, f);
