@@ -157,7 +157,8 @@ inline Pieces upload_pieces(runtime::Runtime& runtime, const Sample& sample) {
   return pieces;
 }
 
-/// The sample's mesh on a device: faces, corners within faces and edges numbered at random.
+/// The sample's mesh on a device: faces, corners within faces and edges numbered at random. If a vertex
+/// was left out, the two faces too few are symbolic ones that no link leads to.
 inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::uint32_t seed) {
   const auto& faces = sample.mesh->faces();
   Mesh mesh;
@@ -168,7 +169,7 @@ inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::ui
   for (cl_uint e = 0; e < mesh.edges(); ++e) edge_number[e] = e;
   std::shuffle(face_number.begin(), face_number.end(), random);
   std::shuffle(edge_number.begin(), edge_number.end(), random);
-  std::vector<cl_uint4> corners(mesh.faces(), cl_uint4{}), sides(mesh.faces(), cl_uint4{});
+  std::vector<cl_uint4> corners(mesh.faces(), cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}}), sides(mesh.faces(), cl_uint4{});
   std::vector<cl_uint> edge_faces(2 * mesh.edges(), GCDT_NONE), edge_marks(mesh.edges(), GCDT_MARK_QUEUED);
   cl_uint edges = 0;
   auto place = [&](cl_uint f, int k, cl_uint side) {
@@ -177,7 +178,7 @@ inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::ui
     sides[face_number[f]].s[slot] = side;
     edge_faces[side] = GCDT_FACE_REF(face_number[f], slot);
   };
-  for (cl_uint f = 0; f < mesh.faces(); ++f)
+  for (cl_uint f = 0; f < faces.size(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int g = faces[f].neighbours[k];
       if (g >= 0 && static_cast<cl_uint>(g) < f) continue;
