@@ -116,14 +116,14 @@ kernel void check_edges(const uint count, global const Levels* levels, global co
   if (noted(report, GCDT_CHECK_ORIENT)) return;
   uint constrained_edges = 0;
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
-    const uint3 c = vload3(t, corners);
-    const int3 across = vload3(t, neighbours);
+    uint3 c = vload3(t, corners);
+    int3 across = vload3(t, neighbours);
     const uint flags = constrained[t];
     if (flags > 7u) note(report, GCDT_CHECK_FLAG, 3u * t);
-    for (uint k = 0; k < 3; ++k) {
+    for (uint k = 0; k < 3; ++k, c = c.yzx, across = across.yzx) {
       const uint h = 3u * t + k, flagged = (flags >> k) & 1u;
-      const uint p = k == 0 ? c.x : k == 1 ? c.y : c.z, a = k == 0 ? c.y : k == 1 ? c.z : c.x, b = k == 0 ? c.z : k == 1 ? c.x : c.y;
-      const int u = k == 0 ? across.x : k == 1 ? across.y : across.z;
+      const uint p = c.x, a = c.y, b = c.z;
+      const int u = across.x;
       if (u < -1 || u >= (int)count) {
         note(report, GCDT_CHECK_NEIGHBOUR, h);
         continue;
@@ -204,9 +204,9 @@ kernel void mark_used(const uint count, global const uint* corners, global uint*
 // After this kernel a piece that is a flagged edge has mark 3.
 kernel void mark_pieces(const uint count, global const Levels* levels, global const uint* corners, global const uchar* constrained, const uint pieces, global const uint2* ends, global uint* marks) {
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
-    const uint3 c = vload3(t, corners);
-    for (uint k = 0; k < 3; ++k) {
-      const uint piece = find_piece(levels, pieces, ends, k == 0 ? c.y : k == 1 ? c.z : c.x, k == 0 ? c.z : k == 1 ? c.x : c.y);
+    uint3 c = vload3(t, corners);
+    for (uint k = 0; k < 3; ++k, c = c.yzx) {
+      const uint piece = find_piece(levels, pieces, ends, c.y, c.z);
       if (piece != GCDT_NONE) atomic_or(&marks[piece], (constrained[t] >> k) & 1u ? 3u : 1u);
     }
   }

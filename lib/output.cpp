@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.hpp"
 
+#include "phase.hpp"
+
 namespace gcdt {
 
 using runtime::Buffer;
@@ -9,22 +11,16 @@ using runtime::Runtime;
 
 namespace {
 
-unsigned bit_width(std::uint32_t value) {
-  unsigned bits = 0;
-  for (; value != 0; value >>= 1) ++bits;
-  return bits;
-}
-
-/// Enqueues the sort of the face numbers by canonical order, symbolic faces last, and returns the
+/// Enqueues the sort of face references by canonical order, symbolic faces last, and returns the
 /// number of finite ones. The keys are gone on return.
-std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices, Buffer<cl_uint>& faces) {
+std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices, Buffer<cl_uint>& refs) {
   const cl_uint bits = bit_width(mesh.n);
   auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
   auto finite = runtime.allocate<cl_uint>("output count", 1);
   runtime.fill<cl_uint>(finite, 0, 1);
-  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners, keys, faces, finite);
+  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners, keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
-  if (triangles != 0) primitives.sort(keys, faces, mesh.faces(), 2 * bits);
+  if (triangles != 0) primitives.sort(keys, refs, mesh.faces(), 2 * bits);
   primitives.release();
   return triangles;
 }
@@ -33,17 +29,17 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
 
 OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices) {
   OrderedMesh ordered;
-  auto faces = runtime.allocate<cl_uint>("output faces", mesh.faces());
-  if (mesh.n >= 3) ordered.triangles = sort_faces(runtime, primitives, mesh, vertices, faces);
+  auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
+  if (mesh.n >= 3) ordered.triangles = sort_faces(runtime, primitives, mesh, vertices, refs);
   const cl_uint count = ordered.triangles;
   ordered.corners = runtime.allocate<cl_uint>("output corners", std::size_t{3} * count);
   ordered.neighbours = runtime.allocate<cl_int>("output neighbours", std::size_t{3} * count);
   ordered.constrained = runtime.allocate<cl_uchar>("output flags", count);
   if (count == 0) return ordered;
   auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
-  runtime.launch("output", "place_faces", over(mesh.faces()), mesh.faces(), count, faces, positions);
-  runtime.launch("output", "gather_triangles", over(count), count, vertices.levels_buffer, mesh.corners, mesh.sides, mesh.edge_faces,
-                 mesh.edge_marks, faces, positions, ordered.corners, ordered.neighbours, ordered.constrained);
+  runtime.launch("output", "place_faces", over(mesh.faces()), mesh.faces(), count, refs, positions);
+  runtime.launch("output", "gather_triangles", over(count), count, mesh.corners, mesh.sides, mesh.edge_faces,
+                 mesh.edge_marks, refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
   return ordered;
 }
 
