@@ -13,7 +13,7 @@ set -euo pipefail
 
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 self=$source/scripts/prove-setup.sh
-parts="demo test" keep= quick=()
+parts="demo test" keep="" quick=()
 for argument in "$@"; do
   case $argument in
     --setup) parts=setup ;;
@@ -49,6 +49,7 @@ say() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
 # One line "URI SUITE COMPONENT" for each source of the suite, its updates and its security fixes.
 host_sources() {
+  # shellcheck disable=SC2016
   apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Identifier: Packages' 2>/dev/null |
     awk -v suite="$suite" '($2 == suite || $2 == suite "-updates" || $2 == suite "-security") &&
                            ($3 == "main" || $3 == "universe")' | sort -u

@@ -40,6 +40,7 @@ if [[ ${#missing[@]} == 0 ]]; then
 fi
 echo "setup: installing ${missing[*]}"
 
+# shellcheck source=/dev/null
 distribution=$(. /etc/os-release && echo "${ID:-unknown} ${VERSION_ID:-}")
 case $distribution in
   "debian 12" | "ubuntu 24.04") ;;
