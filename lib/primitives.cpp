@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches the kernels of primitives.cl, sort32.cl and sort64.cl.
+// Launches the kernels of primitives*.cl and sort*.cl.
 #include "primitives.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
 // Elements that are worth a part of their own. A GPU's sort part is at least one tile.
 constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
-// Digits as in sort.h.
+// Digits as in sort_serial.h and sort_group.h.
 constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
 
@@ -40,11 +40,12 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
   const Parts cut_at = cut(count, scan_span);
   const bool serial = walk_ == Walk::serial;
+  const char* program = serial ? "primitives" : "primitives_group";
   runtime_.reserve(part_sums_, "sums of parts", cut_at.parts);
   if (cut_at.parts > 1)
-    runtime_.launch("primitives", serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in,
+    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in,
                     part_sums_);
-  runtime_.launch("primitives", serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in, part_sums_,
+  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in, part_sums_,
                   out);
 }
 
@@ -77,11 +78,11 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 }
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
-  sort_pairs("sort64", keys, values, count, std::min(bits, 64u), other_keys64_);
+  sort_pairs(walk_ == Walk::serial ? "sort64_serial" : "sort64_group", keys, values, count, std::min(bits, 64u), other_keys64_);
 }
 
 void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
-  sort_pairs("sort32", keys, values, count, std::min(bits, 32u), other_keys32_);
+  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, std::min(bits, 32u), other_keys32_);
 }
 
 void Primitives::release() {
