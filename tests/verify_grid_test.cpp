@@ -70,7 +70,7 @@ struct Digits {
 std::optional<Digits> shortest(double v) {
   for (int d = 0; d <= 22; ++d) {
     const Rational scaled = exact(v) * power(10, d);
-    const Integer nearest = round_half_even(scaled), other = nearest > scaled ? nearest - 1 : nearest + 1;
+    const Integer nearest = round_half_even(scaled), other = nearest + (nearest > scaled ? -1 : 1);
     for (const Integer& units : {nearest, other})
       if (abs(units) < Integer(1) << 63 && nearest_double(Rational(units) * power(10, -d)) == v)
         return Digits{units, d};
@@ -170,7 +170,7 @@ Grid::Kind check_choice(const Doubles& points) {
   CHECK(grid.kind == expected.kind);
   CHECK(cell_value(grid) == expected.cell);
   CHECK(grid.origin == expected.origin);
-  CHECK_FALSE(std::signbit(grid.origin[0]));
+  for (double v : grid.origin) CHECK_FALSE((v == 0 && std::signbit(v)));
   check_places(points, grid);
   return grid.kind;
 }
@@ -266,10 +266,10 @@ TEST_CASE("the shortest decimal of a double is the one that exact rationals find
 TEST_CASE("the grid is the one that exact rationals choose, and vertices stand where they say") {
   Random random(2);
   int count[4] = {};
-  for (int i = 0; i < 1500; ++i) ++count[int(check_choice(draw_points(random)))];
-  CHECK(count[int(Grid::Kind::binary)] > 100);
-  CHECK(count[int(Grid::Kind::decimal)] > 100);
-  CHECK(count[int(Grid::Kind::rounded)] > 100);
+  for (int i = 0; i < 800; ++i) ++count[int(check_choice(draw_points(random)))];
+  CHECK(count[int(Grid::Kind::binary)] > 50);
+  CHECK(count[int(Grid::Kind::decimal)] > 50);
+  CHECK(count[int(Grid::Kind::rounded)] > 50);
 }
 
 TEST_CASE("named inputs get the kinds that the contract gives them") {
@@ -288,7 +288,7 @@ TEST_CASE("named inputs get the kinds that the contract gives them") {
   CHECK(check_choice({{-124.1234567, 37.7654321}, {-66.9499999, 49.3844999}}) == Kind::decimal);
   CHECK(check_choice({{1e-22, 0}, {3e-22, 0}}) == Kind::decimal);
   CHECK(check_choice({{1e-23, 0}, {3e-23, 0}}) == Kind::rounded);
-  CHECK(check_choice({{-most, -most}, {most, most}}) == Kind::binary);
+  CHECK(check_choice({{-most, -most}, {most, most}}) == Kind::rounded);
   CHECK(check_choice({{-most, 0}, {most, denormal}}) == Kind::rounded);
   CHECK(check_choice({{denormal, -denormal}, {2 * denormal, 0}}) == Kind::binary);
   CHECK(check_choice({{std::ldexp(1.0, 51) + 0.25, 0.1}, {std::ldexp(1.0, 51) + 0.75, 0.2}}) == Kind::decimal);
@@ -350,10 +350,9 @@ TEST_CASE("on a fixed grid vertices are rounded half to even, or refused if they
   Random random(3);
   int fitting = 0;
   for (int i = 0; i < 3000; ++i) {
-    const char* cells[] = {"1",        "0.5",   "0.001", "3", "0.7", "1e22", "1e-22", "9999999999999999999",
-                           "0.000125", "7e300", "1e-300"};
+    const char* cells[] = {"1", "0.5", "0.001", "3", "0.7", "1e22", "1e-22", "9999999999999999999", "0.000125"};
     Doubles points = draw_points(random);
-    FixedGrid fixed{points[0][0], points[0][1], cells[below(random, 8)]};
+    FixedGrid fixed{points[0][0], points[0][1], cells[below(random, 9)]};
     if (below(random, 2)) {  // near the grid
       const double cell = std::stod(fixed.cell);
       for (auto& p : points)
