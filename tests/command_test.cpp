@@ -33,7 +33,8 @@ class Session : public ScratchFolder {
   /// Runs a shell line in which $gcdt is the command.
   Outcome shell(const std::string& line) const {
     ScratchFolder streams;
-    const std::string whole = "cd '" + *this / "" + "' && gcdt='" GCDT_COMMAND "' && { " + line + "\n} >'" + streams / "out" + "' 2>'" + streams / "err" + "'";
+    const std::string whole = "cd '" + *this / "" + "' && gcdt='" GCDT_COMMAND "' && { " + line + "\n} >'" +
+                              streams / "out" + "' 2>'" + streams / "err" + "'";
     const int status = std::system(whole.c_str());
     REQUIRE(WIFEXITED(status));
     return {WEXITSTATUS(status), streams.read("out"), streams.read("err")};
@@ -82,8 +83,10 @@ std::string random_poly(int n, int first) {
   const int ring = n / 4;
   for (int i = 0; i < n; ++i) {
     const double angle = 6.283185307179586 * i / ring, radius = 500 + static_cast<double>(random() % 400);
-    const long x = std::lround(i < ring ? radius * std::cos(angle) * 1000 : static_cast<double>(random() % 2000000) - 1000000);
-    const long y = std::lround(i < ring ? radius * std::sin(angle) * 1000 : static_cast<double>(random() % 2000000) - 1000000);
+    const long x =
+        std::lround(i < ring ? radius * std::cos(angle) * 1000 : static_cast<double>(random() % 2000000) - 1000000);
+    const long y =
+        std::lround(i < ring ? radius * std::sin(angle) * 1000 : static_cast<double>(random() % 2000000) - 1000000);
     text << i + first << ' ' << x << "e-3 " << y << "e-3\n";
   }
   text << ring << " 0\n";
@@ -108,14 +111,33 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
   Session session;
   session.write("in.poly", square);
   session.write("in.obj", square);
-  for (const char* arguments :
-       {"", "frobnicate", "triangulate", "verify in.poly", "triangulate in.poly --no-such-option", "triangulate in.poly --tiles 2",
-        "triangulate in.poly --trace t.json", "triangulate in.poly --domain holes", "triangulate in.poly --crossing split",
-        "triangulate in.poly -o", "triangulate in.poly -o out.xyz", "triangulate in.poly -o out.ele -o out", "triangulate in.poly -o in.poly",
-        "triangulate in.poly -o ./in.poly", "triangulate in.poly -o out.ele -o ./out.ele", "triangulate in.poly -o out.ele --stats out.ele",
-        "triangulate in.poly --stats in.poly", "triangulate in.poly in.poly", "triangulate in.obj", "triangulate in.poly --grid 1",
-        "triangulate in.poly --grid 0,0", "triangulate in.poly --grid 0,0,zero", "triangulate in.poly --grid 0,0,0",
-        "triangulate in.poly --grid nan,0,1", "triangulate in.poly --grid 0,0,-1", "verify in.poly in.poly", "devices 1"})
+  for (const char* arguments : {"",
+                                "frobnicate",
+                                "triangulate",
+                                "verify in.poly",
+                                "triangulate in.poly --no-such-option",
+                                "triangulate in.poly --tiles 2",
+                                "triangulate in.poly --trace t.json",
+                                "triangulate in.poly --domain holes",
+                                "triangulate in.poly --crossing split",
+                                "triangulate in.poly -o",
+                                "triangulate in.poly -o out.xyz",
+                                "triangulate in.poly -o out.ele -o out",
+                                "triangulate in.poly -o in.poly",
+                                "triangulate in.poly -o ./in.poly",
+                                "triangulate in.poly -o out.ele -o ./out.ele",
+                                "triangulate in.poly -o out.ele --stats out.ele",
+                                "triangulate in.poly --stats in.poly",
+                                "triangulate in.poly in.poly",
+                                "triangulate in.obj",
+                                "triangulate in.poly --grid 1",
+                                "triangulate in.poly --grid 0,0",
+                                "triangulate in.poly --grid 0,0,zero",
+                                "triangulate in.poly --grid 0,0,0",
+                                "triangulate in.poly --grid nan,0,1",
+                                "triangulate in.poly --grid 0,0,-1",
+                                "verify in.poly in.poly",
+                                "devices 1"})
     session.bad(2, arguments);
   CHECK(session.names() == std::vector<std::string>{"in.obj", "in.poly"});
   CHECK(session.read("in.poly") == square);
@@ -150,7 +172,9 @@ TEST_CASE("input that cannot be read or is invalid is status 3 with its file and
 
 TEST_CASE("devices are listed with what matters") {
   const std::string table = Session().good("devices");
-  for (const char* column : {"name", "platform", "vendor", "driver", "memory", "largest buffer", "64-bit atomics", "fp64"}) CHECK(contains(table, column));
+  for (const char* column :
+       {"name", "platform", "vendor", "driver", "memory", "largest buffer", "64-bit atomics", "fp64"})
+    CHECK(contains(table, column));
   CHECK(contains(table, "\n0 "));
 }
 
@@ -158,7 +182,8 @@ TEST_CASE("without a device the status is 4 and the message says what to install
   Session session;
   session.write("in.poly", square);
   for (const char* arguments : {"devices", "triangulate in.poly -o out.ele"}) {
-    const Outcome outcome = session.shell(std::string("env -u OCL_ICD_FILENAMES OCL_ICD_VENDORS=/no-such-folder \"$gcdt\" ") + arguments);
+    const Outcome outcome =
+        session.shell(std::string("env -u OCL_ICD_FILENAMES OCL_ICD_VENDORS=/no-such-folder \"$gcdt\" ") + arguments);
     CHECK(outcome.status == 4);
     CHECK(contains(outcome.err, "pocl-opencl-icd"));
   }
@@ -201,7 +226,9 @@ TEST_CASE("all formats at once: verified, the same bytes in every run, and free 
     Session second;
     second.write("in.poly", random_poly(400, first));
     second.good("triangulate in.poly " + outputs);
-    const auto device = nlohmann::json::parse((second.good("triangulate in.poly -o s.ele --stats s.json"), second.read("s.json")))["device"].get<std::string>();
+    const auto device = nlohmann::json::parse((second.good("triangulate in.poly -o s.ele --stats s.json"),
+                                               second.read("s.json")))["device"]
+                            .get<std::string>();
     for (std::size_t i = 1; i < names.size(); ++i) {
       CAPTURE(names[i]);
       const std::string bytes = session.read(names[i]);
@@ -218,17 +245,20 @@ TEST_CASE("statistics have the names of the contract") {
   session.good("triangulate in.poly -o o.ele --stats s.json");
   const auto json = nlohmann::json::parse(session.read("s.json"));
   for (const char* name :
-       {"n", "m", "vertices_merged", "constraints_zero", "constraints_pieces", "constraints_overlapping", "crossings", "constraints_dropped",
-        "vertices_added", "triangles", "flips", "history_depth", "location_steps", "launches", "read_backs", "crossed_pairs", "peak_device_bytes"}) {
+       {"n", "m", "vertices_merged", "constraints_zero", "constraints_pieces", "constraints_overlapping", "crossings",
+        "constraints_dropped", "vertices_added", "triangles", "flips", "history_depth", "location_steps", "launches",
+        "read_backs", "crossed_pairs", "peak_device_bytes"}) {
     CAPTURE(name);
     CHECK(json.at(name).is_number_unsigned());
   }
-  for (const char* name : {"read", "core", "full", "write", "build", "order", "insert", "constrain", "flip", "check", "output"})
+  for (const char* name :
+       {"read", "core", "full", "write", "build", "order", "insert", "constrain", "flip", "check", "output"})
     CHECK(json.at("ms").at(name).is_number());
   for (const char* name : {"insert", "flip"}) CHECK(json.at("rounds").at(name).is_number_unsigned());
   for (const char* name : {"device", "driver", "platform", "version"}) CHECK(!json.at(name).get<std::string>().empty());
   for (const char* name : {"kind", "origin", "cell", "largest_move"}) CHECK(json.at("grid").contains(name));
-  for (const char* name : {"edge_splits", "constraint_hits", "existing_edges", "pieces_walked", "chain_vertices", "holes", "symbolic_chain_vertices"})
+  for (const char* name : {"edge_splits", "constraint_hits", "existing_edges", "pieces_walked", "chain_vertices",
+                           "holes", "symbolic_chain_vertices"})
     CHECK(json.at("cases").at(name).is_number_unsigned());
   CHECK(json["n"] == 4);
   CHECK(json["m"] == 1);
@@ -252,7 +282,8 @@ TEST_CASE("constraints that cross are listed with their numbers, ends and lines,
   session.write("o.ele", "before");
   const Outcome rejected = session.gcdt("triangulate in.poly -o o.ele");
   CHECK(rejected.status == 3);
-  for (const char* part : {"in.poly", "1 pair", "segment 0 (vertices 1 3, line 7)", "segment 1 (vertices 0 2, line 8)", "--crossing drop"})
+  for (const char* part :
+       {"in.poly", "1 pair", "segment 0 (vertices 1 3, line 7)", "segment 1 (vertices 0 2, line 8)", "--crossing drop"})
     CHECK(contains(rejected.err, part));
   CHECK(session.read("o.ele") == "before");
   session.good("triangulate in.poly --crossing drop --verify -o o.ele -o o.poly --stats s.json");
@@ -285,7 +316,8 @@ TEST_CASE("inputs without an area have no triangles, status 0 and a note") {
   session.write("line.poly", "3 2 0 0\n0 0 0\n1 1 1\n2 3 3\n1 0\n0 0 2\n0\n");
   for (const char* name : {"empty.node", "one.node", "same.node", "line.poly"}) {
     CAPTURE(name);
-    const Outcome outcome = session.gcdt(std::string("triangulate ") + name + " --verify -o o.ele -o o.neigh -o o.edge -o o.vtu -o o.svg -o o.poly");
+    const Outcome outcome = session.gcdt(std::string("triangulate ") + name +
+                                         " --verify -o o.ele -o o.neigh -o o.edge -o o.vtu -o o.svg -o o.poly");
     CHECK(outcome.status == 0);
     CHECK(contains(outcome.err, "gcdt: note: "));
     CHECK(session.gcdt(std::string("triangulate ") + name + " --quiet").err == "");
@@ -344,7 +376,8 @@ TEST_CASE("verify catches every kind of wrong mesh with status 5") {
   mutant([](auto& t) { t.clear(); });
 
   std::string neigh = session.read("o.neigh");
-  session.write("o.neigh", neigh.replace(neigh.find("\n1 ") + 1, neigh.find("\n2 ") - neigh.find("\n1 ") - 1, "1 -1 -1 -1"));
+  session.write("o.neigh",
+                neigh.replace(neigh.find("\n1 ") + 1, neigh.find("\n2 ") - neigh.find("\n1 ") - 1, "1 -1 -1 -1"));
   session.bad(5, "verify in.poly o.neigh");
   session.write("other.poly", random_poly(61, 0));
   session.bad(5, "verify other.poly o.vtu");
@@ -378,12 +411,14 @@ TEST_CASE("an interrupt ends the command with status 130 and leaves nothing") {
   Session session;
   session.write("big.poly", random_poly(20000, 0));
   session.write("o.ele", "before");
-  const Outcome waiting = session.shell("mkfifo pipe; sleep 20 >pipe & \"$gcdt\" triangulate - -o o.ele <pipe & p=$!; sleep 0.5; kill -TERM $p; wait $p");
+  const Outcome waiting = session.shell(
+      "mkfifo pipe; sleep 20 >pipe & \"$gcdt\" triangulate - -o o.ele <pipe & p=$!; sleep 0.5; kill -TERM $p; wait $p");
   CHECK(waiting.status == 130);
   CHECK(waiting.err == "gcdt: interrupted\n");
   std::filesystem::remove(session / "pipe");
   for (const char* delay : {"0.05", "0.15", "0.4"}) {
-    const Outcome working = session.shell(std::string("\"$gcdt\" triangulate big.poly -o o.ele & p=$!; sleep ") + delay + "; kill -TERM $p; wait $p");
+    const Outcome working = session.shell(std::string("\"$gcdt\" triangulate big.poly -o o.ele & p=$!; sleep ") +
+                                          delay + "; kill -TERM $p; wait $p");
     CHECK((working.status == 130 || working.status == 0 || working.status == 143));  // 143: before it was ready for it
     if (working.status != 0) CHECK(session.read("o.ele") == "before");
     session.write("o.ele", "before");
@@ -404,7 +439,8 @@ TEST_CASE("progress is shown on a terminal, cleared at the end, and not if quiet
     std::string seen;
     std::thread reader([&] {
       char part[4096];
-      for (ssize_t got; (got = read(terminal, part, sizeof part)) > 0;) seen.append(part, static_cast<std::size_t>(got));
+      for (ssize_t got; (got = read(terminal, part, sizeof part)) > 0;)
+        seen.append(part, static_cast<std::size_t>(got));
     });
     CHECK(session.shell("\"$gcdt\" " + arguments + " 2>" + name).status == 0);
     close(held);

@@ -42,7 +42,8 @@ struct Square {
   }
 };
 
-std::string written(const ScratchFolder& folder, const std::string& name, const io::Input& input, const Triangulation& mesh) {
+std::string written(const ScratchFolder& folder, const std::string& name, const io::Input& input,
+                    const Triangulation& mesh) {
   io::OutputFiles files;
   io::writer_for(io::lower_extension(name))(files.add(folder / name), {input, mesh});
   files.commit();
@@ -94,7 +95,8 @@ TEST_CASE("a poly file gives its vertices and segments, numbered from 0 or from 
 
 TEST_CASE("comments, blank lines, attributes, markers, Windows line ends and a missing last newline are read over") {
   const io::Input input = poly(
-      "\xEF\xBB\xBF# a comment\r\n\r\n  \t\r\n3 2 2 1 # header\r\n 1\t0 +1 7 nan 1\r\n# between\r\n2 1e0 0. 8 8 1#near\r\n3 .5 1 9 9 1\r\n"
+      "\xEF\xBB\xBF# a comment\r\n\r\n  \t\r\n3 2 2 1 # header\r\n 1\t0 +1 7 nan 1\r\n# between\r\n2 1e0 0. 8 8 "
+      "1#near\r\n3 .5 1 9 9 1\r\n"
       "1 1\r\n1 1 2 -5\r\n1 # holes\r\n1 0.5 0.5\r\n1\r\n1 0.5 0.5 1 0.1");
   CHECK(input.vertices == std::vector<std::array<double, 2>>{{0, 1}, {1, 0}, {0.5, 1}});
   CHECK(input.constraints == std::vector<Constraint>{{0, 1}});
@@ -131,8 +133,10 @@ TEST_CASE("malformed poly files are refused with the line and the reason") {
       {"3.5 2 0 0\n", "1: the number of vertices must be an integer, not \"3.5\""},
       {"1e18 2 0 0\n", "1: the number of vertices must be an integer, not \"1e18\""},
       {"-1 2 0 0\n", "1: the number of vertices is negative: -1"},
-      {"1000000000000000000 2 0 0\n", "1: the number of vertices is 1000000000000000000; at most 536870910 are possible"},
-      {"99999999999999999999999 2 0 0\n", "1: the number of vertices is 99999999999999999999999; at most 536870910 are possible"},
+      {"1000000000000000000 2 0 0\n",
+       "1: the number of vertices is 1000000000000000000; at most 536870910 are possible"},
+      {"99999999999999999999999 2 0 0\n",
+       "1: the number of vertices is 99999999999999999999999; at most 536870910 are possible"},
       {"1 3 0 0\n0 0 0 0\n0\n", "1: the dimension must be 2, not 3"},
       {"536870910 2 0 0\n0 0 0\n", "2: the file ends after 1 of 536870910 vertices"},
       {"2 2 0 0\n0 0 0\n\n# end\n", "4: the file ends after 1 of 2 vertices"},
@@ -156,20 +160,23 @@ TEST_CASE("malformed poly files are refused with the line and the reason") {
       {"2 2 0 0\n0 0 0\n1 1 1\n2 0\n0 0 1\n", "5: the file ends after 1 of 2 segments"},
       {"2 2 0 0\n0 0 0\n1 1 1\n1 0\n0 0 2\n0\n", "5: segment 0 names vertex 2, but the vertices are 0 to 1"},
       {"2 2 0 0\n1 0 0\n2 1 1\n1 0\n1 0 2\n0\n", "5: segment 1 names vertex 0, but the vertices are 1 to 2"},
-      {"2 2 0 0\n1 0 0\n2 1 1\n1 0\n1 1 -9223372036854775809\n0\n", "5: segment 1 names vertex -9223372036854775809, but the vertices are 1 to 2"},
+      {"2 2 0 0\n1 0 0\n2 1 1\n1 0\n1 1 -9223372036854775809\n0\n",
+       "5: segment 1 names vertex -9223372036854775809, but the vertices are 1 to 2"},
       {"2 2 0 0\n0 0 0\n1 1 1\n1 0\n0 0\n0\n", "5: the segment's end is missing"},
       {"2 2 0 0\n0 0 0\n1 1 1\n1 0\n0 0 1.0\n0\n", "5: the segment's end must be an integer, not \"1.0\""},
       {"0 2 0 0\n1 0\n0 0 0\n0\n", "2: segments without vertices, and no file "},
       {"1 2 0 0\n0 0 0\n0 0\n1\n", "4: the file ends after 0 of 1 holes"},
       {"1 2 0 0\n0 0 0\n0 0\n1\n1 x 0\n", "5: x coordinate must be a number, not \"x\""},
       {"1 2 0 0\n0 0 0\n0 0\n0\n0\nmore\n", "6: more text than the counts announce"},
-      {"1 2 0 0\n0 0 0\n0 0\n9999999999999\n", "4: the number of holes is 9999999999999; at most 2147483647 are possible"},
+      {"1 2 0 0\n0 0 0\n0 0\n9999999999999\n",
+       "4: the number of holes is 9999999999999; at most 2147483647 are possible"},
   };
   ScratchFolder folder;
   for (const Malformed& malformed : cases) {
     CAPTURE(malformed.text);
     const std::string path = folder.write("bad.poly", malformed.text);
-    CHECK(failure(path, Exit::input, [&] { io::read_input(path); }).substr(0, std::strlen(malformed.expected)) == malformed.expected);
+    CHECK(failure(path, Exit::input, [&] { io::read_input(path); }).substr(0, std::strlen(malformed.expected)) ==
+          malformed.expected);
   }
 }
 
@@ -201,9 +208,13 @@ TEST_CASE("every prefix of a good file is refused with a line, or is a good file
 
 TEST_CASE("a file that is missing, a folder, and an unknown extension are refused") {
   ScratchFolder folder;
-  CHECK(failure(folder / "no.poly", Exit::input, [&] { io::read_input(folder / "no.poly"); }).find("cannot be opened") != std::string::npos);
+  CHECK(failure(folder / "no.poly", Exit::input, [&] {
+          io::read_input(folder / "no.poly");
+        }).find("cannot be opened") != std::string::npos);
   std::filesystem::create_directory(folder / "folder.poly");
-  CHECK(failure(folder / "folder.poly", Exit::input, [&] { io::read_input(folder / "folder.poly"); }).find("cannot be read") != std::string::npos);
+  CHECK(failure(folder / "folder.poly", Exit::input, [&] {
+          io::read_input(folder / "folder.poly");
+        }).find("cannot be read") != std::string::npos);
   CHECK(!failure(folder / "a.obj", Exit::usage, [&] { io::read_input(folder / "a.obj"); }).empty());
 }
 
@@ -216,9 +227,14 @@ TEST_CASE("more vertices than a node file announces are refused") {
 TEST_CASE("coordinates written to node and poly files read back to the same bits") {
   using Limits = std::numeric_limits<double>;
   Square square(1);
-  square.input.vertices = {{0.1, -0.0},           {Limits::max(), Limits::lowest()}, {Limits::min(), Limits::denorm_min()},
-                           {1.0 / 3, 1e22},       {1e23, 123456789012345678.0},      {-180.0, 89.999999},
-                           {5e-324, 4.35},        {0.30000000000000004, 2.2250738585072011e-308}};
+  square.input.vertices = {{0.1, -0.0},
+                           {Limits::max(), Limits::lowest()},
+                           {Limits::min(), Limits::denorm_min()},
+                           {1.0 / 3, 1e22},
+                           {1e23, 123456789012345678.0},
+                           {-180.0, 89.999999},
+                           {5e-324, 4.35},
+                           {0.30000000000000004, 2.2250738585072011e-308}};
   ScratchFolder folder;
   for (const char* name : {"out.node", "out.poly"}) {
     written(folder, name, square);
@@ -281,16 +297,20 @@ TEST_CASE("a number that does not exist in an ele or neigh file is a failed chec
       {"1 3 0\n1 1 2 5\n", nullptr, "2: a triangle names vertex 5, which does not exist", Exit::check},
       {"1 3 0\n1 0 1 2\n", nullptr, "2: a triangle names vertex 0, which does not exist", Exit::check},
       {"1 3 0\n1 -1 1 2\n", nullptr, "2: a triangle names vertex -1, which does not exist", Exit::check},
-      {"1 3 0\n1 1 2 99999999999999999999\n", nullptr, "2: a triangle names vertex 99999999999999999999, which does not exist", Exit::check},
+      {"1 3 0\n1 1 2 99999999999999999999\n", nullptr,
+       "2: a triangle names vertex 99999999999999999999, which does not exist", Exit::check},
       {"1 6 0\n1 1 2 3 4 5 6\n", nullptr, "1: triangles have 3 corners, not 6", Exit::input},
       {"2 3 0\n1 1 2 3\n", nullptr, "2: the file ends after 1 of 2 triangles", Exit::input},
-      {"4000000000 3 0\n", nullptr, "1: the number of triangles is 4000000000; at most 1073741820 are possible", Exit::input},
+      {"4000000000 3 0\n", nullptr, "1: the number of triangles is 4000000000; at most 1073741820 are possible",
+       Exit::input},
       {"1 3 0\n1 1 2\n", nullptr, "2: a corner is missing", Exit::input},
-      {"1 3 0\n1 1 2 3\n# gcdt grid kind=odd origin=0,0 cell=2^0\n", nullptr, "3: the grid cannot be read from this comment", Exit::input},
+      {"1 3 0\n1 1 2 3\n# gcdt grid kind=odd origin=0,0 cell=2^0\n", nullptr,
+       "3: the grid cannot be read from this comment", Exit::input},
       {"1 3 0\n1 1 2 3\n", "1 3\n1 -1 -1 2\n", "2: neighbour 2 does not exist", Exit::check},
       {"1 3 0\n1 1 2 3\n", "1 3\n1 -1 -1 -2\n", "2: neighbour -2 does not exist", Exit::check},
       {"1 3 0\n1 1 2 3\n", "1 3\n7 -1 -1 -1\n", "2: triangle 7 does not exist in the .ele beside", Exit::check},
-      {"1 3 0\n1 1 2 3\n", "2 3\n1 -1 -1 -1\n2 -1 -1 -1\n", "1: 2 triangles here, but 1 in the .ele beside", Exit::check},
+      {"1 3 0\n1 1 2 3\n", "2 3\n1 -1 -1 -1\n2 -1 -1 -1\n", "1: 2 triangles here, but 1 in the .ele beside",
+       Exit::check},
   };
   for (const Case& test : cases) {
     CAPTURE(test.expected);
@@ -324,9 +344,11 @@ TEST_CASE("a grid is read back exactly from its text") {
 }
 
 TEST_CASE("text that is no grid is refused") {
-  for (const char* text : {"", "kind", "kind=decimal", "kind=decimal origin=0 cell=1e-6", "kind=decimal origin=0,nan cell=1e-6",
-                           "kind=decimal origin=0,0 cell=0e0", "kind=decimal origin=0,0 cell=1e-6x", "kind=decimal origin=0,0 cell=2^",
-                           "kind=decimal origin=0,0 cell=2^99999", "kind=decimal origin=0,0 cell=-1e2", "kind=other origin=0,0 cell=1e2"}) {
+  for (const char* text :
+       {"", "kind", "kind=decimal", "kind=decimal origin=0 cell=1e-6", "kind=decimal origin=0,nan cell=1e-6",
+        "kind=decimal origin=0,0 cell=0e0", "kind=decimal origin=0,0 cell=1e-6x", "kind=decimal origin=0,0 cell=2^",
+        "kind=decimal origin=0,0 cell=2^99999", "kind=decimal origin=0,0 cell=-1e2",
+        "kind=other origin=0,0 cell=1e2"}) {
     CAPTURE(text);
     CHECK(!io::grid_from_text(text));
   }
@@ -359,15 +381,22 @@ TEST_CASE("a vtu file that is malformed is refused with its line, and a wrong nu
   ScratchFolder folder;
   auto vtu = [](const std::string& connectivity, const std::string& neighbours) {
     return "<VTKFile type=\"UnstructuredGrid\">\n<UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"1\">\n"
-           "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points>\n"
-           "<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" + connectivity + "</DataArray>\n"
+           "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 "
+           "0</DataArray></Points>\n"
+           "<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" +
+           connectivity +
+           "</DataArray>\n"
            "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray>\n"
            "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">5</DataArray></Cells>\n"
-           "<CellData><DataArray type=\"Int32\" Name=\"neighbours\" format=\"ascii\">" + neighbours + "</DataArray></CellData>\n"
+           "<CellData><DataArray type=\"Int32\" Name=\"neighbours\" format=\"ascii\">" +
+           neighbours +
+           "</DataArray></CellData>\n"
            "</Piece></UnstructuredGrid></VTKFile>\n";
   };
   auto read = [&](const std::string& text) { return io::read_vtu(folder.write("o.vtu", text)); };
-  auto failed = [&](Exit exit, const std::string& text) { return failure(folder / "o.vtu", exit, [&] { read(text); }); };
+  auto failed = [&](Exit exit, const std::string& text) {
+    return failure(folder / "o.vtu", exit, [&] { read(text); });
+  };
   CHECK(read(vtu("0 1 2", "-1 -1 -1")).triangles == std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}});
   CHECK(failed(Exit::check, vtu("0 1 3", "-1 -1 -1")) == "4: triangle 0 names point 3, which does not exist");
   CHECK(failed(Exit::check, vtu("0 1 2", "-1 -1 1")) == "7: triangle 0 names neighbour 1, which does not exist");
@@ -425,7 +454,8 @@ TEST_CASE("an svg file draws every edge once, with y up") {
   std::sort(segments.begin(), segments.end());
   const long e = 100000;
   // Vertex (0, 0) is at the lower left of the canvas, which is (0, e).
-  CHECK(segments == std::vector<std::array<long, 4>>{{0, 0, 0, e}, {0, 0, e, 0}, {0, e, e, 0}, {0, e, e, e}, {e, 0, e, e}});
+  CHECK(segments ==
+        std::vector<std::array<long, 4>>{{0, 0, 0, e}, {0, 0, e, 0}, {0, e, e, 0}, {0, e, e, e}, {e, 0, e, e}});
   CHECK(svg.find("viewBox=\"-2000 -2000 104000 104000\"") != std::string::npos);
 }
 
@@ -445,7 +475,8 @@ TEST_CASE("every format writes an empty result, and what can be read back is emp
   ScratchFolder folder;
   const io::Input input;
   const Triangulation mesh;
-  for (const char* name : {"o.ele", "o.node", "o.neigh", "o.edge", "o.poly", "o.vtu", "o.svg"}) CHECK(!written(folder, name, input, mesh).empty());
+  for (const char* name : {"o.ele", "o.node", "o.neigh", "o.edge", "o.poly", "o.vtu", "o.svg"})
+    CHECK(!written(folder, name, input, mesh).empty());
   CHECK(io::read_input(folder / "o.poly").vertices.empty());
   CHECK(io::read_mesh(folder / "o.neigh", 0, 0).triangles.empty());
   CHECK(io::read_vtu(folder / "o.vtu").triangles.empty());

@@ -16,7 +16,9 @@ class ScratchFolder {
  public:
   ScratchFolder() {
     std::random_device random;
-    do path_ = std::filesystem::temp_directory_path() / ("gcdt-test-" + std::to_string(random()) + std::to_string(random()));
+    do
+      path_ =
+          std::filesystem::temp_directory_path() / ("gcdt-test-" + std::to_string(random()) + std::to_string(random()));
     while (!std::filesystem::create_directory(path_));
   }
   ~ScratchFolder() {
@@ -38,7 +40,8 @@ class ScratchFolder {
   /// The names in the folder, ascending, hidden ones included.
   std::vector<std::string> names() const {
     std::vector<std::string> all;
-    for (const auto& entry : std::filesystem::directory_iterator(path_)) all.push_back(entry.path().filename().string());
+    for (const auto& entry : std::filesystem::directory_iterator(path_))
+      all.push_back(entry.path().filename().string());
     std::sort(all.begin(), all.end());
     return all;
   }

@@ -31,7 +31,9 @@ constexpr const char* grid_help =
     "default: the finest that fits the input";
 
 void add_crossing(CLI::App& app, std::string& crossing) {
-  app.add_option("--crossing", crossing, "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an earlier one)")
+  app.add_option("--crossing", crossing,
+                 "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an "
+                 "earlier one)")
       ->check(CLI::IsMember({"reject", "drop"}).description(""))
       ->type_name("reject|drop")
       ->capture_default_str();
@@ -39,15 +41,21 @@ void add_crossing(CLI::App& app, std::string& crossing) {
 
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
-  app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")->required()->type_name("");
-  app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")->allow_extra_args(false)->type_name("OUTPUT");
+  app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+      ->required()
+      ->type_name("");
+  app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("OUTPUT");
   add_crossing(*app, arguments.crossing);
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
-  app->add_option("--device", arguments.device,
-                  "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
-                  "default: the variable GCDT_DEVICE, else auto")
+  app->add_option(
+         "--device", arguments.device,
+         "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
+         "default: the variable GCDT_DEVICE, else auto")
       ->type_name("SPEC");
-  app->add_flag("--verify", arguments.verify, "Prove the result by exact arithmetic on the host before anything is written");
+  app->add_flag("--verify", arguments.verify,
+                "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(triangulate_help) + status_help);
@@ -55,8 +63,12 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
 }
 
 void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
-  CLI::App* app = gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
-  app->add_option("INPUT", arguments.input, "The .poly or .node file that was triangulated, or - for a .poly on standard input")->required()->type_name("");
+  CLI::App* app =
+      gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
+  app->add_option("INPUT", arguments.input,
+                  "The .poly or .node file that was triangulated, or - for a .poly on standard input")
+      ->required()
+      ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
   add_crossing(*app, arguments.crossing);
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
