@@ -329,8 +329,9 @@ TEST_CASE("a fixed grid's cell is the decimal that its text spells, or the power
       {"8.9884656743115795e307", power(2, 1023)},
       {"1.00000000000000000001", 1},
   };
-  for (const auto& [text, value] : good) {
-    CAPTURE(text);
+  for (const auto& entry : good) {
+    const auto [text, value] = entry;
+    INFO(entry.first);
     const Grid grid = choose_grid(Points(), FixedGrid{3, -0.0, text});
     CHECK(grid.kind == Grid::Kind::fixed);
     CHECK(cell_value(grid) == value);
