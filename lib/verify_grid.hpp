@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numbers under the grid (contract 1): doubles as integers times powers of two, decimals, cells, rounding.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <gcdt/verify.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gcdt::proof {
+
+/// A vertex on the grid; both in [0, 2^31 - 1].
+struct Vertex {
+  std::int32_t x = 0, y = 0;
+};
+
+/// The value (-1)^negative * mantissa * 2^exponent of a finite double; zero has mantissa 0 and no sign.
+struct Dyadic {
+  bool negative = false;
+  std::uint64_t mantissa = 0;
+  int exponent = 0;
+};
+
+bool is_finite(double v);
+Dyadic dyadic(double v);
+
+/// units / 10^decimals
+struct Decimal {
+  std::int64_t units = 0;
+  int decimals = 0;
+};
+
+constexpr int max_decimals = 22;                 ///< 10^22 is the largest power of ten that is a double
+constexpr std::uint64_t grid_max = 0x7fffffffu;  ///< the largest grid coordinate
+
+std::uint64_t power_of_five(int exponent);  ///< 0 <= exponent <= 22, so less than 2^52
+
+/// The decimal with the fewest digits after the point (at most max_decimals, |units| < 2^63) whose
+/// nearest double, ties to even, is v. Among those with that many digits the nearest to v, half to even.
+std::optional<Decimal> shortest_decimal(double v);
+
+/// Length units * 2^two * 5^five of a cell's edge.
+struct Cell {
+  std::uint64_t units = 1;
+  int two = 0, five = 0;
+};
+
+/// Reads FixedGrid::cell into cell_units, cell_decimals and cell_exponent. Throws invalid_argument.
+void read_cell(const std::string& text, Grid& grid);
+
+Cell cell_of(const Grid& grid);
+
+/// Where one coordinate stands on the grid, and how far it moved.
+struct Placed {
+  bool outside = false;  ///< not in [0, grid_max]
+  bool moved = false;
+  std::int32_t at = 0;
+  double move = 0;  ///< the double nearest to the exact distance, or less if that is below `least_move`
+};
+
+/// round_half_even((v - origin) / cell), exactly. Moves below `least_move` need not be computed.
+Placed place(double v, double origin, const Cell& cell, double least_move);
+
+/// All vertices on `grid`. Returns an empty vector and a reason if one does not fit or, on a binary
+/// or decimal grid, is not on the grid.
+std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reason);
+
+}  // namespace gcdt::proof
