@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Writes one C++ source that holds every kernel program as text, with its headers inlined, so that
 # no file is looked up at run time: cmake -DOUT=file -DDIR=kernels "-DPROGRAMS=a;b" -P embed.cmake
+cmake_minimum_required(VERSION 3.18)  # a script has no policies otherwise
+
 function(inline path seen_var out_var)
   get_filename_component(name ${path} NAME)
   set(seen ${${seen_var}})

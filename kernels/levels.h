@@ -61,6 +61,15 @@ GCDT_INLINE u64 gcdt_spread_bits(u64 v) {
   return (v | (v << 1)) & 0x5555555555555555ul;
 }
 GCDT_INLINE u64 gcdt_morton(u32 x, u32 y) { return gcdt_spread_bits(x) | (gcdt_spread_bits(y) << 1); }
+// The inverse of gcdt_spread_bits: the even bits of v. x = gather(code), y = gather(code >> 1).
+GCDT_INLINE u32 gcdt_gather_bits(u64 v) {
+  v &= 0x5555555555555555ul;
+  v = (v | (v >> 1)) & 0x3333333333333333ul;
+  v = (v | (v >> 2)) & 0x0F0F0F0F0F0F0F0Ful;
+  v = (v | (v >> 4)) & 0x00FF00FF00FF00FFul;
+  v = (v | (v >> 8)) & 0x0000FFFF0000FFFFul;
+  return (u32)(v | (v >> 16));
+}
 
 #ifndef __OPENCL_VERSION__
 // The levels of n distinct vertices; the coarsest has at most `coarsest` vertices where K allows.

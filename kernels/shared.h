@@ -76,10 +76,21 @@ typedef struct Counters {
   u32 hexagons;
   u32 new_edges;
   u32 hits;
-  u32 reserved[8];
+  u32 reserved[9];
 } Counters;
 
+// ---- Layers of minima over the chains (kernels/constrain.cl) ------------------------------------------
+#define GCDT_MINIMA_RADIX 16u
+#define GCDT_MINIMA_LAYERS 8
+
+typedef struct MinimaLayers {
+  u32 count;                  // layers, the distances themselves included
+  u32 begin[GCDT_MINIMA_LAYERS];   // where layer l starts in `minima`; layer 0 is the chain
+  u32 length[GCDT_MINIMA_LAYERS];  // entries of layer l
+} MinimaLayers;
+
 #ifndef __OPENCL_VERSION__
+static_assert(sizeof(MinimaLayers) == (1 + 2 * GCDT_MINIMA_LAYERS) * sizeof(u32), "MinimaLayers has no padding");
 static_assert(sizeof(Counters) == 32 * sizeof(u32), "Counters has the same layout on host and device");
 }  // namespace gcdt::device
 #endif

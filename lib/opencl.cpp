@@ -30,6 +30,7 @@ Runtime::Runtime(const cl::Device& device, CallHook hook) : device_(device), hoo
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
   geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit} : Geometry{cpu_group, units * cpu_groups_per_unit};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
+  self_test();
 }
 
 void Runtime::fail(const char* name, const char* detail, cl_int code) {

@@ -18,6 +18,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <gcdt/gcdt.hpp>
 
@@ -85,13 +86,16 @@ struct Geometry {
 };
 
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
+/// `options` are added when programs are built: tests break a device's arithmetic by them.
 struct CallHook {
   std::function<cl_int(const char* call, const char* detail)> before;
+  std::string options;
 };
 
 class Runtime {
  public:
-  /// Makes a context and an in-order queue on `device`.
+  /// Makes a context and an in-order queue on `device`, and makes sure that it computes rightly
+  /// (lib/selftest.cpp). Throws device_failed, naming what is wrong.
   explicit Runtime(const cl::Device& device, CallHook hook = {});
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
@@ -161,12 +165,20 @@ class Runtime {
   /// Options that every program is built with; part of the cache key.
   std::string build_options() const;
 
+  /// What a built program depends on: its source, the options, device, driver and library version.
+  std::vector<std::string> cache_parts(const char* program) const;
+
   /// Makes one OpenCL call: asks the hook, runs `f`, throws on an error code.
   template <class F>
   void call(const char* name, const char* detail, F&& f) {
-    cl_int code = hook_.before ? hook_.before(name, detail) : CL_SUCCESS;
-    if (code == CL_SUCCESS) code = f();
+    const cl_int code = attempt(name, detail, f);
     if (code != CL_SUCCESS) fail(name, detail, code);
+  }
+  /// The same for calls that may fail: returns the code.
+  template <class F>
+  cl_int attempt(const char* name, const char* detail, F&& f) {
+    const cl_int code = hook_.before ? hook_.before(name, detail) : CL_SUCCESS;
+    return code == CL_SUCCESS ? f() : code;
   }
 
  private:
@@ -177,6 +189,7 @@ class Runtime {
     std::size_t largest_group = 0;
   };
 
+  void self_test();
   [[noreturn]] void fail(const char* name, const char* detail, cl_int code);
   Kernel& find_kernel(const char* program, const char* kernel);
   cl::Program& find_program(const char* program);
@@ -209,8 +222,11 @@ class Runtime {
   std::map<std::pair<std::string, std::string>, Kernel> kernels_;
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
-  friend cl::Program build_program(Runtime&, const char*);
+  bool emulate_mul_hi_ = false;  ///< the device's own is wrong
 };
+
+/// The text of the embedded program. Throws device_failed if there is none of that name.
+std::string program_source(const char* program);
 
 /// Builds the embedded program `name` for the runtime's device (lib/program.cpp).
 cl::Program build_program(Runtime& runtime, const char* name);

@@ -9,7 +9,13 @@ namespace gcdt {
 /// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host.
 class Primitives {
  public:
-  explicit Primitives(runtime::Runtime& runtime) : runtime_(runtime) {}
+  /// How a part of the input is walked (kernels/primitives.cl): `serial` by one work-item, which suits
+  /// CPUs; `group` by a whole work-group, which suits GPUs. Results are the same.
+  enum class Walk { serial, group };
+
+  explicit Primitives(runtime::Runtime& runtime)
+      : Primitives(runtime, runtime.info().is_cpu ? Walk::serial : Walk::group) {}
+  Primitives(runtime::Runtime& runtime, Walk walk) : runtime_(runtime), walk_(walk) {}
 
   /// out[i] = in[0] + ... + in[i-1] for 0 <= i <= count, modulo 2^32; out[count] is the total, so out
   /// holds count + 1 elements. `in` and `out` may be the same buffer. count may be 0.
@@ -21,7 +27,8 @@ class Primitives {
   void compact_indices(const runtime::Buffer<cl_uint>& offsets, const runtime::Buffer<cl_uint>& out, std::size_t count);
 
   /// Sorts pairs by bits [0, bits) of the key, ascending and stable, least significant digit first.
-  /// The buffers are exchanged with scratch of the same capacity, so their handles may change.
+  /// The buffers are exchanged with scratch of the same capacity, so their handles may change, and
+  /// what they hold from `count` on is undefined afterwards.
   void sort(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 64);
   void sort(runtime::Buffer<cl_uint>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 32);
 
@@ -29,7 +36,20 @@ class Primitives {
   void release();
 
  private:
+  /// `count` elements in `parts` ranges of `span`, and the launch that gives each part a work-group.
+  struct Parts {
+    cl_uint count, span, parts;
+    runtime::Range range;
+  };
+  Parts cut(std::size_t count, std::size_t least_span) const;
+  template <class Key>
+  void sort_pairs(const char* program, runtime::Buffer<Key>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
+                  unsigned bits, runtime::Buffer<Key>& other_keys);
+
   runtime::Runtime& runtime_;
+  Walk walk_;
+  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_;
+  runtime::Buffer<cl_ulong> other_keys64_;
 };
 
 }  // namespace gcdt

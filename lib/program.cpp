@@ -1,20 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the embedded programs.
+// Builds the embedded programs, or takes them built from the cache.
 #include <cstring>
 
+#include "cache.hpp"
 #include "kernel_sources.hpp"
 #include "opencl.hpp"
 
 namespace gcdt::runtime {
 
-std::string Runtime::build_options() const { return "-cl-std=CL1.2"; }
+std::string Runtime::build_options() const {
+  std::string options = "-cl-std=CL1.2";
+  if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
+  if (!hook_.options.empty()) options += " " + hook_.options;
+  return options;
+}
 
-cl::Program build_program(Runtime& runtime, const char* name) {
-  const KernelSource* found = nullptr;
+std::vector<std::string> Runtime::cache_parts(const char* program) const {
+  return {program_source(program), build_options(), info_.name, info_.vendor, info_.driver, info_.version, info_.platform, GCDT_VERSION};
+}
+
+std::string program_source(const char* program) {
   for (std::size_t i = 0; i < kernel_source_count; ++i)
-    if (std::strcmp(kernel_sources[i].program, name) == 0) found = &kernel_sources[i];
-  if (!found) throw Error(Status::device_failed, std::string("no program is named ") + name);
-  cl::Program program(runtime.context(), std::string(found->text));
+    if (std::strcmp(kernel_sources[i].program, program) == 0) return kernel_sources[i].text;
+  throw Error(Status::device_failed, std::string("no program is named ") + program);
+}
+
+namespace {
+
+cl::Program build_source(Runtime& runtime, const char* name) {
+  cl::Program program;
+  runtime.call("clCreateProgramWithSource", name, [&] {
+    cl_int code;
+    program = cl::Program(runtime.context(), program_source(name), false, &code);
+    return code;
+  });
   try {
     runtime.call("clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
   } catch (const Error& error) {
@@ -22,6 +41,53 @@ cl::Program build_program(Runtime& runtime, const char* name) {
     program.getBuildInfo(runtime.device(), CL_PROGRAM_BUILD_LOG, &log);
     throw Error(Status::device_failed, std::string(error.what()) + "\n" + log);
   }
+  return program;
+}
+
+// The program from its binary, if the driver takes it.
+std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, const std::string& binary) {
+  cl::Program program;
+  const cl_int made = runtime.attempt("clCreateProgramWithBinary", name, [&] {
+    cl_int code, status = CL_SUCCESS;
+    const cl_device_id device = runtime.device()();
+    const std::size_t size = binary.size();
+    const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
+    program = cl::Program(clCreateProgramWithBinary(runtime.context()(), 1, &device, &size, &bytes, &status, &code));
+    return code != CL_SUCCESS ? code : status;
+  });
+  if (made != CL_SUCCESS) return std::nullopt;
+  const cl_int built = runtime.attempt("clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+  if (built != CL_SUCCESS) return std::nullopt;
+  return program;
+}
+
+// Empty if the driver gives none.
+std::string binary_of(Runtime& runtime, const char* name, const cl::Program& program) {
+  std::size_t size = 0;
+  const cl_int sized = runtime.attempt("clGetProgramInfo", name, [&] {
+    return clGetProgramInfo(program(), CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr);
+  });
+  if (sized != CL_SUCCESS || size == 0) return {};
+  std::string binary(size, '\0');
+  auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
+  const cl_int got = runtime.attempt("clGetProgramInfo", name, [&] {
+    return clGetProgramInfo(program(), CL_PROGRAM_BINARIES, sizeof bytes, &bytes, nullptr);
+  });
+  return got == CL_SUCCESS ? binary : std::string();
+}
+
+}  // namespace
+
+cl::Program build_program(Runtime& runtime, const char* name) {
+  const std::string entry = cache::entry("program", runtime.cache_parts(name));
+  if (const auto binary = cache::load(entry)) {
+    if (auto program = build_binary(runtime, name, *binary)) return *program;
+    cache::remove(entry);  // whole, but not for this driver
+  }
+  const cl::Program program = build_source(runtime, name);
+  if (cache::folder().empty()) return program;  // asking for the binary may compile kernels never used
+  const std::string binary = binary_of(runtime, name, program);
+  if (!binary.empty()) cache::store(entry, binary);
   return program;
 }
 

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cleaning constraints (contract, section 3): end points to vertices, zero-length ones out, each split
+// at every vertex on it (found by walking), equal pieces merged with the list of their sources.
+#include "walk.h"
+
+// One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in
+// which it is walked, and whether it
+// has a length. An index out of range is reported by atomic_min: the least one wins. No other race:
+// each its own words. After: kept[c] is 0 or 1; *bad is the least 2 c + end out of range or GCDT_NONE.
+kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
+                      global const uint* wanted, uint all_wanted, global uint2* ends, global uint* kept,
+                      volatile global uint* bad) {
+  for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
+    const uint2 in = constraints[c];
+    kept[c] = 0u;
+    ends[c] = (uint2)(0u, 0u);
+    if (in.x >= inputs || in.y >= inputs) {
+      atomic_min(bad, 2u * c + (in.x >= inputs ? 0u : 1u));
+      continue;
+    }
+    ends[c] = walk_ends((uint2)(input_vertex[in.x], input_vertex[in.y]));
+    kept[c] = (ends[c].x != ends[c].y && (all_wanted || wanted[c])) ? 1u : 0u;
+  }
+}
+
+// One work-item per kept constraint. Gathers its ends. No race: each its own word.
+kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global uint2* to) {
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) to[i] = from[list[i]];
+}
+
+// One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
+// (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1). No race: each part has its
+// own word, or its own range. After: counts[part] for every part, 0 beyond the last.
+kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
+                       global const uint* begins, global uint* counts, global uint* hits,
+                       volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const uint parts = begins[pieces], faces = gcdt_face_count(n);
+  uint steps = 0;
+  for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
+    uint found = 0;
+    if (part < parts) {
+      const uint c = piece_of_part(begins, pieces, part);
+      const uint2 e = ends[c];
+      Walk w;
+      uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      // Ends: every event lies further along the piece.
+      while (event == WALK_CROSS || event == WALK_HIT) {
+        if (event == WALK_HIT) {
+          if (emit) hits[counts[part] + found] = w.hit;
+          ++found;
+          event = walk_turn(&w, mesh, w.hit, faces);
+        } else {
+          event = walk_cross(&w, mesh);
+        }
+      }
+      if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+    }
+    if (!emit) counts[part] = found;
+  }
+  if (!emit) add_wide(&counters->steps_low, &counters->steps_high, steps);
+}
+
+static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,
+                               global ulong* keys, global uint* sources) {
+  const uint ru = gcdt_rank_of_vertex(levels, u), rv = gcdt_rank_of_vertex(levels, v);
+  keys[at] = ((ulong)min(ru, rv) << bits) | max(ru, rv);
+  sources[at] = source;
+}
+
+// One work-item per part. A constraint with hits h1 .. hk becomes the pieces a-h1, h1-h2, .. hk-b. Each
+// part writes the pieces that end in its hits, the last part also the final one: piece number = hits
+// before it + constraints before it, so no two write the same word. After: keys = (rank, rank) of the
+// ends, lower first, and the source of every piece, in order of the sources.
+kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
+                         global const uint* begins, global const uint* offsets, global const uint* hits,
+                         global const uint* list, global ulong* keys, global uint* sources) {
+  const uint parts = begins[pieces];
+  for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
+    const uint c = piece_of_part(begins, pieces, part);
+    const uint first = offsets[begins[c]], last = offsets[part + 1u];
+    uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];
+    for (uint i = offsets[part]; i < last; ++i) {
+      write_piece(levels, bits, before, hits[i], list[c], i + c, keys, sources);
+      before = hits[i];
+    }
+    if (part + 1u == begins[c + 1u]) write_piece(levels, bits, before, ends[c].y, list[c], last + c, keys, sources);
+  }
+}
+
+// One work-item per sorted piece. Flags the first of each run of equal keys. No race: its own word.
+kernel void clean_first(uint count, global const ulong* keys, global uint* flags) {
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
+    flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
+}
+
+// One work-item per distinct piece. Writes its ends, lower rank first. No race: its own word.
+kernel void clean_ends(uint count, uint bits, GCDT_LEVELS_POINTER levels, global const ulong* keys,
+                       global const uint* firsts, global uint2* ends) {
+  const uint last = levels->count - 1u;
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const ulong key = keys[firsts[i]];
+    ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> bits)),
+                      gcdt_vertex_of_rank(levels, last, (uint)(key & (((ulong)1 << bits) - 1u))));
+  }
+}

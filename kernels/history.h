@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// The history tree of one level (paper, section 5, figure 3) and the walk in its top layer.
+//
+// Top layer: the mesh of the levels before, frozen before the level's first split. Below each of its
+// faces hangs a tree of splits. A split by vertex m makes a node in m's own record; the triangle's
+// slot is used again by its first child (kernels/insert.cl), and each child keeps m as corner 0, so
+// the corners of a node can be carried along while descending and are not stored.
+//
+//   face split by m, corners p            edge split by m on the edge opposite corner a
+//                p0                       two nodes, one for each side; with (a, b, c) = the corners
+//               /|\                       from a on:        a
+//              / | \                                       /|\      child 0 = (m, a, b)
+//             /  m  \                                     / | \     child 1 = (m, c, a)
+//            / /   \ \      child k =                    b--m--c
+//          p1---------p2    (m, p[k+1], p[k+2])
+//
+// Reference to a node or leaf: (number << 2) | kind.
+#ifndef GCDT_HISTORY_H
+#define GCDT_HISTORY_H
+
+#include "levels.h"
+#include "mesh.h"
+
+#define HISTORY_LEAF 0u   // number = face
+#define HISTORY_FACE 1u   // number = vertex: children next[0], next[1], next[2]
+#define HISTORY_SIDE0 2u  // number = vertex: children next[0], next[1]
+#define HISTORY_SIDE1 3u  // number = vertex: children next[2], next[3]
+#define HISTORY_REF(number, kind) (((number) << 2) | (kind))
+
+// shape[i], i = vertex - first vertex of the level:
+//   31 ................ 8   7 6   5 4     3 2     1 0
+//   round of its insertion  -     corner  corner  kind: 0 not inserted, 1 face split, 2 edge split
+//                                 a of    a of
+//                                 side 1  side 0
+#define SHAPE_FACE 1u
+#define SHAPE_EDGE 2u
+
+typedef struct History {
+  u32 begin, end;                // the level's vertices
+  global uint4* top_corners;     // corners of the top layer's faces; w: reference to node or leaf
+  global uint4* top_neighbours;  // face across from corner k, or GCDT_NONE
+  global uint* vertex_face;      // for each vertex of the top layer: one of its faces
+  global uint4* nodes;           // per vertex of the level: children; before insertion: (location, depth, -, -)
+  global uint* shape;            // per vertex of the level
+} History;
+
+#define GCDT_HISTORY_PARAMETERS                                                                 \
+  uint begin, uint end, global uint4 *top_corners, global uint4 *top_neighbours,                \
+      global uint *vertex_face, global uint4 *nodes, global uint *shape
+
+static inline History make_history(GCDT_HISTORY_PARAMETERS) {
+  History h;
+  h.begin = begin;
+  h.end = end;
+  h.top_corners = top_corners;
+  h.top_neighbours = top_neighbours;
+  h.vertex_face = vertex_face;
+  h.nodes = nodes;
+  h.shape = shape;
+  return h;
+}
+
+// A point to be located: the k-th of `parts` division points of segment pq, moved infinitely little
+// towards q ("germ"); k = 0 and parts = 1 with p = q is the plain vertex p.
+typedef struct Germ {
+  Vertex p, q;
+  u32 k, parts;
+} Germ;
+
+// Sign of the germ's side of the line a -> b: > 0 left. If the division point lies on the line, q's
+// side decides, since the point moves towards q; 0 only if the whole segment lies on the line (or the
+// plain vertex does).
+static inline int germ_side(Germ g, Vertex a, Vertex b) {
+  if (g.k == 0u) {
+    const i64 o = gcdt_orient2d(a, b, g.p);
+    if (o != 0 || g.parts == 1u) return gcdt_sign64(o != 0 ? o : gcdt_orient2d(a, b, g.q));
+    return gcdt_sign64(gcdt_orient2d(a, b, g.q));
+  }
+  const int s = gcdt_orient2d_division(a, b, g.p, g.q, g.k, g.parts);
+  return s != 0 ? s : gcdt_sign64(gcdt_orient2d(a, b, g.q));
+}
+
+// Visibility walk in the top layer from face `t` to a face that holds the germ in its closure.
+// The top layer is Delaunay (regular for the tie rule's heights, symbols included), so the walk
+// visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose opposite
+// edge holds a plain vertex, or 3.
+static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint t, uint limit,
+                                  private uint* steps, private uint* zero) {
+  uint from = GCDT_NONE;
+  for (uint step = 0; step < limit; ++step) {
+    const uint4 c = h.top_corners[t];
+    const uint4 across = h.top_neighbours[t];
+    const Vertex v0 = load_vertex(points, n, c.x), v1 = load_vertex(points, n, c.y), v2 = load_vertex(points, n, c.z);
+    ++*steps;
+    *zero = 3u;
+    uint target = GCDT_NONE;
+    if (across.x != from || from == GCDT_NONE) {
+      const int s = germ_side(g, v1, v2);
+      if (s < 0) target = across.x;
+      if (s == 0) *zero = 0u;
+    }
+    if (target == GCDT_NONE && (across.y != from || from == GCDT_NONE)) {
+      const int s = germ_side(g, v2, v0);
+      if (s < 0) target = across.y;
+      if (s == 0) *zero = 1u;
+    }
+    if (target == GCDT_NONE && (across.z != from || from == GCDT_NONE)) {
+      const int s = germ_side(g, v0, v1);
+      if (s < 0) target = across.z;
+      if (s == 0) *zero = 2u;
+    }
+    if (target == GCDT_NONE) return t;
+    from = t;
+    t = target;
+  }
+  return GCDT_NONE;
+}
+
+// From a face of the top layer that holds the germ down to the leaf that does: a face of the mesh as it
+// is after the level's last split and before any flip. Ends: each step goes one node deeper.
+static inline uint descend_history(global const int2* points, uint n, History h, Germ g, uint top, private uint* steps) {
+  uint4 c = h.top_corners[top];
+  uint ref = c.w;
+  while ((ref & 3u) != HISTORY_LEAF) {
+    const uint m = ref >> 2, kind = ref & 3u;
+    const uint4 next = h.nodes[m - h.begin];
+    const Vertex vm = load_vertex(points, n, m);
+    ++*steps;
+    if (kind == HISTORY_FACE) {
+      // The germ lies in child k, left of m -> p[k+1] and not left of m -> p[k+2]; along a spoke either
+      // child of it does.
+      const int s0 = germ_side(g, vm, load_vertex(points, n, c.x));
+      const int s1 = germ_side(g, vm, load_vertex(points, n, c.y));
+      const int s2 = germ_side(g, vm, load_vertex(points, n, c.z));
+      const uint k = (s1 >= 0 && s2 < 0) ? 0u : (s2 >= 0 && s0 < 0) ? 1u : 2u;
+      const uint4 r = rotate_to(c, k);
+      c = (uint4)(m, r.y, r.z, 0u);
+      ref = k == 0u ? next.x : k == 1u ? next.y : next.z;
+    } else {
+      const uint side = kind - HISTORY_SIDE0;
+      const uint4 r = rotate_to(c, (h.shape[m - h.begin] >> (2u + 2u * side)) & 3u);
+      const int s = germ_side(g, vm, load_vertex(points, n, r.x));
+      if (s >= 0) {
+        c = (uint4)(m, r.x, r.y, 0u);
+        ref = side == 0u ? next.x : next.z;
+      } else {
+        c = (uint4)(m, r.z, r.x, 0u);
+        ref = side == 0u ? next.y : next.w;
+      }
+    }
+  }
+  return ref >> 2;
+}
+
+#endif

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 1: bulk-synchronous vertex insertion with a history tree (paper, section 5, algorithm 1).
+//
+// A round: every vertex not yet inserted (Active in a face, or OnEdge) locates itself among the
+// children of what was split and votes for its face, or for both faces of its edge; winners split.
+// One round is two kernels, or one pass of insert_rounds, which does whole rounds inside one
+// work-group; both run the same functions.
+#include "history.h"
+
+// Until a vertex is inserted its record in `nodes` holds (location, depth, -, -).
+// location: a face, or an edge with this bit.
+#define ON_EDGE 0x80000000u
+
+typedef struct Round {
+  u32 number;  // from 1; stands in `shape` of the vertices that it inserts
+  u32 stamp, bits;
+} Round;
+
+static inline Round make_round(uint number, uint stamp, uint bits) {
+  Round r;
+  r.number = number;
+  r.stamp = stamp;
+  r.bits = bits;
+  return r;
+}
+
+static inline bool inserted_in(History h, uint v, uint round) {
+  return v >= h.begin && v < h.end && (h.shape[v - h.begin] >> 8) == round;
+}
+
+// One spoke number of a face split by m: s_j joins m and p_j. For an edge split: 0 the second half of
+// the edge, 1 and 2 the spokes to the apex of side 0 and 1. A vertex brings exactly three edges.
+static inline uint new_edge(uint m, uint j) { return 3u + 3u * m + j; }
+
+// The face (m, p1, p2) in slot t was the first child of a face split by m in the last round: which
+// child holds v, or which spoke? p0 is found in child 2 = (m, p0, p1).
+static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
+  const uint4 c = mesh.corners[t];
+  const Vertex vm = load_vertex(mesh.points, mesh.n, m);
+  const i64 s0 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, mesh.corners[2u * m + 2u].y), v);
+  const i64 s1 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.y), v);
+  const i64 s2 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.z), v);
+  if (s1 > 0 && s2 < 0) return t;
+  if (s2 > 0 && s0 < 0) return 2u * m + 1u;
+  if (s0 > 0 && s1 < 0) return 2u * m + 2u;
+  return ON_EDGE | new_edge(m, s0 == 0 ? 0u : s1 == 0 ? 1u : 2u);
+}
+
+// Slot t holds (m, a, b), first child of one side of an edge split by m in the last round; its
+// sibling (m, c, a) is 2m+1 on side 0 and 2m+2 on side 1.
+static uint child_of_side(Mesh mesh, Vertex v, uint m, uint t) {
+  const uint a = mesh.corners[t].y;
+  const uint side = mesh.corners[2u * m + 1u].z == a ? 0u : 1u;
+  const i64 s = gcdt_orient2d(load_vertex(mesh.points, mesh.n, m), load_vertex(mesh.points, mesh.n, a), v);
+  if (s > 0) return t;
+  if (s < 0) return 2u * m + 1u + side;
+  return ON_EDGE | new_edge(m, 1u + side);
+}
+
+// v lies on edge e. If a vertex m was inserted on e in the last round, e is now one half and the new
+// edge the other: v's half is the one on its side of m. All are collinear and finite.
+static uint half_of_edge(Mesh mesh, History h, Vertex v, uint e, uint round) {
+  const uint ref = mesh.edge_faces[2u * e];
+  const uint4 r = rotate_to(mesh.corners[GCDT_REF_FACE(ref)], GCDT_REF_CORNER(ref));
+  const bool first = inserted_in(h, r.y, round);
+  if (!first && !inserted_in(h, r.z, round)) return ON_EDGE | e;
+  const uint m = first ? r.y : r.z;
+  const Vertex vm = load_vertex(mesh.points, mesh.n, m), b = load_vertex(mesh.points, mesh.n, first ? r.z : r.y);
+  const i64 along = (b.x - vm.x) * (v.x - vm.x) + (b.y - vm.y) * (v.y - vm.y);
+  return ON_EDGE | (along > 0 ? e : new_edge(m, 0u));
+}
+
+// The faces that a vertex must own to be inserted: one, or both sides of its edge.
+static inline uint2 faces_of_location(Mesh mesh, uint location) {
+  if (!(location & ON_EDGE)) return (uint2)(location, location);
+  const uint e = location & ~ON_EDGE;
+  return (uint2)(GCDT_REF_FACE(mesh.edge_faces[2u * e]), GCDT_REF_FACE(mesh.edge_faces[2u * e + 1u]));
+}
+
+static void vote(Mesh mesh, History h, Round r, uint v, uint location) {
+  const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
+  const uint2 f = faces_of_location(mesh, location);
+  atomic_max(claim_word(mesh.corners, f.x), ticket);
+  if (f.y != f.x) atomic_max(claim_word(mesh.corners, f.y), ticket);
+}
+
+// Moves v to where the last round's splits have put it. False if v is inserted itself.
+static bool relocate_and_vote(Mesh mesh, History h, Round r, uint v) {
+  const uint i = v - h.begin;
+  if ((h.shape[i] & 3u) != 0u) return false;
+  uint location = h.nodes[i].x, depth = h.nodes[i].y;
+  const Vertex p = load_vertex(mesh.points, mesh.n, v);
+  if (location & ON_EDGE) {
+    location = half_of_edge(mesh, h, p, location & ~ON_EDGE, r.number - 1u);
+    const uint beside = GCDT_REF_FACE(mesh.edge_faces[2u * (location & ~ON_EDGE)]);
+    if (inserted_in(h, mesh.corners[beside].x, r.number - 1u)) ++depth;
+  } else {
+    const uint m = mesh.corners[location].x;
+    if (inserted_in(h, m, r.number - 1u)) {
+      ++depth;
+      location = (h.shape[m - h.begin] & 3u) == SHAPE_FACE ? child_of_face(mesh, p, m, location)
+                                                           : child_of_side(mesh, p, m, location);
+    }
+  }
+  h.nodes[i] = (uint4)(location, depth, 0u, 0u);
+  vote(mesh, h, r, v, location);
+  return true;
+}
+
+// Hangs a new node below the leaf that stood for face t. Corner 0 of a face made in this level is the
+// vertex whose split made it, else the face is a root. Only t's owner writes the word found; reading
+// next[2] while the owner of side 1's first child replaces it is harmless, since neither its old nor
+// its new value is then LEAF(t).
+static void hang_node(Mesh mesh, History h, uint t, uint ref) {
+  const uint m = mesh.corners[t].x;
+  if (m < h.begin || m >= h.end) {
+    h.top_corners[t].w = ref;
+    return;
+  }
+  volatile global uint* next = (volatile global uint*)(h.nodes + (m - h.begin));
+  uint child;
+  if ((h.shape[m - h.begin] & 3u) == SHAPE_FACE)
+    child = t == 2u * m + 1u ? 1u : t == 2u * m + 2u ? 2u : 0u;
+  else
+    child = t == 2u * m + 1u ? 1u : t == 2u * m + 2u ? 3u : next[2] == HISTORY_REF(t, HISTORY_LEAF) ? 2u : 0u;
+  next[child] = ref;
+}
+
+//  v inside t:  child 0 = (v, p1, p2) in slot t, child 1 = (v, p2, p0) in 2v+1, child 2 = (v, p0, p1) in 2v+2.
+//  Spoke j has side 0 in child j+2 (opposite its corner 2) and side 1 in child j+1 (its corner 1).
+static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
+  const uint4 c = mesh.corners[t], s = mesh.sides[t];
+  const uint slot1 = 2u * v + 1u, slot2 = 2u * v + 2u;
+  const uint e0 = new_edge(v, 0u), e1 = new_edge(v, 1u), e2 = new_edge(v, 2u);
+  hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
+  mesh.corners[t] = (uint4)(v, c.y, c.z, 0u);
+  mesh.corners[slot1] = (uint4)(v, c.z, c.x, 0u);
+  mesh.corners[slot2] = (uint4)(v, c.x, c.y, 0u);
+  mesh.sides[t] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);
+  mesh.sides[slot1] = (uint4)(s.y, GCDT_SIDE(e0, 1u), GCDT_SIDE(e2, 0u), 0u);
+  mesh.sides[slot2] = (uint4)(s.z, GCDT_SIDE(e1, 1u), GCDT_SIDE(e0, 0u), 0u);
+  mesh.edge_faces[s.x] = GCDT_FACE_REF(t, 0u);
+  mesh.edge_faces[s.y] = GCDT_FACE_REF(slot1, 0u);
+  mesh.edge_faces[s.z] = GCDT_FACE_REF(slot2, 0u);
+  mesh.edge_faces[GCDT_SIDE(e0, 0u)] = GCDT_FACE_REF(slot2, 2u);
+  mesh.edge_faces[GCDT_SIDE(e0, 1u)] = GCDT_FACE_REF(slot1, 1u);
+  mesh.edge_faces[GCDT_SIDE(e1, 0u)] = GCDT_FACE_REF(t, 2u);
+  mesh.edge_faces[GCDT_SIDE(e1, 1u)] = GCDT_FACE_REF(slot2, 1u);
+  mesh.edge_faces[GCDT_SIDE(e2, 0u)] = GCDT_FACE_REF(slot1, 2u);
+  mesh.edge_faces[GCDT_SIDE(e2, 1u)] = GCDT_FACE_REF(t, 1u);
+  h.nodes[v - h.begin] =
+      (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(slot1, HISTORY_LEAF), HISTORY_REF(slot2, HISTORY_LEAF), 0u);
+  h.shape[v - h.begin] = (r.number << 8) | SHAPE_FACE;
+}
+
+// One side of an edge split: face t with apex a at corner k becomes (v, a, b) in slot t and (v, c, a)
+// in `slot`. half_b and half_c are this side's codes of the edge's halves, spoke joins v and a.
+static void split_side(Mesh mesh, uint v, uint t, uint k, uint slot, uint half_b, uint half_c, uint spoke) {
+  const uint4 c = rotate_to(mesh.corners[t], k), s = rotate_to(mesh.sides[t], k);
+  mesh.corners[t] = (uint4)(v, c.x, c.y, 0u);
+  mesh.corners[slot] = (uint4)(v, c.z, c.x, 0u);
+  mesh.sides[t] = (uint4)(s.z, half_b, GCDT_SIDE(spoke, 0u), 0u);
+  mesh.sides[slot] = (uint4)(s.y, GCDT_SIDE(spoke, 1u), half_c, 0u);
+  mesh.edge_faces[s.z] = GCDT_FACE_REF(t, 0u);
+  mesh.edge_faces[s.y] = GCDT_FACE_REF(slot, 0u);
+  mesh.edge_faces[half_b] = GCDT_FACE_REF(t, 1u);
+  mesh.edge_faces[half_c] = GCDT_FACE_REF(slot, 2u);
+  mesh.edge_faces[GCDT_SIDE(spoke, 0u)] = GCDT_FACE_REF(t, 2u);
+  mesh.edge_faces[GCDT_SIDE(spoke, 1u)] = GCDT_FACE_REF(slot, 1u);
+}
+
+// v on edge e between side 0 (a, b, c) in slot t and side 1 (d, c, b) in slot u:
+//        a                 e keeps the half b-v, the new edge is v-c:
+//       /|\                side 0: (v, a, b) in t, (v, c, a) in 2v+1
+//      b-v-c               side 1: (v, d, c) in u, (v, b, d) in 2v+2
+//       \|/
+//        d
+static void split_edge(Mesh mesh, History h, Round r, uint v, uint e) {
+  const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
+  const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
+  const uint far_half = new_edge(v, 0u), slot1 = 2u * v + 1u, slot2 = 2u * v + 2u;
+  hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
+  hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
+  split_side(mesh, v, t, GCDT_REF_CORNER(ref0), slot1, GCDT_SIDE(e, 0u), GCDT_SIDE(far_half, 0u), new_edge(v, 1u));
+  split_side(mesh, v, u, GCDT_REF_CORNER(ref1), slot2, GCDT_SIDE(far_half, 1u), GCDT_SIDE(e, 1u), new_edge(v, 2u));
+  h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(slot1, HISTORY_LEAF),
+                                 HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(slot2, HISTORY_LEAF));
+  h.shape[v - h.begin] =
+      (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
+}
+
+// Splits if v owns what it voted for. The node's depth (of its side 0 if it has two) is reported; the
+// plain read before atomic_max only saves atomics. A loser may read a claim word that a winner has reset to 0 or
+// an edge's face that a winner has replaced: whatever it reads is not its ticket.
+static void split_if_won(Mesh mesh, History h, Round r, uint v, volatile global Counters* counters) {
+  const uint location = h.nodes[v - h.begin].x;
+  const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
+  const uint2 f = faces_of_location(mesh, location);
+  if (*claim_word(mesh.corners, f.x) != ticket || *claim_word(mesh.corners, f.y) != ticket) return;
+  const uint depth = h.nodes[v - h.begin].y + 1u;
+  if (depth > counters->history_depth) atomic_max(&counters->history_depth, depth);
+  if (location & ON_EDGE) {
+    atomic_inc(&counters->edge_splits);
+    split_edge(mesh, h, r, v, location & ~ON_EDGE);
+  } else {
+    split_face(mesh, h, r, v, location);
+  }
+}
+
+// One work-item. Writes the symbolic triangle as face 0 with edges 0, 1, 2 that have no other side.
+// No race: one work-item. After: a mesh without finite vertices.
+kernel void insert_root(GCDT_MESH_PARAMETERS) {
+  (void)points;
+  if (get_global_id(0) != 0) return;
+  corners[0] = (uint4)(n, n + 1u, n + 2u, 0u);
+  sides[0] = (uint4)(GCDT_SIDE(0u, 0u), GCDT_SIDE(1u, 0u), GCDT_SIDE(2u, 0u), 0u);
+  for (uint k = 0; k < 3u; ++k) {
+    edge_faces[2u * k] = GCDT_FACE_REF(0u, k);
+    edge_faces[2u * k + 1u] = GCDT_NONE;
+  }
+}
+
+// One work-item per face of the coarser mesh. Reads the mesh; writes the frozen top layer, and for
+// each vertex the face of the greatest number (vertex_face starts at 0; atomic_max, so the order of
+// work-items cannot matter). After: the top layer stands apart from the mesh, each face a leaf.
+kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  for (uint t = get_global_id(0); t < faces; t += get_global_size(0)) {
+    const uint4 c = mesh.corners[t], s = mesh.sides[t];
+    const uint a0 = mesh.edge_faces[s.x ^ 1u], a1 = mesh.edge_faces[s.y ^ 1u], a2 = mesh.edge_faces[s.z ^ 1u];
+    h.top_corners[t] = (uint4)(c.x, c.y, c.z, HISTORY_REF(t, HISTORY_LEAF));
+    h.top_neighbours[t] = (uint4)(a0 == GCDT_NONE ? a0 : GCDT_REF_FACE(a0), a1 == GCDT_NONE ? a1 : GCDT_REF_FACE(a1),
+                                  a2 == GCDT_NONE ? a2 : GCDT_REF_FACE(a2), 0u);
+    mesh.corners[t].w = 0u;
+    if (c.x < n) atomic_max(h.vertex_face + c.x, t);
+    if (c.y < n) atomic_max(h.vertex_face + c.y, t);
+    if (c.z < n) atomic_max(h.vertex_face + c.z, t);
+  }
+}
+
+// One work-item per vertex of the level. Reads the top layer; walks from the coarser vertex before it
+// on the curve. Writes its own record and shape, its place in the list, and its first vote
+// (atomic_max: the greatest ticket wins whatever the order); work-item 0 the list's length. After:
+// every vertex of the level has a location, and round 1's votes are cast.
+kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
+                          GCDT_HISTORY_PARAMETERS, global uint* list, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const uint top_faces = gcdt_face_count(begin);
+  uint steps = 0;
+  if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
+  for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
+    const uint i = v - begin;
+    uint start = 0;
+    if (level > 0) {
+      const uint q = i + i / (GCDT_LEVEL_RATIO - 1u) + 1u;
+      start = h.vertex_face[gcdt_vertex_of_rank(levels, level - 1u, q / GCDT_LEVEL_RATIO)];
+    }
+    Germ g;
+    g.p = load_vertex(points, n, v);
+    g.q = g.p;
+    g.k = 0;
+    g.parts = 1;
+    uint zero;
+    const uint t = walk_top_layer(points, n, h, g, start, top_faces, &steps, &zero);
+    uint location = t;
+    if (t == GCDT_NONE)
+      atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;
+    else if (zero != 3u)
+      location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.sides[t], zero));
+    h.nodes[i] = (uint4)(location, 0u, 0u, 0u);
+    h.shape[i] = 0u;
+    list[i] = v;
+    vote(mesh, h, make_round(1u, 1u, bits), v, location);
+  }
+  add_wide(&counters->steps_low, &counters->steps_high, steps);
+}
+
+// One work-item per vertex in the list of the round before. Reads the mesh; writes its own record and
+// appends itself to this round's list if still not inserted (atomic counter: the list's order is
+// free, no later result depends on it); votes by atomic_max. After: list_insert[number & 1] counts the
+// vertices left and every one of them has voted.
+kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+                        global const uint* list_before, global uint* list, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Round r = make_round(number, stamp, bits);
+  const uint count = counters->list_insert[(number & 1u) ^ 1u];
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint v = list_before[i];
+    if (relocate_and_vote(mesh, h, r, v)) list[atomic_inc(&counters->list_insert[number & 1u])] = v;
+  }
+}
+
+// One work-item per vertex in the list. Reads the votes; a winner writes its faces, its three new
+// edges, its faces' sides of the edges around (L1: no word has two owners), its record, and the one
+// reference to its leaf (hang_node). Work-item 0 also empties the list of the next round, which no
+// other work-item of this launch touches. After: winners are vertices of the mesh.
+kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+                         global const uint* list, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Round r = make_round(number, stamp, bits);
+  const uint count = counters->list_insert[number & 1u];
+  if (get_global_id(0) == 0) counters->list_insert[(number & 1u) ^ 1u] = 0u;
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) split_if_won(mesh, h, r, list[i], counters);
+}
+
+// One work-group. Does up to `most` rounds from round `number` on, whose votes are cast: split, then
+// relocate and vote for the next. Barriers order what two kernels do otherwise; the same argument
+// holds for each part. The loop ends: a round with vertices left has a winner. After: list_insert of
+// the next round's parity counts the vertices left, counters->rounds the rounds done.
+kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+                          global uint* list_even, global uint* list_odd, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  uint done = 0;
+  for (;;) {
+    const Round r = make_round(number + done, stamp + done, bits);
+    const uint now = r.number & 1u;
+    const uint count = counters->list_insert[now];
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    if (count == 0u || done == most) break;
+    global uint* list = now ? list_odd : list_even;
+    global uint* list_next = now ? list_even : list_odd;
+    if (get_local_id(0) == 0) counters->list_insert[now ^ 1u] = 0u;
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0)) split_if_won(mesh, h, r, list[i], counters);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    const Round following = make_round(r.number + 1u, r.stamp + 1u, bits);
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0)) {
+      const uint v = list[i];
+      if (relocate_and_vote(mesh, h, following, v)) list_next[atomic_inc(&counters->list_insert[now ^ 1u])] = v;
+    }
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    ++done;
+  }
+  if (get_local_id(0) == 0) counters->rounds += done;
+}
+
+// One work-item per vertex in the list. Re-casts this round's vote with a new stamp after the claim
+// words were cleared (the stamps were used up). atomic_max as above.
+kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+                          global const uint* list, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const uint count = counters->list_insert[number & 1u];
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
+    vote(mesh, h, make_round(number, stamp, bits), list[i], h.nodes[list[i] - begin].x);
+}

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// The triangulation as kernels see it: accessors, rotation, claims. OpenCL C only.
+#ifndef GCDT_MESH_H
+#define GCDT_MESH_H
+
+#include "predicates.h"
+
+// Layout and ownership: shared.h.
+typedef struct Mesh {
+  u32 n;
+  global const int2* points;
+  global uint4* corners;
+  global uint4* sides;
+  global uint* edge_faces;
+} Mesh;
+
+#define GCDT_MESH_PARAMETERS \
+  uint n, global const int2 *points, global uint4 *corners, global uint4 *sides, global uint *edge_faces
+
+static inline Mesh make_mesh(GCDT_MESH_PARAMETERS) {
+  Mesh mesh;
+  mesh.n = n;
+  mesh.points = points;
+  mesh.corners = corners;
+  mesh.sides = sides;
+  mesh.edge_faces = edge_faces;
+  return mesh;
+}
+
+static inline Vertex load_vertex(global const int2* points, uint n, uint v) {
+  if (v >= n) return gcdt_symbolic_vertex((int)(v - n));
+  const int2 p = points[v];
+  return gcdt_finite_vertex(p.x, p.y);
+}
+
+// Corner numbers are 0, 1, 2, cyclic.
+static inline uint next_corner(uint k) { return k == 2u ? 0u : k + 1u; }
+static inline uint previous_corner(uint k) { return k == 0u ? 2u : k - 1u; }
+
+static inline uint element(uint4 a, uint k) { return k == 0u ? a.x : k == 1u ? a.y : a.z; }
+
+// (a[k], a[k+1], a[k+2]); w stays.
+static inline uint4 rotate_to(uint4 a, uint k) { return k == 0u ? a : k == 1u ? a.yzxw : a.zxyw; }
+
+// ---- Claims ---------------------------------------------------------------------------------------
+// corners[t].w is the face's claim word. In a round every candidate (a vertex to be inserted, an edge
+// to be flipped) has a ticket = (stamp << bits) | permuted number, with `bits` wide enough for all
+// numbers, so tickets of one round differ, and atomic_max leaves the best candidate of the newest
+// round: words of older rounds need no clearing until the stamps are used up. The permutation is the
+// same for every face: the best of all candidates wins every face that it claims, so a round with a
+// candidate has a winner.
+
+// A bijection on [0, 2^bits): multiplications by odd numbers and shifted self-differences are.
+static inline uint permute_number(uint number, uint bits) {
+  const uint mask = bits >= 32u ? 0xFFFFFFFFu : (1u << bits) - 1u;
+  const uint shift = (bits >> 1) + 1u;
+  uint x = (number * 0x9E3779B1u) & mask;
+  x ^= x >> shift;
+  x = (x * 0x85EBCA6Bu) & mask;
+  x ^= x >> shift;
+  return (x * 0xC2B2AE35u) & mask;
+}
+
+static inline uint make_ticket(uint stamp, uint bits, uint number) {
+  return (stamp << bits) | permute_number(number, bits);
+}
+
+static inline volatile global uint* claim_word(global uint4* corners, uint face) {
+  return (volatile global uint*)(corners + face) + 3;
+}
+
+// ---- Counters -------------------------------------------------------------------------------------
+// Adds to a 64-bit count kept in two words: the add that wraps the low word carries.
+static inline void add_wide(volatile global uint* low, volatile global uint* high, uint amount) {
+  if (amount == 0) return;
+  const uint old = atomic_add(low, amount);
+  if (old + amount < old) atomic_inc(high);
+}
+
+#endif

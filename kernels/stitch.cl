@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 2, last step: joins the new triangles to each other and to the faces around them, by a hash
+// table of directed edges. Open addressing, nothing is removed.
+//
+// Entries: every directed edge u -> v of a crossed face that is not crossed itself (it stays, and its
+// side waits for the new triangle that has it), and for every new edge {u, v}, u < v, the direction
+// v -> u, whose triangle comes second.
+#include "mesh.h"
+
+typedef struct Table {
+  u32 capacity;
+  volatile global uint* codes;  // side code, or GCDT_NONE: empty
+  volatile global uint* froms;  // GCDT_NONE until written
+  volatile global uint* tos;
+} Table;
+
+#define TABLE_PARAMETERS \
+  uint capacity, volatile global uint *codes, volatile global uint *froms, volatile global uint *tos
+
+static inline Table make_table(TABLE_PARAMETERS) {
+  Table table;
+  table.capacity = capacity;
+  table.codes = codes;
+  table.froms = froms;
+  table.tos = tos;
+  return table;
+}
+
+static inline uint first_slot(Table table, uint u, uint v) {
+  uint x = u * 0x9E3779B1u ^ (v * 0x85EBCA6Bu + 0x165667B1u);
+  x ^= x >> 15;
+  x *= 0xC2B2AE35u;
+  x ^= x >> 16;
+  return (uint)(((ulong)x * table.capacity) >> 32);
+}
+
+// Ends: the table has more slots than entries. False if it does not.
+static bool insert_direction(Table table, uint u, uint v, uint code) {
+  uint slot = first_slot(table, u, v);
+  for (uint probe = 0; probe < table.capacity; ++probe) {
+    if (atomic_cmpxchg(table.codes + slot, GCDT_NONE, code) == GCDT_NONE) {
+      table.froms[slot] = u;
+      table.tos[slot] = v;
+      return true;
+    }
+    slot = slot + 1u == table.capacity ? 0u : slot + 1u;
+  }
+  return false;
+}
+
+// The side code of u -> v, if it was inserted in an earlier launch, else GCDT_NONE. An entry inserted
+// meanwhile has the opposite kind of direction (v < u against u < v), so even a half-written one, with
+// GCDT_NONE as one end, cannot be taken for it. Ends as insert_direction.
+static uint find_direction(Table table, uint u, uint v) {
+  uint slot = first_slot(table, u, v);
+  for (uint probe = 0; probe < table.capacity; ++probe) {
+    if (table.codes[slot] == GCDT_NONE) return GCDT_NONE;
+    if (table.froms[slot] == u && table.tos[slot] == v) return table.codes[slot];
+    slot = slot + 1u == table.capacity ? 0u : slot + 1u;
+  }
+  return GCDT_NONE;
+}
+
+// One work-item per crossed face, before its slot is overwritten. Enters its sides on edges that are
+// not crossed. Slots are taken by compare-and-exchange; where an entry lands does not matter.
+kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* corners, global const uint4* sides,
+                        global const uint* near0, TABLE_PARAMETERS, volatile global Counters* counters) {
+  const Table table = make_table(capacity, codes, froms, tos);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint4 c = corners[crossed[i]], s = sides[crossed[i]];
+    for (uint k = 0; k < 3u; ++k) {
+      const uint code = element(s, k);
+      if (near0[GCDT_SIDE_EDGE(code)] == GCDT_NONE &&
+          !insert_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)), code))
+        atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+    }
+  }
+}
+
+// One work-item per new triangle. `second` = 0: its directions u -> v with u < v; `second` = 1: those with
+// u > v, in a later launch. A direction in the table takes the side that waits there; otherwise, in the
+// first launch, it makes a new edge in the slot of a crossed one and enters the other direction.
+// Writes its own face's side words, the side found (each direction occurs once among the new
+// triangles of a valid mesh, checked at the end), and new edges by atomic counter (any numbering does).
+kernel void stitch_match(uint count, uint second, uint free_edges, global const uint* crossed,
+                         global const uint4* corners, global uint4* sides, global uint* edge_faces,
+                         global uint* edge_marks, global const uint* crossed_edges, TABLE_PARAMETERS,
+                         volatile global Counters* counters) {
+  const Table table = make_table(capacity, codes, froms, tos);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint t = crossed[i];
+    const uint4 c = corners[t];
+    for (uint k = 0; k < 3u; ++k) {
+      const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
+      if ((u > v) != (second != 0u)) continue;
+      uint code = find_direction(table, u, v);
+      if (code == GCDT_NONE) {
+        const uint number = second ? free_edges : atomic_inc(&counters->new_edges);
+        if (number >= free_edges) {
+          ((global uint*)(sides + t))[k] = GCDT_NONE;
+          atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+          continue;
+        }
+        const uint e = crossed_edges[number];
+        code = GCDT_SIDE(e, 0u);
+        edge_marks[e] = 0u;
+        edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
+        if (!insert_direction(table, v, u, GCDT_SIDE(e, 1u))) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+      }
+      ((global uint*)(sides + t))[k] = code;
+      edge_faces[code] = GCDT_FACE_REF(t, k);
+    }
+  }
+}
+
+// One work-item per new triangle. Checks that it is counter-clockwise and that each of its side codes is
+// its own. That proves the mesh: the 3C sides of C triangles then are distinct, and as many as wait in
+// the table, so every direction met its reverse; counter-clockwise triangles whose edges pair up
+// cover what the crossed ones covered, once. No race: only the failure bits are written.
+kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAMETERS, volatile global Counters* counters) {
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint t = crossed[i];
+    const uint4 c = corners[t], s = sides[t];
+    bool right = gcdt_orient2d(load_vertex(points, n, c.x), load_vertex(points, n, c.y), load_vertex(points, n, c.z)) > 0;
+    for (uint k = 0; k < 3u; ++k) {
+      const uint code = element(s, k);
+      right = right && code < 2u * gcdt_edge_count(n) && edge_faces[code] == GCDT_FACE_REF(t, k);
+    }
+    if (!right) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+  }
+}
+
+// One work-item per piece. Marks the new edge of a piece that was walked. Pieces are distinct edges, so
+// no two write the same word. After: every piece is a marked edge, or a failure bit is set.
+kernel void stitch_mark(uint pieces, global const uint2* ends, global const uint* piece_edge, global uint* edge_marks,
+                        TABLE_PARAMETERS, volatile global Counters* counters) {
+  const Table table = make_table(capacity, codes, froms, tos);
+  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
+    if (piece_edge[c] != GCDT_NONE) continue;
+    const uint u = min(ends[c].x, ends[c].y), v = max(ends[c].x, ends[c].y);
+    const uint code = find_direction(table, v, u);
+    if (code == GCDT_NONE)
+      atomic_or(&counters->failed, GCDT_FAILED_MISSING);
+    else
+      edge_marks[GCDT_SIDE_EDGE(code)] = GCDT_MARK_CONSTRAINED;
+  }
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clean.hpp"
+
+namespace gcdt {
+
+using runtime::over;
+
+Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints,
+                 std::uint32_t inputs)
+    : runtime_(runtime), primitives_(primitives), vertices_(vertices), inputs_(inputs), count_(cl_uint(constraints.size)) {
+  static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is uploaded as it is");
+  constraints_ = runtime.allocate<cl_uint2>("constraints", count_);
+  runtime.write(constraints_, reinterpret_cast<const cl_uint2*>(constraints.data), count_);
+}
+
+Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
+  const cl_uint all = wanted.empty();
+  auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
+  auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 1);
+  auto wanted_buffer = runtime_.allocate<cl_uint>("wanted constraints", wanted.size());
+  auto bad = runtime_.allocate<cl_uint>("index out of range", 1);
+  runtime_.write(wanted_buffer, wanted.data(), wanted.size());
+  runtime_.fill<cl_uint>(bad, GCDT_NONE, 1);
+  runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
+                  wanted_buffer, all, ends, kept, bad);
+  const cl_uint first_bad = runtime_.read_one(bad);
+  if (first_bad != GCDT_NONE)
+    throw Error(Status::index_out_of_range,
+                "constraint " + std::to_string(first_bad / 2) + ": its " + (first_bad % 2 ? "second" : "first") +
+                    " end is no vertex; there are " + std::to_string(inputs_),
+                {first_bad / 2, first_bad % 2});
+  primitives_.exclusive_scan(kept, kept, count_);
+  Kept result;
+  result.count = runtime_.read_one(kept, count_);
+  result.list = runtime_.allocate<cl_uint>("list of constraints", result.count);
+  result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
+  primitives_.compact_indices(kept, result.list, count_);
+  runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, result.ends);
+  return result;
+}
+
+CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
+  const Kept kept = keep(wanted);
+  const std::uint64_t selected = wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
+  CleanResult result;
+  result.zero_length = selected - kept.count;
+  const Parts parts = make_parts(runtime_, primitives_, vertices_, kept.ends, kept.count);
+  auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
+  auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
+    walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity), std::make_tuple(emit, kept.count, parts.capacity),
+                  kept.ends, parts.begins, offsets, hits, counters.buffer());
+  };
+  walk(0, offsets);
+  primitives_.exclusive_scan(offsets, offsets, parts.capacity);
+  const cl_uint hits = runtime_.read_one(offsets, parts.capacity);
+  if (counters.read().failed) throw Error(Status::check_failed, "clean: a walk along a constraint left the mesh");
+  result.hits = hits;
+  auto hit_list = runtime_.allocate<cl_uint>("vertices on constraints", hits);
+  if (hits > 0) walk(1, hit_list);
+
+  const cl_uint count = hits + kept.count;
+  const unsigned bits = std::max(1u, bit_width(vertices_.n()));
+  auto keys = runtime_.allocate<cl_ulong>("keys of pieces", count);
+  auto sources = runtime_.allocate<cl_uint>("sources of pieces", count);
+  runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(bits), vertices_.levels_buffer, kept.ends,
+                  parts.begins, offsets, hit_list, kept.list, keys, sources);
+  result.pieces = merge(vertices_, std::move(keys), std::move(sources), count, bits);
+  return result;
+}
+
+Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources, cl_uint count,
+                      unsigned bits) {
+  primitives_.sort(keys, sources, count, 2 * bits);
+  auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
+  runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
+  primitives_.exclusive_scan(firsts, firsts, count);
+  Pieces pieces;
+  pieces.source_count = count;
+  pieces.count = runtime_.read_one(firsts, count);
+  pieces.source_offsets = runtime_.allocate<cl_uint>("source offsets", std::size_t(pieces.count) + 1);
+  primitives_.compact_indices(firsts, pieces.source_offsets, count);
+  runtime_.fill<cl_uint>(pieces.source_offsets, count, 1, pieces.count);
+  pieces.ends = runtime_.allocate<cl_uint2>("pieces", pieces.count);
+  runtime_.launch("clean", "clean_ends", over(pieces.count), pieces.count, cl_uint(bits), vertices.levels_buffer, keys,
+                  pieces.source_offsets, pieces.ends);
+  pieces.sources = std::move(sources);
+  return pieces;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cleaning constraints on the mesh (kernels/clean.cl; contract, section 3).
+#pragma once
+
+#include "walk.hpp"
+
+namespace gcdt {
+
+struct CleanResult {
+  Pieces pieces;
+  std::uint64_t zero_length = 0;  ///< constraints whose ends are one vertex
+  std::uint64_t hits = 0;         ///< vertices found inside constraints, once per constraint
+};
+
+/// Uploads and checks the constraints once; clean() may then be called with different selections.
+class Cleaner {
+ public:
+  /// Throws index_out_of_range for the first constraint with an end >= inputs.
+  Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints,
+          std::uint32_t inputs);
+
+  /// The pieces of the constraints c with wanted[c] != 0 (empty: of all), split at all vertices on them.
+  /// `walked` is the mesh with all vertices, not flipped since. Adds to counters: steps.
+  CleanResult clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters);
+
+ private:
+  struct Kept {
+    cl_uint count = 0;
+    runtime::Buffer<cl_uint> list;   ///< input constraints with a length, ascending
+    runtime::Buffer<cl_uint2> ends;  ///< their vertices
+  };
+  Kept keep(const std::vector<cl_uint>& wanted);
+  Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources, cl_uint count,
+               unsigned bits);
+
+  runtime::Runtime& runtime_;
+  Primitives& primitives_;
+  const Vertices& vertices_;
+  std::uint32_t inputs_ = 0;
+  cl_uint count_ = 0;
+  runtime::Buffer<cl_uint2> constraints_;
+};
+
+}  // namespace gcdt

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "constrain.hpp"
+
+#include <vector>
+
+namespace gcdt {
+
+using runtime::over;
+
+namespace {
+
+class Constraining {
+ public:
+  Constraining(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
+               const WorkLists& lists, PhaseCounters& counters)
+      : runtime_(runtime), primitives_(primitives), walked_(walked), mesh_(walked.mesh), pieces_(pieces), near_(lists),
+        counters_(counters) {}
+
+  // The paper's figure: find all intersected triangles, prune by visibility, retriangulate, fill.
+  ConstrainResult run() {
+    find_near();
+    list_crossed();
+    find_hexagons();
+    if (failed()) return finish(false);
+    count_chains();
+    if (failed() || !counts_agree()) return finish(false);
+    write_chains();
+    keep_boundary();
+    retriangulate();
+    stitch();
+    return finish(true);
+  }
+
+ private:
+  bool failed() { return counters_.read().failed != 0; }
+
+  ConstrainResult finish(bool changed) {
+    const device::Counters& c = counters_.read();
+    ConstrainResult result;
+    result.failed = c.failed | (counts_agree() ? 0u : GCDT_FAILED_COUNT);
+    result.mesh_changed = changed;
+    result.existing_edges = c.existing_edges;
+    result.walked = pieces_.count - c.existing_edges;
+    result.chain_vertices = left_total_ + right_total_;
+    result.holes = hexagons_;
+    result.symbolic_chain_vertices = c.symbolic_chain_vertices;
+    result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
+    result.steps = wide(c.steps_low, c.steps_high);
+    return result;
+  }
+
+  void find_near() {
+    clear_claims(runtime_, mesh_, mesh_.faces());
+    runtime_.fill<cl_uint>(near_.first, GCDT_NONE, mesh_.edges());
+    runtime_.fill<cl_uint>(near_.second, GCDT_NONE, mesh_.edges());
+    parts_ = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
+    piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
+    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity), sizes(), mesh_.edge_marks, near_.first,
+                   near_.second, pieces_.ends, parts_.begins, piece_edge_, counters_.buffer());
+  }
+
+  void list_crossed() {
+    auto flags = runtime_.allocate<cl_uint>("crossed flags", std::size_t(mesh_.edges()) + 1);
+    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), mesh_.corners, flags);
+    primitives_.exclusive_scan(flags, flags, mesh_.faces());
+    crossed_faces_ = runtime_.read_one(flags, mesh_.faces());
+    crossed_ = runtime_.allocate<cl_uint>("crossed faces", crossed_faces_);
+    primitives_.compact_indices(flags, crossed_, mesh_.faces());
+    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_.first,
+                    near_.second, flags, counters_.buffer());
+    primitives_.exclusive_scan(flags, flags, mesh_.edges());
+    crossed_edge_count_ = runtime_.read_one(flags, mesh_.edges());
+    crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", crossed_edge_count_);
+    primitives_.compact_indices(flags, crossed_edges_, mesh_.edges());
+  }
+
+  void find_hexagons() {
+    runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners, mesh_.sides,
+                    near_.first, near_.second, counters_.buffer());
+    hexagons_ = counters_.read().hexagons;
+  }
+
+  void count_chains() {
+    left_start_ = runtime_.allocate<cl_uint>("left chain starts", std::size_t(parts_.capacity) + 1);
+    right_start_ = runtime_.allocate<cl_uint>("right chain starts", std::size_t(parts_.capacity) + 1);
+    far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
+    runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
+    walked_.launch(runtime_, "constrain", "constrain_count", over(parts_.capacity), sizes(), near_.first, near_.second,
+                   pieces_.ends, parts_.begins, left_start_, right_start_, far_, counters_.buffer());
+    primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
+    primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
+    left_total_ = runtime_.read_one(left_start_, parts_.capacity);
+    right_total_ = runtime_.read_one(right_start_, parts_.capacity);
+  }
+
+  // As many triangles are made as were crossed, if no two pieces cross.
+  bool counts_agree() const { return std::uint64_t(left_total_) + right_total_ + hexagons_ == crossed_faces_; }
+
+  void write_chains() {
+    right_begin_ = left_total_ + 2 * pieces_.count;
+    length_ = right_begin_ + right_total_ + 2 * pieces_.count;
+    chain_vertex_ = runtime_.allocate<cl_uint>("chain vertices", length_);
+    chain_distances_ = runtime_.allocate<cl_ulong>("chain distances", length_);
+    chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
+    hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
+    walked_.launch(runtime_, "constrain", "constrain_chain", over(parts_.capacity), std::make_tuple(pieces_.count, right_begin_),
+                   near_.first, near_.second, pieces_.ends, parts_.begins, left_start_, right_start_, far_, chain_vertex_,
+                   chain_distances_, chain_piece_, hole_place_, counters_.buffer());
+    walked_.history = {};
+    make_minima();
+  }
+
+  void make_minima() {
+    layers_ = {};
+    cl_uint total = 0;
+    for (cl_uint length = length_; layers_.count < GCDT_MINIMA_LAYERS; length = (length - 1) / GCDT_MINIMA_RADIX + 1) {
+      layers_.length[layers_.count] = length;
+      layers_.begin[layers_.count] = total;
+      if (layers_.count++ > 0) total += length;
+      if (length <= GCDT_MINIMA_RADIX) break;
+    }
+    minima_ = runtime_.allocate<cl_ulong>("minima", total);
+    for (cl_uint l = 1; l < layers_.count; ++l)
+      runtime_.launch("constrain", "constrain_minima", over(layers_.length[l]), layers_.length[l], layers_.length[l - 1],
+                      layers_.begin[l - 1], layers_.begin[l], cl_uint(l == 1), chain_distances_, minima_);
+    layers_buffer_ = runtime_.allocate<device::MinimaLayers>("minima layers", 1);
+    runtime_.write(layers_buffer_, &layers_, 1);
+  }
+
+  // Entries: 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
+  // is entered for the new edge in its place). A third more slots keeps probes short.
+  void keep_boundary() {
+    const std::uint64_t entries = 3ull * crossed_faces_ - crossed_edge_count_;
+    capacity_ = cl_uint(entries + entries / 2 + 1);
+    codes_ = runtime_.allocate<cl_uint>("direction codes", capacity_);
+    froms_ = runtime_.allocate<cl_uint>("direction origins", capacity_);
+    tos_ = runtime_.allocate<cl_uint>("direction ends", capacity_);
+    for (const auto* b : {&codes_, &froms_, &tos_}) runtime_.fill<cl_uint>(*b, GCDT_NONE, capacity_);
+    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners, mesh_.sides, near_.first,
+                    capacity_, codes_, froms_, tos_, counters_.buffer());
+  }
+
+  void retriangulate() {
+    runtime_.launch("constrain", "constrain_triangles", over(length_), length_, right_begin_, pieces_.count, layers_buffer_,
+                    chain_vertex_, chain_distances_, chain_piece_, minima_, crossed_, mesh_.corners);
+    runtime_.launch("constrain", "constrain_fill", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_), hole_place_,
+                    chain_vertex_, crossed_, mesh_.corners);
+  }
+
+  void stitch() {
+    for (cl_uint second : {0u, 1u})
+      runtime_.launch("stitch", "stitch_match", over(crossed_faces_), crossed_faces_, second, crossed_edge_count_, crossed_,
+                      mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_, froms_,
+                      tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n, walked_.vertices.points,
+                    mesh_.corners, mesh_.sides, mesh_.edge_faces, counters_.buffer());
+    runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_, mesh_.edge_marks,
+                    capacity_, codes_, froms_, tos_, counters_.buffer());
+  }
+
+  std::tuple<cl_uint, cl_uint> sizes() const { return {pieces_.count, parts_.capacity}; }
+
+  runtime::Runtime& runtime_;
+  Primitives& primitives_;
+  const WalkedMesh& walked_;
+  const Mesh& mesh_;
+  const Pieces& pieces_;
+  const WorkLists& near_;
+  PhaseCounters& counters_;
+  Parts parts_;
+  runtime::Buffer<cl_uint> piece_edge_, crossed_, crossed_edges_, left_start_, right_start_, far_;
+  runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, hole_place_, codes_, froms_, tos_;
+  runtime::Buffer<cl_ulong> chain_distances_, minima_;
+  runtime::Buffer<device::MinimaLayers> layers_buffer_;
+  device::MinimaLayers layers_ = {};
+  cl_uint crossed_faces_ = 0, crossed_edge_count_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
+  cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1;
+};
+
+}  // namespace
+
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
+                          const WorkLists& lists, PhaseCounters& counters) {
+  counters.zero();
+  if (pieces.count == 0) return {};
+  return Constraining(runtime, primitives, walked, pieces, lists, counters).run();
+}
+
+}  // namespace gcdt

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flip.hpp"
+
+namespace gcdt {
+
+namespace {
+
+// Up to this many edges are tested by one work-group that loops by itself (design: the tail of small
+// rounds needs no launch and no read).
+constexpr std::uint32_t one_group_edges = 2048;
+constexpr std::uint32_t one_group_rounds = 1024;
+constexpr std::uint32_t rounds_per_read = 4;
+
+/// The rounds of one flip phase. `round_` is the next round.
+class Flipping {
+ public:
+  Flipping(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+           PhaseCounters& counters, std::uint32_t vertices_in_mesh)
+      : runtime_(runtime), vertices_(vertices), mesh_(mesh), lists_(lists), counters_(counters),
+        faces_(device::gcdt_face_count(vertices_in_mesh)), edges_(device::gcdt_edge_count(vertices_in_mesh)),
+        stamps_(edges_) {}
+
+  /// Ends: a flip lowers the lifted surface (heights |p|^2, and infinitesimal ones for the tie rule), so an
+  /// edge flipped away never returns and there are at most (n+3)(n+2)/2 flips; a round with an illegal
+  /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
+  /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
+  FlipResult run(const Ticker& ticker) {
+    clear_claims(runtime_, mesh_, faces_);
+    runtime_.launch("flip", "flip_seed", runtime::over(edges_), edges_, lists_.first, counters_.buffer());
+    const std::uint64_t limit = 1024 + 64ull * edges_;
+    std::uint64_t total = 0;
+    for (std::uint32_t pending = edges_; pending > 0;) {
+      const std::uint32_t rounds_before = counters_.last().rounds;
+      const std::uint32_t launched = pending <= one_group_edges ? rounds_in_one_group() : rounds_wide();
+      const device::Counters& c = counters_.read();
+      const std::uint32_t in_group = c.rounds - rounds_before;
+      round_ += in_group;
+      stamps_.take(in_group);
+      total += launched + in_group;
+      pending = c.list_test[round_ % 3];
+      if (total > limit) throw Error(Status::round_limit, "flip: illegal edges are left after the limit of rounds");
+      ticker.tick("flip", double(faces_) / mesh_.faces());
+    }
+    return {total, wide(counters_.last().flips_low, counters_.last().flips_high)};
+  }
+
+ private:
+  std::uint32_t rounds_wide() {
+    for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
+      renew_stamps();
+      const cl_uint stamp = stamps_.take();
+      runtime_.launch("flip", "flip_test", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n, vertices_.points,
+                      mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first, lists_.second,
+                      counters_.buffer());
+      runtime_.launch("flip", "flip_propagate", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n, vertices_.points,
+                      mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.second, lists_.first,
+                      counters_.buffer());
+    }
+    return rounds_per_read;
+  }
+
+  // How many rounds were done stands in the counters.
+  std::uint32_t rounds_in_one_group() {
+    renew_stamps();
+    const cl_uint most = std::min(stamps_.left(), one_group_rounds);
+    runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(), most,
+                    mesh_.n, vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
+                    lists_.second, counters_.buffer());
+    return 0;
+  }
+
+  void renew_stamps() {
+    if (stamps_.left() > 0) return;
+    clear_claims(runtime_, mesh_, faces_);
+    stamps_.restart();
+  }
+
+  runtime::Runtime& runtime_;
+  const Vertices& vertices_;
+  const Mesh& mesh_;
+  const WorkLists& lists_;
+  PhaseCounters& counters_;
+  cl_uint faces_, edges_;
+  Stamps stamps_;
+  cl_uint round_ = 0;
+};
+
+}  // namespace
+
+FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                PhaseCounters& counters, std::uint32_t vertices_in_mesh, const Ticker& ticker) {
+  counters.zero();
+  return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh).run(ticker);
+}
+
+}  // namespace gcdt

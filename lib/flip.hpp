@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 3 on the host: Delaunay flips until no unconstrained edge is illegal (kernels/flip.cl).
+#pragma once
+
+#include "phase.hpp"
+
+namespace gcdt {
+
+struct FlipResult {
+  std::uint64_t rounds = 0, flips = 0;
+};
+
+/// Makes the mesh of the first `vertices_in_mesh` finite vertices (constrained) Delaunay with the tie rule.
+/// The mesh must be valid. Throws round_limit.
+FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                PhaseCounters& counters, std::uint32_t vertices_in_mesh, const Ticker& ticker = {});
+
+}  // namespace gcdt

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+namespace gcdt {
+
+namespace {
+
+double from_bits(std::uint64_t bits) {
+  double value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+std::uint64_t to_bits(double value) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return device::gcdt_without_negative_zero(bits);
+}
+
+// The double nearest to a decimal number, whatever the program's locale; NaN if there is none.
+double nearest_double(const std::string& text) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  double value;
+  return stream >> value ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Cell = 2^k * U / five with U = (units_low, units_high) < 2^116; see quantise.h for the window.
+device::Scale make_scale(std::array<std::uint64_t, 2> origin, std::uint64_t five, std::uint64_t units_low, std::uint64_t units_high, int k) {
+  device::Scale scale = {};
+  scale.five = five;
+  const int log2_units = (units_high ? 64 + device::gcdt_bit_length(units_high) : device::gcdt_bit_length(units_low)) - 1;
+  const int w = std::min(log2_units - GCDT_UNIT_BITS, -2);
+  scale.cell_low = device::gcdt_limb(units_low, units_high, -w);
+  scale.cell_high = device::gcdt_limb(units_low, units_high, -w - 64);
+  scale.power_of_two = scale.cell_low == 0 && scale.cell_high == 1ull << (GCDT_UNIT_BITS - 64);
+  scale.offset = -k - w;
+  for (int axis = 0; axis < 2; ++axis) {
+    scale.origin[axis] = origin[axis];
+    scale.origin_fits[axis] = device::gcdt_place(origin[axis], five, scale.offset, scale.origin_window[axis]);
+  }
+  return scale;
+}
+
+// The exponent of the ulp of the coordinate of largest magnitude.
+int largest_exponent(const Survey& survey) {
+  int exponent = GCDT_LEAST_EXPONENT;
+  for (int axis = 0; axis < 2; ++axis)
+    exponent = std::max({exponent, device::gcdt_exponent(survey.least[axis]), device::gcdt_exponent(survey.most[axis])});
+  return exponent;
+}
+
+bool fits(const Survey& survey, int k) {
+  const device::Scale scale = make_scale(survey.least, 1, 1, 0, k);
+  for (int axis = 0; axis < 2; ++axis)
+    if (device::gcdt_quantise(survey.most[axis], &scale, axis).outside) return false;
+  return true;
+}
+
+// A decimal number: digits * 10^exponent, without zeros at either end of the digits.
+struct DecimalText {
+  std::string digits;
+  long exponent = 0;
+};
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// [+] digits [. digits] [e [+-] digits], with a digit before the e; none if `text` is not that.
+std::optional<DecimalText> parse_decimal(const std::string& text) {
+  DecimalText result;
+  std::size_t at = !text.empty() && text[0] == '+' ? 1 : 0;
+  bool point = false, digit = false;
+  for (; at < text.size() && (is_digit(text[at]) || (text[at] == '.' && !point)); ++at) {
+    if (text[at] == '.') {
+      point = true;
+      continue;
+    }
+    digit = true;
+    result.digits += text[at];
+    if (point) --result.exponent;
+  }
+  if (!digit) return std::nullopt;
+  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
+    ++at;
+    const bool negative = at < text.size() && text[at] == '-';
+    if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
+    long exponent = 0;
+    const std::size_t first = at;
+    for (; at < text.size() && is_digit(text[at]); ++at) exponent = std::min(exponent * 10 + (text[at] - '0'), 1000000l);
+    if (at == first) return std::nullopt;
+    result.exponent += negative ? -exponent : exponent;
+  }
+  if (at != text.size()) return std::nullopt;
+  result.digits.erase(0, std::min(result.digits.find_first_not_of('0'), result.digits.size()));
+  while (!result.digits.empty() && result.digits.back() == '0') {
+    result.digits.pop_back();
+    ++result.exponent;
+  }
+  return result;
+}
+
+[[noreturn]] void bad_cell(const std::string& text, const char* why) {
+  throw Error(Status::invalid_argument, "the grid's cell \"" + text.substr(0, 60) + "\" " + why);
+}
+
+// The largest product units * 10^-decimals with decimals >= 0 that fits, so that whole cells read as such.
+void set_decimal_cell(Grid& grid, std::uint64_t units, int decimals) {
+  while (decimals < 0 && units <= std::numeric_limits<std::uint64_t>::max() / 10) {
+    units *= 10;
+    ++decimals;
+  }
+  grid.cell_units = units;
+  grid.cell_decimals = decimals;
+}
+
+}  // namespace
+
+double Grid::cell() const {
+  if (cell_units == 0) return std::ldexp(1.0, cell_exponent);
+  return nearest_double(std::to_string(cell_units) + "e" + std::to_string(-cell_decimals));
+}
+
+// |v| < 2^(q + 53) for q = largest_exponent, so the extent is below 2^(q + 54) and k = q + 24 fits. Ends: the
+// extent is at least 2^(q - 1) (lemma L in quantise.h), so k > q - 33.
+int finest_exponent(const Survey& survey) {
+  if (survey.least == survey.most) return 0;
+  int k = largest_exponent(survey) + 24;
+  while (k > GCDT_LEAST_EXPONENT && fits(survey, k - 1)) --k;
+  return k;
+}
+
+ChosenGrid power_of_two_grid(const Survey& survey, int k) {
+  ChosenGrid chosen;
+  const bool one_point = survey.least == survey.most;
+  chosen.grid.kind = one_point || *survey.trailing_exponent >= k ? Grid::Kind::binary : Grid::Kind::rounded;
+  chosen.grid.origin = {from_bits(survey.least[0]), from_bits(survey.least[1])};
+  chosen.grid.cell_exponent = k;
+  chosen.scale = make_scale(survey.least, 1, 1, 0, k);
+  return chosen;
+}
+
+// The binary grid does not do, so k > -1074 and the extent E >= (2^32 - 1) 2^(k-2) does not fit 2^(k-1). Decimals
+// that read as doubles of magnitude up to M are within ulp(M) / 2 of them, so their extent is at least
+// E - ulp(M), and at least E/2 >= 2^(k+28) if ulp(M) <= 2^(k+28). D decimals then fit only if
+// 2^(k+28) 10^D < 2^31, that is 5^D < 2^(3 - k - D).
+int decimals_limit(const Survey& survey, int k) {
+  int limit = GCDT_MAX_DECIMALS;
+  if (largest_exponent(survey) > k + 28) return limit;
+  while (limit >= 0 && device::gcdt_bit_length(device::gcdt_powers_of_five[limit]) > 3 - k - limit) --limit;
+  return limit;
+}
+
+// Reading decimals as doubles is monotone, so the least double has the least decimal; and if the least and
+// the largest numerators are below 2^63, all are.
+std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits) {
+  device::Decimals decimals = {};
+  std::uint64_t extent = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    const auto overflow = static_cast<device::i64>(GCDT_NUMERATOR_OVERFLOW);
+    const device::i64 least = device::gcdt_decimal_numerator(survey.least[axis], digits);
+    const device::i64 most = device::gcdt_decimal_numerator(survey.most[axis], digits);
+    if (least == overflow || most == overflow) return std::nullopt;
+    decimals.least[axis] = least;
+    extent = std::max(extent, static_cast<std::uint64_t>(most) - static_cast<std::uint64_t>(least));
+  }
+  if (extent > GCDT_GRID_LAST) return std::nullopt;
+  decimals.digits = digits;
+  decimals.step = 1;
+  int cell_decimals = digits;
+  for (; cell_decimals < GCDT_MAX_DECIMALS && extent * decimals.step * 10 <= GCDT_GRID_LAST; ++cell_decimals) decimals.step *= 10;
+  ChosenGrid chosen;
+  chosen.decimals = decimals;
+  chosen.grid.kind = Grid::Kind::decimal;
+  chosen.grid.origin = {from_bits(survey.least[0]), from_bits(survey.least[1])};
+  chosen.grid.cell_units = 1;
+  chosen.grid.cell_decimals = cell_decimals;
+  return chosen;
+}
+
+ChosenGrid fixed_grid(const FixedGrid& given) {
+  const std::array<std::uint64_t, 2> origin{to_bits(given.x), to_bits(given.y)};
+  for (const std::uint64_t bits : origin)
+    if (!device::gcdt_is_finite(bits)) throw Error(Status::invalid_argument, "the grid's origin is not finite");
+  const std::optional<DecimalText> text = parse_decimal(given.cell);
+  if (!text) bad_cell(given.cell, "is not a positive decimal number");
+  if (text->digits.empty()) bad_cell(given.cell, "is zero");
+  ChosenGrid chosen;
+  chosen.grid.kind = Grid::Kind::fixed;
+  chosen.grid.origin = {from_bits(origin[0]), from_bits(origin[1])};
+  // Where the double is a power of two, that is meant: outputs write such a cell with 17 digits.
+  const std::uint64_t nearest = to_bits(nearest_double(text->digits + "e" + std::to_string(text->exponent)));
+  const std::uint64_t m = device::gcdt_mantissa(nearest);
+  if (device::gcdt_is_finite(nearest) && m != 0 && (m & (m - 1)) == 0) {
+    const int k = device::gcdt_trailing_exponent(nearest);
+    chosen.grid.cell_exponent = k;
+    chosen.scale = make_scale(origin, 1, 1, 0, k);
+    return chosen;
+  }
+  if (text->digits.size() > 19) bad_cell(given.cell, "has more than 19 significant digits");
+  if (text->exponent < -GCDT_MAX_DECIMALS || text->exponent > GCDT_MAX_DECIMALS) bad_cell(given.cell, "is not a whole number of 10^-22 to 10^22");
+  const std::uint64_t units = std::stoull(text->digits);
+  const int exponent = static_cast<int>(text->exponent);
+  // units 10^exponent = 2^exponent (units 5^exponent), or over 5^-exponent.
+  const std::uint64_t five = device::gcdt_powers_of_five[std::abs(exponent)];
+  if (exponent < 0)
+    chosen.scale = make_scale(origin, five, units, 0, exponent);
+  else
+    chosen.scale = make_scale(origin, 1, units * five, device::gcdt_mul_high(units, five), exponent);
+  set_decimal_cell(chosen.grid, units, -exponent);
+  return chosen;
+}
+
+// The key's number R, in units of the window, is R 2^-offset / five of length.
+double move_length(std::uint64_t key, const device::Scale& scale) {
+  const int length = static_cast<int>(key >> 56);
+  const auto leading = static_cast<double>(key & ((1ull << 56) - 1));
+  return std::ldexp(leading / static_cast<double>(scale.five), length - 56 - scale.offset);
+}
+
+}  // namespace gcdt

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insert.hpp"
+
+#include <tuple>
+
+namespace gcdt {
+
+namespace {
+
+// Up to this many vertices are inserted by one work-group that loops by itself: a round there costs
+// about a microsecond, two launches cost ten times that.
+constexpr std::uint32_t one_group_vertices = 1024;
+// Rounds inside one launch of that group at most, which bounds the launch.
+constexpr std::uint32_t one_group_rounds = 1024;
+// Rounds enqueued between two blocking reads; a launch without work costs less than a read.
+constexpr std::uint32_t rounds_per_read = 4;
+// Every round inserts at least the vertex with the best ticket, and a face with k vertices loses about
+// two thirds of them to each child: real inputs take tens of rounds. The limit only stops a device
+// that computes wrongly.
+constexpr std::uint32_t round_limit = 1u << 20;
+
+/// One level's rounds. Round `round_` has its votes cast whenever a member function is entered.
+class LevelInsertion {
+ public:
+  LevelInsertion(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const History& history,
+                 const WorkLists& lists, PhaseCounters& counters)
+      : runtime_(runtime), vertices_(vertices), mesh_(mesh), history_(history), lists_(lists), counters_(counters),
+        stamps_(history.end - history.begin) {}
+
+  void locate() {
+    const cl_uint faces = device::gcdt_face_count(history_.begin);
+    runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
+    launch("insert_freeze", runtime::over(faces), std::tie(faces));
+    stamps_.take();
+    launch("insert_locate", over_level(), std::forward_as_tuple(history_.level, stamps_.bits(), vertices_.levels_buffer),
+           list(1), counters_.buffer());
+  }
+
+  /// Ends: see round_limit.
+  std::uint64_t finish(const Ticker& ticker) {
+    std::uint32_t remaining = history_.end - history_.begin;
+    while (remaining > 0) {
+      if (remaining <= one_group_vertices)
+        rounds_in_one_group();
+      else
+        for (std::uint32_t i = 0; i < rounds_per_read; ++i) round();
+      const device::Counters& c = counters_.read();
+      if (c.failed) throw Error(Status::round_limit, "insert: point location left the mesh");
+      round_ += c.rounds - rounds_seen_;
+      stamps_.take(c.rounds - rounds_seen_);
+      rounds_seen_ = c.rounds;
+      remaining = c.list_insert[round_ & 1];
+      if (round_ > round_limit) throw Error(Status::round_limit, "insert: vertices are left after the limit of rounds");
+      ticker.tick("insert", double(history_.end - remaining) / mesh_.n);
+    }
+    return round_ - 1;
+  }
+
+ private:
+  void round() {
+    renew_stamps(1);
+    launch("insert_split", over_level(), standing_round(), list(round_), counters_.buffer());
+    ++round_;
+    stamps_.take();
+    launch("insert_vote", over_level(), standing_round(), list(round_ - 1), list(round_), counters_.buffer());
+  }
+
+  void rounds_in_one_group() {
+    renew_stamps(1);
+    const cl_uint most = std::min(stamps_.left(), one_group_rounds);
+    launch("insert_rounds", runtime::one_group(), std::make_tuple(round_, stamps_.current(), stamps_.bits(), most),
+           list(0), list(1), counters_.buffer());
+  }
+
+  // Before the stamps run out the claim words are cleared and the standing votes are cast again.
+  void renew_stamps(std::uint32_t wanted) {
+    if (stamps_.left() >= wanted) return;
+    clear_claims(runtime_, mesh_, device::gcdt_face_count(history_.end));
+    stamps_.restart();
+    stamps_.take();
+    launch("insert_revote", over_level(), standing_round(), list(round_), counters_.buffer());
+  }
+
+  // Arguments in the order of all kernels: scalars, mesh, history, lists, counters.
+  template <class Scalars, class... Last>
+  void launch(const char* kernel, runtime::Range range, const Scalars& scalars, const Last&... last) {
+    std::apply(
+        [&](const auto&... scalar) {
+          runtime_.launch("insert", kernel, range, scalar..., mesh_.n, vertices_.points, mesh_.corners, mesh_.sides,
+                          mesh_.edge_faces, history_.begin, history_.end, history_.top_corners, history_.top_neighbours,
+                          history_.vertex_face, history_.nodes, history_.shape, last...);
+        },
+        scalars);
+  }
+  std::tuple<cl_uint, cl_uint, cl_uint> standing_round() const { return {round_, stamps_.current(), stamps_.bits()}; }
+  runtime::Range over_level() const { return runtime::over(history_.end - history_.begin); }
+  const runtime::Buffer<cl_uint>& list(cl_uint round) const { return round & 1 ? lists_.second : lists_.first; }
+
+  runtime::Runtime& runtime_;
+  const Vertices& vertices_;
+  const Mesh& mesh_;
+  const History& history_;
+  const WorkLists& lists_;
+  PhaseCounters& counters_;
+  Stamps stamps_;
+  cl_uint round_ = 1;
+  std::uint32_t rounds_seen_ = 0;
+};
+
+}  // namespace
+
+History make_history(runtime::Runtime& runtime, const device::Levels& levels) {
+  const std::size_t coarse = levels.begin[levels.count - 1];
+  std::size_t largest = 0;
+  for (std::uint32_t j = 0; j < levels.count; ++j)
+    largest = std::max<std::size_t>(largest, levels.begin[j + 1] - levels.begin[j]);
+  const std::size_t top_faces = 2 * coarse + 1;
+  History history;
+  history.top_corners = runtime.allocate<cl_uint4>("top layer corners", top_faces);
+  history.top_neighbours = runtime.allocate<cl_uint4>("top layer neighbours", top_faces);
+  history.vertex_face = runtime.allocate<cl_uint>("faces of coarse vertices", coarse);
+  history.nodes = runtime.allocate<cl_uint4>("history nodes", largest);
+  history.shape = runtime.allocate<cl_uint>("history shapes", largest);
+  return history;
+}
+
+void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
+  runtime.launch("insert", "insert_root", runtime::over(1), mesh.n, vertices.points, mesh.corners, mesh.sides, mesh.edge_faces);
+}
+
+std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, History& history,
+                           const WorkLists& lists, PhaseCounters& counters, unsigned level, const Ticker& ticker) {
+  history.level = level;
+  history.begin = vertices.levels.begin[level];
+  history.end = vertices.levels.begin[level + 1];
+  counters.zero();
+  LevelInsertion insertion(runtime, vertices, mesh, history, lists, counters);
+  insertion.locate();
+  return insertion.finish(ticker);
+}
+
+}  // namespace gcdt

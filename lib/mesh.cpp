@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh.hpp"
+
+#include "phase.hpp"
+
+namespace gcdt {
+
+Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n) {
+  Mesh mesh;
+  mesh.n = n;
+  mesh.corners = runtime.allocate<cl_uint4>("corners", mesh.faces());
+  mesh.sides = runtime.allocate<cl_uint4>("sides", mesh.faces());
+  mesh.edge_faces = runtime.allocate<cl_uint>("edge faces", 2 * std::size_t(mesh.edges()));
+  mesh.edge_marks = runtime.allocate<cl_uint>("edge marks", mesh.edges());
+  runtime.fill<cl_uint>(mesh.edge_marks, 0, mesh.edges());
+  return mesh;
+}
+
+void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t faces) {
+  runtime.launch("mesh", "mesh_clear_claims", runtime::over(faces), faces, mesh.corners);
+}
+
+WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n) {
+  const std::size_t edges = device::gcdt_edge_count(n);
+  return {runtime.allocate<cl_uint>("work list", edges), runtime.allocate<cl_uint>("second work list", edges)};
+}
+
+unsigned bit_width(std::uint64_t value) {
+  unsigned bits = 0;
+  while (value >> bits) ++bits;
+  return bits;
+}
+
+Stamps::Stamps(std::uint32_t numbers) : bits_(std::max(1u, bit_width(numbers > 0 ? numbers - 1 : 0))) {}
+
+void PhaseCounters::zero() {
+  host_ = {};
+  runtime_.write(buffer_, &host_, 1);
+}
+
+const device::Counters& PhaseCounters::read() {
+  runtime_.read(buffer_, &host_, 1);
+  return host_;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "order.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "grid.hpp"
+
+namespace gcdt {
+
+namespace {
+
+// Rows that are read back of a table of maxima; the rest is folded on the device.
+constexpr std::size_t rows_read = 64;
+constexpr cl_uint survey_columns = 6, quantise_columns = 2;
+constexpr unsigned morton_bits = 62;
+
+/// The input in device memory, as the caller has it.
+struct Staged {
+  cl_uint n = 0, type = 0;
+  runtime::Buffer<cl_ulong> coordinates;
+};
+
+/// Every vertex's Morton code and number.
+struct Keys {
+  Grid grid;
+  runtime::Buffer<cl_ulong> codes;
+  runtime::Buffer<cl_uint> numbers;
+};
+
+Staged stage(runtime::Runtime& runtime, Points points) {
+  Staged staged;
+  staged.n = static_cast<cl_uint>(points.size());
+  const bool wide = points.type() == Points::Type::float64;
+  staged.type = wide ? GCDT_COORDINATES_FLOAT64 : points.type() == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32 : GCDT_COORDINATES_INT32;
+  const std::size_t words = points.size() * (wide ? 2 : 1);
+  staged.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
+  runtime.write(staged.coordinates, static_cast<const cl_ulong*>(points.data()), words);
+  return staged;
+}
+
+/// A table of maxima, one row for each work-item that the device runs at once.
+struct Maxima {
+  cl_uint rows, columns;
+  runtime::Buffer<cl_ulong> table;
+
+  Maxima(runtime::Runtime& runtime, std::size_t n, cl_uint column_count) : columns(column_count) {
+    const std::size_t parallel = runtime.geometry().local * runtime.geometry().max_groups;
+    rows = static_cast<cl_uint>(std::clamp<std::size_t>(parallel, 1, n));
+    table = runtime.allocate<cl_ulong>("maxima", std::size_t{rows} * columns);
+  }
+
+  /// The maximum of each column. Blocks.
+  std::vector<cl_ulong> read(runtime::Runtime& runtime) {
+    if (rows > rows_read) {
+      const cl_uint folded_rows = rows_read;
+      auto folded = runtime.allocate<cl_ulong>("folded maxima", rows_read * columns);
+      runtime.launch("order", "fold_maxima", runtime::over(rows_read * columns), rows, columns, table, folded_rows, folded);
+      table = std::move(folded);
+      rows = folded_rows;
+    }
+    std::vector<cl_ulong> values(std::size_t{rows} * columns), most(columns, 0);
+    runtime.read(table, values.data(), values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) most[i % columns] = std::max(most[i % columns], values[i]);
+    return most;
+  }
+};
+
+[[noreturn]] void throw_at(Status status, const char* what, std::uint64_t coordinate) {
+  const std::uint64_t vertex = coordinate / 2, axis = coordinate % 2;
+  throw Error(status, std::string(axis == 0 ? "x" : "y") + " of vertex " + std::to_string(vertex) + what, {vertex, axis});
+}
+
+Survey survey(runtime::Runtime& runtime, const Staged& staged) {
+  Maxima maxima(runtime, staged.n, survey_columns);
+  runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows, maxima.table);
+  const std::vector<cl_ulong> found = maxima.read(runtime);
+  if (found[5] != 0) throw_at(Status::coordinate_not_finite, " is not a finite number", ~found[5]);
+  Survey result;
+  for (int axis = 0; axis < 2; ++axis) {
+    result.least[axis] = device::gcdt_from_ordered(~found[2 * axis]);
+    result.most[axis] = device::gcdt_from_ordered(found[2 * axis + 1]);
+  }
+  if (found[4] != 0) result.trailing_exponent = static_cast<int>(~found[4]) + GCDT_LEAST_EXPONENT;
+  return result;
+}
+
+std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const Staged& staged, const Survey& survey, int k) {
+  const cl_int limit = decimals_limit(survey, k);
+  if (limit < 0) return std::nullopt;
+  Maxima maxima(runtime, staged.n, 1);
+  runtime.launch("order", "count_decimals", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, limit, maxima.rows, maxima.table);
+  const int digits = static_cast<int>(maxima.read(runtime)[0]);
+  return digits > limit ? std::nullopt : decimal_grid(survey, digits);
+}
+
+// In the contract's order: binary, decimal, rounded. A given grid is read first, as an error in it is the
+// caller's; the survey is made for it, too, since it finds what is not finite.
+ChosenGrid choose_grid(runtime::Runtime& runtime, const Staged& staged, const std::optional<FixedGrid>& fixed) {
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
+  const Survey found = survey(runtime, staged);
+  if (given) return *given;
+  const int k = finest_exponent(found);
+  ChosenGrid power = power_of_two_grid(found, k);
+  if (power.grid.kind == Grid::Kind::binary) return power;
+  std::optional<ChosenGrid> decimal = choose_decimal(runtime, staged, found, k);
+  return decimal ? *decimal : power;
+}
+
+template <class T>
+runtime::Buffer<T> upload(runtime::Runtime& runtime, const char* name, const T& value) {
+  auto buffer = runtime.allocate<T>(name, 1);
+  runtime.write(buffer, &value, 1);
+  return buffer;
+}
+
+Keys quantise(runtime::Runtime& runtime, const Staged& staged, const ChosenGrid& chosen) {
+  Keys keys;
+  keys.grid = chosen.grid;
+  keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
+  keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
+  if (chosen.decimals) {
+    const auto decimals = upload(runtime, "decimals", *chosen.decimals);
+    runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates, decimals, keys.codes,
+                   keys.numbers);
+    return keys;
+  }
+  const auto scale = upload(runtime, "scale", chosen.scale);
+  Maxima maxima(runtime, staged.n, quantise_columns);
+  runtime.launch("order", "quantise", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, scale, maxima.rows, keys.codes,
+                 keys.numbers, maxima.table);
+  const std::vector<cl_ulong> found = maxima.read(runtime);
+  if (found[1] != 0) throw_at(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
+  keys.grid.largest_move = move_length(found[0], chosen.scale);
+  return keys;
+}
+
+/// The staged input lives no longer than this call.
+Keys make_keys(runtime::Runtime& runtime, Points points, const std::optional<FixedGrid>& fixed) {
+  const Staged staged = stage(runtime, points);
+  return quantise(runtime, staged, choose_grid(runtime, staged, fixed));
+}
+
+void set_levels(runtime::Runtime& runtime, Vertices& vertices, std::uint32_t n, std::uint32_t coarsest_level) {
+  vertices.levels = device::make_levels(n, coarsest_level);
+  vertices.levels_buffer = upload(runtime, "levels", vertices.levels);
+  vertices.points = runtime.allocate<cl_int2>("points", n);
+  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
+}
+
+OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
+  OrderResult result;
+  if (fixed) result.vertices.grid = fixed_grid(*fixed).grid;
+  result.vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", 0);
+  set_levels(runtime, result.vertices, 0, coarsest_level);
+  return result;
+}
+
+}  // namespace
+
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points, const std::optional<FixedGrid>& fixed,
+                  std::uint32_t coarsest_level) {
+  if (points.size() > max_vertices)
+    throw Error(Status::too_many_vertices, std::to_string(points.size()) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
+  if (points.size() == 0) return no_vertices(runtime, fixed, coarsest_level);
+  const auto n = static_cast<cl_uint>(points.size());
+  Keys keys = make_keys(runtime, points, fixed);
+  primitives.sort(keys.codes, keys.numbers, n, morton_bits);
+  primitives.release();
+
+  auto before = runtime.allocate<cl_uint>("distinct before", n + 1);
+  runtime.launch("order", "mark_first", runtime::over(n), n, keys.codes, before);
+  primitives.exclusive_scan(before, before, n);
+  const cl_uint distinct = runtime.read_one(before, n);
+
+  OrderResult result;
+  result.merged = n - distinct;
+  Vertices& vertices = result.vertices;
+  vertices.grid = keys.grid;
+  vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
+  set_levels(runtime, vertices, distinct, coarsest_level);
+  runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers, before, vertices.points,
+                 vertices.vertex_input, vertices.input_vertex);
+  return result;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
+
+#include "phase.hpp"
+
+namespace gcdt {
+
+using runtime::Buffer;
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+
+/// Enqueues the sort of face references by canonical order, symbolic faces last, and returns the
+/// number of finite ones. The keys are gone on return.
+std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices, Buffer<cl_uint>& refs) {
+  const cl_uint bits = bit_width(mesh.n);
+  auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
+  auto finite = runtime.allocate<cl_uint>("output count", 1);
+  runtime.fill<cl_uint>(finite, 0, 1);
+  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners, keys, refs, finite);
+  const std::uint32_t triangles = runtime.read_one(finite);
+  if (triangles != 0) primitives.sort(keys, refs, mesh.faces(), 2 * bits);
+  primitives.release();
+  return triangles;
+}
+
+}  // namespace
+
+OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices) {
+  OrderedMesh ordered;
+  auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
+  if (mesh.n >= 3) ordered.triangles = sort_faces(runtime, primitives, mesh, vertices, refs);
+  const cl_uint count = ordered.triangles;
+  ordered.corners = runtime.allocate<cl_uint>("output corners", std::size_t{3} * count);
+  ordered.neighbours = runtime.allocate<cl_int>("output neighbours", std::size_t{3} * count);
+  ordered.constrained = runtime.allocate<cl_uchar>("output flags", count);
+  if (count == 0) return ordered;
+  auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
+  runtime.launch("output", "place_faces", over(mesh.faces()), mesh.faces(), count, refs, positions);
+  runtime.launch("output", "gather_triangles", over(count), count, mesh.corners, mesh.sides, mesh.edge_faces,
+                 mesh.edge_marks, refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
+  return ordered;
+}
+
+void read_triangulation(Runtime& runtime, OrderedMesh& ordered, const Vertices& vertices, Triangulation& result) {
+  const cl_uint count = ordered.triangles, inputs = static_cast<cl_uint>(vertices.input_vertex.size());
+  auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
+  if (inputs != 0)
+    runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input, vertices.input_vertex, representatives);
+  if (count != 0) runtime.launch("output", "number_corners", over(std::size_t{3} * count), 3 * count, vertices.vertex_input, ordered.corners);
+  result.representative.resize(inputs);
+  runtime.read(representatives, result.representative.data(), inputs);
+  result.triangles.resize(count);
+  result.neighbours.resize(count);
+  result.constrained.resize(count);
+  static_assert(sizeof result.triangles[0] == 3 * sizeof(cl_uint) && sizeof result.neighbours[0] == 3 * sizeof(cl_int), "arrays are packed");
+  if (count == 0) return;
+  runtime.read(ordered.corners, result.triangles[0].data(), std::size_t{3} * count);
+  runtime.read(ordered.neighbours, result.neighbours[0].data(), std::size_t{3} * count);
+  runtime.read(ordered.constrained, result.constrained.data(), count);
+}
+
+}  // namespace gcdt

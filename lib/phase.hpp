@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the host loops of the phases share: work lists, counters, stamps, progress.
+#pragma once
+
+#include "mesh.hpp"
+
+namespace gcdt {
+
+/// Allocates a mesh for n vertices, no edge constrained; contents otherwise undefined.
+Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n);
+
+/// Sets the claim words of the first `faces` faces to 0.
+void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t faces);
+
+/// Two lists of one word per edge of the complete mesh, used by one phase at a time.
+struct WorkLists {
+  runtime::Buffer<cl_uint> first, second;
+};
+WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n);
+
+/// Bits that hold `value`; 0 for 0.
+unsigned bit_width(std::uint64_t value);
+
+/// Hands out the stamps of tickets (kernels/mesh.h, "Claims"): 1, 2, ... up to what the bits above
+/// the candidates' numbers hold, then the claim words must be cleared.
+class Stamps {
+ public:
+  /// For candidates numbered below `numbers`, at most 2^31.
+  explicit Stamps(std::uint32_t numbers);
+  cl_uint bits() const { return bits_; }
+  /// Stamps left before the next clearing.
+  std::uint32_t left() const { return last() - used_; }
+  cl_uint current() const { return used_; }
+  /// Takes `count` stamps, at most left(), and returns the first.
+  cl_uint take(std::uint32_t count = 1) {
+    used_ += count;
+    return used_ - count + 1;
+  }
+  void restart() { used_ = 0; }
+
+ private:
+  std::uint32_t last() const { return (bits_ >= 32 ? 0u : 0xFFFFFFFFu >> bits_); }
+  cl_uint bits_;
+  std::uint32_t used_ = 0;
+};
+
+/// The counters struct on the device and its last copy on the host. read() blocks.
+class PhaseCounters {
+ public:
+  explicit PhaseCounters(runtime::Runtime& runtime)
+      : runtime_(runtime), buffer_(runtime.allocate<device::Counters>("counters", 1)) {
+    zero();
+  }
+  /// Zeroes both copies.
+  void zero();
+  const device::Counters& read();
+  const device::Counters& last() const { return host_; }
+  const runtime::Buffer<device::Counters>& buffer() const { return buffer_; }
+
+ private:
+  runtime::Runtime& runtime_;
+  runtime::Buffer<device::Counters> buffer_;
+  device::Counters host_ = {};
+};
+
+/// Called between rounds; throws Status::cancelled if the caller wants to stop.
+class Ticker {
+ public:
+  Ticker() = default;
+  explicit Ticker(const Progress& progress) : progress_(&progress) {}
+  void tick(const char* phase, double done) const {
+    if (progress_ && *progress_ && !(*progress_)(phase, done))
+      throw Error(Status::cancelled, std::string("cancelled during ") + phase);
+  }
+
+ private:
+  const Progress* progress_ = nullptr;
+};
+
+inline std::uint64_t wide(std::uint32_t low, std::uint32_t high) { return low | std::uint64_t(high) << 32; }
+
+}  // namespace gcdt

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Launches the kernels of primitives*.cl and sort*.cl.
+#include "primitives.hpp"
+
+#include <algorithm>
+
+namespace gcdt {
+
+using runtime::Buffer;
+
+namespace {
+// Parts per compute unit: as many groups as a GPU unit holds at once; on CPUs enough to even out the
+// load, and few, because each sort part brings 256 counters.
+constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
+// Elements that are worth a part of their own. A GPU's sort part is at least one tile.
+constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
+// Digits as in sort_serial.h and sort_group.h.
+constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
+constexpr std::size_t most_elements = std::size_t{1} << 31;
+
+// Scratch that is exchanged with a caller's buffer must leave the caller its capacity, not more.
+template <class T>
+void match(runtime::Runtime& runtime, Buffer<T>& scratch, const char* name, std::size_t size) {
+  if (scratch.allocated() && scratch.size() == size) return;
+  scratch = Buffer<T>();
+  scratch = runtime.allocate<T>(name, size);
+}
+}  // namespace
+
+Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) const {
+  if (count > most_elements) throw Error(Status::invalid_argument, "scan and sort take at most 2^31 elements");
+  const std::size_t units = std::max<std::size_t>(runtime_.info().compute_units, 1);
+  const std::size_t most_parts = units * (walk_ == Walk::serial ? cpu_parts_per_unit : gpu_parts_per_unit);
+  const std::size_t span = std::max(least_span, (count + most_parts - 1) / most_parts);
+  const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
+  return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
+          runtime::over(parts * runtime_.geometry().local)};
+}
+
+void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
+  const Parts cut_at = cut(count, scan_span);
+  const bool serial = walk_ == Walk::serial;
+  const char* program = serial ? "primitives" : "primitives_group";
+  runtime_.reserve(part_sums_, "sums of parts", cut_at.parts);
+  if (cut_at.parts > 1)
+    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in,
+                    part_sums_);
+  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in, part_sums_,
+                  out);
+}
+
+void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl_uint>& out, std::size_t count) {
+  if (count == 0) return;
+  runtime_.launch("primitives", "compact_indices", runtime::over(count), static_cast<cl_uint>(count), offsets, out);
+}
+
+template <class Key>
+void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
+                            Buffer<Key>& other_keys) {
+  if (count < 2 || bits == 0) return;
+  const bool serial = walk_ == Walk::serial;
+  const unsigned digit_bits = serial ? serial_digit_bits : group_digit_bits;
+  const Parts cut_at = cut(count, serial ? sort_span_serial : sort_span_group);
+  match(runtime_, other_keys, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  runtime_.reserve(digit_table_, "digit counts", (std::size_t{1} << digit_bits) * cut_at.parts + 1);
+  // Ends after ceil(bits / digit_bits) passes; each leaves the pairs in order of the bits seen so far.
+  for (cl_uint shift = 0; shift < bits; shift += digit_bits) {
+    const cl_uint mask = (1u << std::min(digit_bits, bits - shift)) - 1u;
+    runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, shift,
+                    mask, keys, digit_table_);
+    exclusive_scan(digit_table_, digit_table_, std::size_t{mask + 1u} * cut_at.parts);
+    runtime_.launch(program, serial ? "sort_move_serial" : "sort_move_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, shift,
+                    mask, keys, values, digit_table_, other_keys, other_values_);
+    std::swap(keys, other_keys);
+    std::swap(values, other_values_);
+  }
+}
+
+void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+  sort_pairs(walk_ == Walk::serial ? "sort64_serial" : "sort64_group", keys, values, count, std::min(bits, 64u), other_keys64_);
+}
+
+void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, std::min(bits, 32u), other_keys32_);
+}
+
+void Primitives::release() {
+  for (auto* scratch : {&part_sums_, &digit_table_, &other_values_, &other_keys32_}) *scratch = {};
+  other_keys64_ = {};
+}
+
+}  // namespace gcdt

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "walk.hpp"
+
+namespace gcdt {
+
+namespace {
+// A GPU wants some hundred thousand work-items; a CPU only enough to even out its threads' load.
+constexpr cl_uint gpu_pool = 1u << 17, cpu_pool_per_unit = 512;
+// Parts that even the shortest total length gets: keeps a few long pieces on many work-items.
+constexpr cl_uint gpu_least = 4096, cpu_least = 64;
+}  // namespace
+
+cl_uint part_pool(const DeviceInfo& info) { return info.is_gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, info.compute_units); }
+
+Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                 const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
+  const cl_uint most = part_pool(runtime.info()), least = std::min(most, runtime.info().is_gpu ? gpu_least : cpu_least);
+  cl_uint root = 1;
+  while (std::uint64_t(root) * root < device::gcdt_face_count(vertices.n())) ++root;
+  Parts parts;
+  parts.capacity = pieces + most;
+  parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
+  runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("length of pieces", 2);
+  runtime.fill<cl_uint>(total, 0, 2);
+  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, vertices.points, ends, total);
+  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, root, vertices.points, ends, total, parts.begins);
+  primitives.exclusive_scan(parts.begins, parts.begins, pieces);
+  return parts;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Says which sources are not as clang-format 14 would write them; another version decides nothing.
+# Usage: scripts/format.sh [--fix]
+#   --fix   rewrites them
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+case ${1-} in
+  "") mode=(--dry-run -Werror) ;;
+  --fix) mode=(-i) ;;
+  *) sed -n '3,5s/^# //p' "scripts/format.sh"; exit 2 ;;
+esac
+tool=$(command -v clang-format-14 || command -v clang-format || true)
+if [[ -z $tool || $("$tool" --version) != *"version 14."* ]]; then
+  echo "format: not checked, clang-format 14 is not installed"
+  exit 0
+fi
+mapfile -t sources < <(find include kernels lib tools tests examples bench -name build -prune -o -type f \
+  \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.cl' \) -print 2>/dev/null | sort)
+"$tool" "${mode[@]}" "${sources[@]}"
+echo "format: ${#sources[@]} files"

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Postconditions of the insert and flip phases.
+#include "flip.hpp"
+#include "insert.hpp"
+#include "mesh_fixture.hpp"
+
+using namespace fixture;
+
+namespace {
+
+struct Run {
+  std::uint64_t insert_rounds = 0, flip_rounds = 0, flips = 0;
+};
+
+// Inserts and flips level by level, proving the mesh after every step.
+Run triangulate(runtime::Runtime& runtime, std::vector<Point> points, std::uint32_t coarsest) {
+  const Vertices vertices = upload(runtime, points, coarsest);
+  const Mesh mesh = make_mesh(runtime, vertices.n());
+  const WorkLists lists = make_work_lists(runtime, vertices.n());
+  History history = make_history(runtime, vertices.levels);
+  PhaseCounters counters(runtime);
+  insert_root(runtime, vertices, mesh);
+  Run run;
+  for (unsigned level = 0; level < vertices.levels.count; ++level) {
+    const std::uint32_t now = vertices.levels.begin[level + 1];
+    run.insert_rounds += insert_level(runtime, vertices, mesh, history, lists, counters, level);
+    CHECK(invalid_reason(download(runtime, mesh, points, now), now) == "");
+    const FlipResult flipped = flip(runtime, vertices, mesh, lists, counters, now);
+    run.flip_rounds += flipped.rounds;
+    run.flips += flipped.flips;
+    const HostMesh after = download(runtime, mesh, points, now);
+    CHECK(invalid_reason(after, now) == "");
+    CHECK(illegal_edges(after) == 0);
+  }
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("every level leaves a valid mesh, and flips leave no illegal edge") {
+  for (const cl::Device& device : devices_under_test()) {
+    runtime::Runtime runtime(device);
+    for (const char* kind : {"uniform", "grid", "collinear", "clusters", "corners", "parabola", "tiny"})
+      for (std::uint32_t n : {0u, 1u, 2u, 3u, 4u, 10u, 100u, 1000u, 5000u}) {
+        CAPTURE(kind);
+        CAPTURE(n);
+        CAPTURE(runtime.info().name);
+        triangulate(runtime, make_points(kind, n, 7), 64);
+      }
+  }
+}

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scan, compaction and sort against the standard library, both walks, under several launch geometries.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "primitives.hpp"
+
+using namespace gcdt;
+using runtime::Buffer;
+using runtime::Geometry;
+using runtime::Runtime;
+
+namespace {
+
+using Words = std::vector<cl_uint>;
+
+constexpr std::size_t sizes[] = {0, 1, 2, 63, 64, 65, 127, 128, 129, 1000, 1023, 1025, 4097, 20011};
+constexpr std::size_t million = 1000000;
+constexpr cl_uint guard = 0xDEADBEEFu;
+
+Runtime& cpu_runtime() {
+  const auto all = runtime::all_devices();
+  static Runtime runtime(all.at(select_device("auto")));  // no device: throws, and the test fails
+  return runtime;
+}
+
+// Sets a launch geometry for its life.
+class Shaken {
+ public:
+  Shaken(Runtime& runtime, Geometry geometry) : geometry_(runtime.geometry()), before_(geometry_) { geometry_ = geometry; }
+  ~Shaken() { geometry_ = before_; }
+
+ private:
+  Geometry& geometry_;
+  Geometry before_;
+};
+
+const Geometry geometries[] = {{64, 128}, {64, 1}, {1, 3}, {7, 2}, {16, 5}, {128, 1000}, {1024, 2}};
+
+template <class Test>
+void for_all_walks_and_geometries(Test test) {
+  for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group})
+    for (const Geometry& geometry : geometries) {
+      CAPTURE(static_cast<int>(walk));
+      CAPTURE(geometry.local);
+      CAPTURE(geometry.max_groups);
+      Shaken shaken(cpu_runtime(), geometry);
+      Primitives primitives(cpu_runtime(), walk);
+      test(primitives);
+    }
+}
+
+Words random_words(std::size_t count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Words words(count);
+  for (auto& w : words) w = random();
+  return words;
+}
+
+Words exclusive(const Words& in) {
+  Words out(in.size() + 1, 0);
+  std::partial_sum(in.begin(), in.end(), out.begin() + 1);
+  return out;
+}
+
+// A buffer of `values` followed by guard words.
+template <class T>
+Buffer<T> guarded(const std::vector<T>& values) {
+  std::vector<T> all = values;
+  all.resize(values.size() + 16, static_cast<T>(guard));
+  auto buffer = cpu_runtime().allocate<T>("test", all.size());
+  cpu_runtime().write(buffer, all.data(), all.size());
+  return buffer;
+}
+
+template <class T>
+std::vector<T> contents(const Buffer<T>& buffer, std::size_t count) {
+  std::vector<T> all(count);
+  cpu_runtime().read(buffer, all.data(), count);
+  return all;
+}
+
+template <class T>
+std::vector<T> with_guards(std::vector<T> values, std::size_t count) {
+  values.resize(count, static_cast<T>(guard));
+  return values;
+}
+
+template <class Key>
+void check_sort(Primitives& primitives, std::vector<Key> keys, unsigned bits) {
+  const std::size_t count = keys.size();
+  Words values(count);
+  std::iota(values.begin(), values.end(), 7u);
+  const Key mask = bits >= sizeof(Key) * 8 ? ~Key{0} : static_cast<Key>((Key{1} << bits) - 1);
+  Words order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](cl_uint a, cl_uint b) { return (keys[a] & mask) < (keys[b] & mask); });
+  std::vector<Key> keys_wanted(count);
+  Words values_wanted(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    keys_wanted[i] = keys[order[i]];
+    values_wanted[i] = values[order[i]];
+  }
+  auto key_buffer = guarded(keys);
+  auto value_buffer = guarded(values);
+  const std::size_t capacity = key_buffer.size();
+  primitives.sort(key_buffer, value_buffer, count, bits);
+  CHECK(contents(key_buffer, count) == keys_wanted);
+  CHECK(contents(value_buffer, count) == values_wanted);
+  CHECK(key_buffer.size() == capacity);
+  CHECK(value_buffer.size() == capacity);
+}
+
+std::vector<cl_ulong> random_keys(std::size_t count, std::uint64_t seed, cl_ulong mask) {
+  std::mt19937_64 random(seed);
+  std::vector<cl_ulong> keys(count);
+  for (auto& k : keys) k = random() & mask;
+  return keys;
+}
+
+}  // namespace
+
+TEST_CASE("a scan equals the standard library's, leaves its input and writes count + 1 words") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : sizes) {
+      CAPTURE(count);
+      const Words in = random_words(count, 1);
+      const auto in_buffer = guarded(in);
+      const auto out_buffer = guarded(Words(count + 1, 0));
+      primitives.exclusive_scan(in_buffer, out_buffer, count);
+      CHECK(contents(out_buffer, count + 17) == with_guards(exclusive(in), count + 17));
+      CHECK(contents(in_buffer, count + 16) == with_guards(in, count + 16));
+    }
+  });
+}
+
+TEST_CASE("a scan in place equals a scan from buffer to buffer") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : sizes) {
+      CAPTURE(count);
+      const Words in = random_words(count, 2);
+      Words room = in;
+      room.push_back(0);
+      const auto buffer = guarded(room);
+      primitives.exclusive_scan(buffer, buffer, count);
+      CHECK(contents(buffer, count + 17) == with_guards(exclusive(in), count + 17));
+    }
+  });
+}
+
+TEST_CASE("a scan of a million words equals the standard library's") {
+  for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group}) {
+    Primitives primitives(cpu_runtime(), walk);
+    const Words in = random_words(million + 3, 3);
+    const auto buffer = guarded(in);
+    const auto out = guarded(Words(in.size() + 1, 0));
+    primitives.exclusive_scan(buffer, out, in.size());
+    CHECK(contents(out, in.size() + 17) == with_guards(exclusive(in), in.size() + 17));
+  }
+}
+
+TEST_CASE("compaction lists the flagged indices, ascending, and writes nothing else") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : sizes)
+      for (cl_uint one_in : {1u, 3u, 100u, 0u}) {
+        CAPTURE(count);
+        CAPTURE(one_in);
+        Words flags(count), wanted;
+        std::mt19937 random(4);
+        for (std::size_t i = 0; i < count; ++i) {
+          flags[i] = one_in != 0 && random() % one_in == 0;
+          if (flags[i]) wanted.push_back(static_cast<cl_uint>(i));
+        }
+        const auto offsets = guarded(exclusive(flags));
+        const auto out = guarded(Words(wanted.size(), 0));
+        primitives.compact_indices(offsets, out, count);
+        CHECK(contents(out, wanted.size() + 16) == with_guards(wanted, wanted.size() + 16));
+      }
+  });
+}
+
+TEST_CASE("a sort of 64-bit keys equals a stable sort by the low bits") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : sizes)
+      for (unsigned bits : {0u, 1u, 5u, 62u}) {
+        CAPTURE(count);
+        CAPTURE(bits);
+        check_sort(primitives, random_keys(count, count + bits, ~0ull), bits);
+      }
+  });
+}
+
+TEST_CASE("a sort of 32-bit keys equals a stable sort by the low bits") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : sizes)
+      for (unsigned bits : {3u, 8u, 17u, 32u}) {
+        CAPTURE(count);
+        CAPTURE(bits);
+        check_sort(primitives, random_words(count, static_cast<std::uint32_t>(count + bits)), bits);
+      }
+  });
+}
+
+TEST_CASE("equal keys keep their order, sorted and reversed keys sort, and one object serves many sizes") {
+  for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group}) {
+    Primitives primitives(cpu_runtime(), walk);
+    for (std::size_t count : {std::size_t{50000}, std::size_t{777}, std::size_t{123456}}) {
+      check_sort(primitives, std::vector<cl_ulong>(count, 0x123456789ABCDEF0ull), 64);
+      check_sort(primitives, random_keys(count, 9, 0xF0F0ull), 16);
+      std::vector<cl_ulong> keys(count);
+      std::iota(keys.begin(), keys.end(), ~0ull - count);
+      check_sort(primitives, keys, 64);
+      std::reverse(keys.begin(), keys.end());
+      check_sort(primitives, keys, 64);
+    }
+    primitives.release();
+    check_sort(primitives, random_words(5000, 10), 32);
+  }
+}
+
+TEST_CASE("a million 64-bit keys sort by 62 bits") {
+  for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group}) {
+    Primitives primitives(cpu_runtime(), walk);
+    check_sort(primitives, random_keys(million, 11, (1ull << 62) - 1), 62);
+    check_sort(primitives, random_words(million + 1, 12), 29);
+  }
+}
+
+TEST_CASE("a sort beyond `count` touches nothing: later elements are not mixed in") {
+  Primitives primitives(cpu_runtime());
+  const auto keys = random_keys(10000, 13, ~0ull);
+  auto key_buffer = guarded(keys);
+  auto value_buffer = guarded(Words(keys.size(), 1u));
+  primitives.sort(key_buffer, value_buffer, 6000);
+  std::vector<cl_ulong> wanted(keys.begin(), keys.begin() + 6000);
+  std::sort(wanted.begin(), wanted.end());
+  CHECK(contents(key_buffer, 6000) == wanted);
+}

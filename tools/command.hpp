@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands of gcdt and what they share.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gcdt/gcdt.hpp>
+
+#include "io/failure.hpp"
+#include "io/triangle_files.hpp"
+
+namespace gcdt::command {
+
+struct TriangulateArguments {
+  std::string input;
+  std::vector<std::string> outputs;
+  std::string crossing = "reject", grid, device, statistics;
+  bool verify = false, quiet = false;
+};
+
+struct VerifyArguments {
+  std::string input, output;
+  std::string crossing = "reject", grid;
+  bool quiet = false;
+};
+
+/// Each returns when all is done and throws io::Failure or gcdt::Error otherwise.
+void triangulate(const TriangulateArguments& arguments);
+void verify(const VerifyArguments& arguments);
+void list_devices();
+
+Crossing crossing_named(const std::string& name);
+
+/// "X,Y,CELL" as a grid; nothing if the text is empty. Throws io::Failure (Exit::usage).
+std::optional<FixedGrid> grid_from_option(const std::string& text);
+
+/// Turns what the library threw about `input` into one line (crossings: more) in the input's own
+/// numbers, with the status to leave with.
+io::Failure explained(const Error& error, const io::Input& input, const Options& options);
+
+/// The status for an error that is not about one input.
+io::Exit exit_for(Status status);
+
+/// A line on standard error that is no failure.
+void note(const std::string& text);
+
+/// Prints text on standard output. Throws io::Failure (Exit::output) if it cannot be written.
+void print(const std::string& text);
+
+}  // namespace gcdt::command

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <gcdt/verify.hpp>
+
+#include "command.hpp"
+#include "io/grid_text.hpp"
+
+namespace gcdt::command {
+
+namespace {
+
+/// FILE:LINE of a record that was read.
+std::string place(const std::string& file, const io::LineNumbers& lines, std::uint64_t index) {
+  return fmt::format("{}:{}", file, lines.of(index));
+}
+
+std::string segment(const io::Input& input, std::uint64_t c) {
+  const auto& [a, b] = input.constraints[c];
+  return fmt::format("segment {} (vertices {} {}, line {})", c + input.first_constraint, a + input.first,
+                     b + input.first, input.constraint_lines.of(c));
+}
+
+std::string crossings(const Error& error, const io::Input& input, const Options& options) {
+  const auto& pairs = error.indices();
+  const std::uint64_t shown = pairs.size() / 2, all = std::max(error.pair_count(), shown);
+  std::string text = fmt::format("{}: {} {} of constraints cross{}:", input.constraint_file, all,
+                                 all == 1 ? "pair" : "pairs", all == 1 ? "es" : "");
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2)
+    if (pairs[i] < input.constraints.size() && pairs[i + 1] < input.constraints.size())
+      text += fmt::format("\n  {} and {}", segment(input, pairs[i]), segment(input, pairs[i + 1]));
+  if (all > shown) text += fmt::format("\n  and {} more", all - shown);
+  const Grid grid = choose_grid(input.vertices, options.grid);
+  if (grid.kind == Grid::Kind::rounded || grid.kind == Grid::Kind::fixed)
+    text += fmt::format(
+        "\nthe vertices are rounded to a grid (cell {}, largest move {}), which can make clean input cross: --grid "
+        "X,Y,CELL sets another",
+        grid.cell(), grid.largest_move);
+  return text + "\n--crossing drop leaves out every constraint that crosses an earlier one";
+}
+
+std::string about_coordinate(const Error& error, const io::Input& input, const char* what) {
+  const std::uint64_t vertex = error.indices()[0], axis = error.indices()[1] & 1;
+  return fmt::format("{}: the {} coordinate of vertex {}, {}, {}", place(input.vertex_file, input.vertex_lines, vertex),
+                     axis == 0 ? 'x' : 'y', vertex + input.first, input.vertices[vertex][axis], what);
+}
+
+}  // namespace
+
+Crossing crossing_named(const std::string& name) { return name == "drop" ? Crossing::drop : Crossing::reject; }
+
+std::optional<FixedGrid> grid_from_option(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  auto wrong = [&](const std::string& why) {
+    return io::Failure(io::Exit::usage, fmt::format("--grid {}: {}", text, why));
+  };
+  const std::size_t first = text.find(','), second = text.find(',', first + 1);
+  if (first == std::string::npos || second == std::string::npos) throw wrong("expected X,Y,CELL");
+  auto coordinate = [&](std::size_t from, std::size_t to) {
+    double value = 0;
+    const auto [end, error] = fast_float::from_chars(text.data() + from, text.data() + to, value);
+    if (error != std::errc() || end != text.data() + to || !(value - value == 0))
+      throw wrong("X and Y must be finite numbers");
+    return value;
+  };
+  FixedGrid grid{coordinate(0, first), coordinate(first + 1, second), text.substr(second + 1)};
+  try {
+    choose_grid({}, grid);  // the library reads the cell: better now than after a large file
+  } catch (const Error& error) {
+    if (error.status() == Status::invalid_argument) throw wrong(error.what());
+  }
+  return grid;
+}
+
+io::Exit exit_for(Status status) {
+  switch (status) {
+    case Status::ok: return io::Exit::done;
+    case Status::invalid_argument: return io::Exit::usage;
+    case Status::coordinate_not_finite:
+    case Status::coordinate_outside_grid:
+    case Status::index_out_of_range:
+    case Status::too_many_vertices:
+    case Status::constraints_cross: return io::Exit::input;
+    case Status::no_device:
+    case Status::device_failed:
+    case Status::out_of_memory:
+    case Status::round_limit: return io::Exit::device;
+    case Status::check_failed: return io::Exit::check;
+    case Status::cancelled: return io::Exit::interrupted;
+  }
+  return io::Exit::device;
+}
+
+io::Failure explained(const Error& error, const io::Input& input, const Options& options) {
+  std::string text = error.what();
+  const bool names_vertex = error.indices().size() >= 2 && error.indices()[0] < input.vertices.size();
+  if (error.status() == Status::constraints_cross) text = crossings(error, input, options);
+  if (error.status() == Status::coordinate_outside_grid && names_vertex)
+    text = about_coordinate(error, input, "lies outside the grid");
+  if (error.status() == Status::coordinate_not_finite && names_vertex)
+    text = about_coordinate(error, input, "is not finite");
+  if (error.status() == Status::cancelled) text = "interrupted";
+  return io::Failure(exit_for(error.status()), text);
+}
+
+void note(const std::string& text) { std::fputs(fmt::format("gcdt: note: {}\n", text).c_str(), stderr); }
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw io::Failure(io::Exit::output, "standard output cannot be written");
+}
+
+}  // namespace gcdt::command

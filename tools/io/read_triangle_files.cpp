@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <unordered_map>
+
+#include "grid_text.hpp"
+#include "paths.hpp"
+#include "triangle_files.hpp"
+
+namespace gcdt::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t max_constraints = (1ull << 31) - 1;
+/// The shortest record, "0 0 0" and its line end, bounds how many records a text can hold.
+constexpr std::size_t shortest_record = 6;
+
+std::size_t reservation(const Records& in, std::uint64_t count) {
+  return static_cast<std::size_t>(std::min<std::uint64_t>(count, in.bytes_left() / shortest_record + 1));
+}
+
+/// Moves to record `done` of `count`, or says how many came.
+void expect_record(Records& in, const char* kind, std::uint64_t done, std::uint64_t count) {
+  if (!in.next()) in.fail(fmt::format("the file ends after {} of {} {}", done, count, kind));
+}
+
+void expect_end(Records& in) {
+  if (in.next()) in.fail("more text than the counts announce");
+}
+
+double coordinate(Records& in, const char* what) {
+  const double value = in.number(what);
+  if (!(value - value == 0)) in.fail(fmt::format("the {} is not finite: {}", what, in.field()));
+  return value;
+}
+
+/// `<vertices> <dimension> <attributes> <markers>`, the last three at will.
+std::uint64_t vertex_header(Records& in) {
+  if (!in.next()) in.fail("the number of vertices is missing");
+  const std::uint64_t count = in.count("the number of vertices", max_vertices);
+  if (in.more() && in.integer("the dimension") != 2)
+    in.fail(fmt::format("the dimension must be 2, not {}", in.field()));
+  in.skip_numbers("the header");
+  return count;
+}
+
+void read_vertices(Records& in, std::uint64_t count, Input& out) {
+  out.vertices.reserve(reservation(in, count));
+  out.vertex_file = in.name();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    expect_record(in, "vertices", i, count);
+    const std::int64_t number = in.integer("the vertex number");
+    if (i == 0) {
+      if (number != 0 && number != 1)
+        in.fail(fmt::format("the first vertex must have the number 0 or 1, not {}", in.field()));
+      out.first = static_cast<std::uint32_t>(number);
+    } else if (number != static_cast<std::int64_t>(i + out.first)) {
+      in.fail(fmt::format("vertex number {} where {} is due", in.field(), i + out.first));
+    }
+    const double x = coordinate(in, "x coordinate");
+    const double y = coordinate(in, "y coordinate");
+    in.skip_numbers("an attribute or marker");
+    out.vertices.push_back({x, y});
+    out.vertex_lines.append(in.line());
+  }
+}
+
+std::uint32_t segment_end(Records& in, const Input& out, std::uint64_t segment) {
+  const std::int64_t number = in.integer("the segment's end");
+  const std::int64_t index = number < 0 ? -1 : number - out.first;
+  if (index < 0 || static_cast<std::uint64_t>(index) >= out.vertices.size())
+    in.fail(out.vertices.empty()
+                ? fmt::format("segment {} names vertex {}, but there are no vertices", segment, in.field())
+                : fmt::format("segment {} names vertex {}, but the vertices are {} to {}", segment, in.field(),
+                              out.first, out.first + out.vertices.size() - 1));
+  return static_cast<std::uint32_t>(index);
+}
+
+void read_segments(Records& in, std::uint64_t count, Input& out) {
+  out.constraints.reserve(reservation(in, count));
+  out.constraint_file = in.name();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    expect_record(in, "segments", i, count);
+    const std::int64_t number = in.integer("the segment number");
+    if (i == 0) out.first_constraint = number == 1 ? 1 : 0;
+    const std::uint32_t a = segment_end(in, out, i + out.first_constraint);
+    const std::uint32_t b = segment_end(in, out, i + out.first_constraint);
+    in.skip_numbers("a segment's marker");
+    out.constraints.push_back({a, b});
+    out.constraint_lines.append(in.line());
+  }
+}
+
+/// Holes or regions: `<number> <x> <y> ...`. Checked, counted and not used.
+std::uint64_t skip_section(Records& in, const char* kind) {
+  if (!in.next()) return 0;
+  const std::uint64_t count = in.count(fmt::format("the number of {}", kind), max_constraints);
+  in.skip_numbers("the header");
+  for (std::uint64_t i = 0; i < count; ++i) {
+    expect_record(in, kind, i, count);
+    in.integer("the number");
+    coordinate(in, "x coordinate");
+    coordinate(in, "y coordinate");
+    in.skip_numbers("an attribute");
+  }
+  return count;
+}
+
+/// A .poly without vertices takes them from the .node beside it, as Triangle does. Without that file
+/// it is the empty input, provided that it has no segments either.
+void read_vertices_beside(const std::string& path, const Records& poly, bool segments, Input& out) {
+  const std::string beside = path == "-" ? std::string() : fs::path(path).replace_extension(".node").string();
+  std::error_code ignored;
+  if (beside.empty() || !fs::exists(beside, ignored)) {
+    out.vertex_file = poly.name();
+    if (!segments) return;
+    poly.fail(beside.empty() ? "segments without vertices"
+                             : fmt::format("segments without vertices, and no file {} that has them", beside));
+  }
+  Records in(beside);
+  out.files.push_back(beside);
+  read_vertices(in, vertex_header(in), out);
+  expect_end(in);
+}
+
+void read_poly(const std::string& path, Input& out) {
+  Records in(path);
+  const std::uint64_t vertices = vertex_header(in);
+  if (vertices > 0) read_vertices(in, vertices, out);
+  if (!in.next()) in.fail("the number of segments is missing");
+  const std::uint64_t segments = in.count("the number of segments", max_constraints);
+  in.skip_numbers("the header");
+  if (vertices == 0) read_vertices_beside(path, in, segments > 0, out);
+  read_segments(in, segments, out);
+  const std::uint64_t holes = skip_section(in, "holes");
+  const std::uint64_t regions = skip_section(in, "regions");
+  expect_end(in);
+  if (holes + regions > 0)
+    out.notes.push_back(fmt::format("holes ({}) and regions ({}) of the input are not used", holes, regions));
+}
+
+/// The rows of .ele or .neigh, by triangle number: numbers may come in any order.
+class RowNumbers {
+ public:
+  void append(std::int64_t number) { numbers_.push_back(number); }
+  std::size_t size() const { return numbers_.size(); }
+  /// To be called after the last append.
+  void index() {
+    for (std::size_t i = 0; i < numbers_.size() && in_order_; ++i)
+      in_order_ = numbers_[i] == numbers_[0] + static_cast<std::int64_t>(i);
+    if (in_order_) return;
+    for (std::size_t i = 0; i < numbers_.size(); ++i) rows_.emplace(numbers_[i], i);
+  }
+  bool distinct() const { return in_order_ || rows_.size() == numbers_.size(); }
+  std::optional<std::size_t> row(std::int64_t number) const {
+    if (!in_order_) {
+      const auto found = rows_.find(number);
+      return found == rows_.end() ? std::nullopt : std::optional(found->second);
+    }
+    if (numbers_.empty() || number < numbers_[0] || number - numbers_[0] >= static_cast<std::int64_t>(size()))
+      return std::nullopt;
+    return static_cast<std::size_t>(number - numbers_[0]);
+  }
+
+ private:
+  std::vector<std::int64_t> numbers_;
+  bool in_order_ = true;
+  std::unordered_map<std::int64_t, std::size_t> rows_;
+};
+
+void take_grid(const Records& in, MeshFile& out) {
+  const auto& [text, line] = in.grid_comment();
+  if (text.empty()) return;
+  out.grid = grid_from_text(text);
+  if (!out.grid)
+    throw Failure(Exit::input, fmt::format("{}:{}: the grid cannot be read from this comment", in.name(), line));
+}
+
+/// `<triangles> <corners or neighbours: 3> ...`
+std::uint64_t triangle_header(Records& in) {
+  if (!in.next()) in.fail("the number of triangles is missing");
+  const std::uint64_t count = in.count("the number of triangles", 2 * max_vertices);
+  if (in.integer("the number of corners") != 3) in.fail(fmt::format("triangles have 3 corners, not {}", in.field()));
+  in.skip_numbers("the header");
+  return count;
+}
+
+void read_ele(Records& in, std::uint64_t vertex_count, std::uint32_t first, MeshFile& out, RowNumbers& rows) {
+  const std::uint64_t count = triangle_header(in);
+  out.triangles.reserve(reservation(in, count));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    expect_record(in, "triangles", i, count);
+    rows.append(in.integer("the triangle number"));
+    std::array<std::uint32_t, 3> corners;
+    for (std::uint32_t& corner : corners) {
+      const std::int64_t number = in.integer("a corner");
+      if (number < first || static_cast<std::uint64_t>(number) - first >= vertex_count)
+        in.fail(fmt::format("a triangle names vertex {}, which does not exist", in.field()), Exit::check);
+      corner = static_cast<std::uint32_t>(number - first);
+    }
+    in.skip_numbers("an attribute");
+    out.triangles.push_back(corners);
+  }
+  expect_end(in);
+  take_grid(in, out);
+  rows.index();
+}
+
+void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
+  const std::uint64_t count = triangle_header(in);
+  if (count != rows.size())
+    in.fail(fmt::format("{} triangles here, but {} in the .ele beside", count, rows.size()), Exit::check);
+  if (!rows.distinct()) in.fail("triangle numbers occur twice in the .ele beside", Exit::check);
+  out.neighbours.assign(out.triangles.size(), {-1, -1, -1});
+  std::vector<bool> seen(out.triangles.size());
+  for (std::uint64_t i = 0; i < count; ++i) {
+    expect_record(in, "triangles", i, count);
+    const auto row = rows.row(in.integer("the triangle number"));
+    if (!row || seen[*row])
+      in.fail(fmt::format("triangle {} {}", in.field(), row ? "occurs twice" : "does not exist in the .ele beside"),
+              Exit::check);
+    seen[*row] = true;
+    for (std::int32_t& neighbour : out.neighbours[*row]) {
+      const std::int64_t number = in.integer("a neighbour");
+      const auto across = number == -1 ? std::nullopt : rows.row(number);
+      if (number != -1 && !across) in.fail(fmt::format("neighbour {} does not exist", in.field()), Exit::check);
+      neighbour = across ? static_cast<std::int32_t>(*across) : -1;
+    }
+  }
+  expect_end(in);
+  take_grid(in, out);
+}
+
+}  // namespace
+
+Input read_input(const std::string& path) {
+  Input input;
+  const std::string extension = lower_extension(path);
+  if (path != "-" && extension != ".poly" && extension != ".node")
+    throw Failure(Exit::usage,
+                  fmt::format("{}: the input must be a .poly or .node file, or - for a .poly on standard input", path));
+  input.files.push_back(path);
+  if (extension == ".node") {
+    Records in(path);
+    read_vertices(in, vertex_header(in), input);
+    expect_end(in);
+  } else {
+    read_poly(path, input);
+  }
+  return input;
+}
+
+MeshFile read_mesh(const std::string& path, std::uint64_t vertex_count, std::uint32_t first) {
+  MeshFile mesh;
+  RowNumbers rows;
+  const bool with_neighbours = lower_extension(path) == ".neigh";
+  Records ele(with_neighbours ? fs::path(path).replace_extension(".ele").string() : path);
+  read_ele(ele, vertex_count, first, mesh, rows);
+  if (with_neighbours) {
+    Records neigh(path);
+    read_neigh(neigh, rows, mesh);
+  }
+  return mesh;
+}
+
+}  // namespace gcdt::io

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Text files of Triangle's kind: one record a line, fields between blanks, comments from '#'.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "failure.hpp"
+
+namespace gcdt::io {
+
+/// The whole of a file, or of standard input for "-". Throws Failure (Exit::input).
+std::string read_file(const std::string& path);
+
+/// How a file is named in messages: its path, or "<stdin>" for "-".
+std::string shown_name(const std::string& path);
+
+/// Line numbers of consecutive records, stored as runs of neighbouring lines.
+class LineNumbers {
+ public:
+  void append(std::uint64_t line) {
+    if (runs_.empty() || line != runs_.back().line + (count_ - runs_.back().first)) runs_.push_back({count_, line});
+    ++count_;
+  }
+  /// The line of record `index`; 0 if there is no such record.
+  std::uint64_t of(std::uint64_t index) const;
+
+ private:
+  struct Run {
+    std::uint64_t first, line;
+  };
+  std::vector<Run> runs_;
+  std::uint64_t count_ = 0;
+};
+
+/// Reads records field by field. Every failure says FILE:LINE: what.
+class Records {
+ public:
+  explicit Records(const std::string& path) : Records(shown_name(path), read_file(path)) {}
+  Records(std::string name, std::string text);
+  Records(const Records&) = delete;
+  Records& operator=(const Records&) = delete;
+
+  /// Moves to the next line that holds more than blanks and a comment; false at the end.
+  bool next();
+  /// Whether the current record has a further field.
+  bool more();
+  /// The next field as an integer; beyond 64 bits it is the nearest one. `what` names it in failures.
+  std::int64_t integer(std::string_view what);
+  /// The next field as a count: an integer from 0 to `most`.
+  std::uint64_t count(std::string_view what, std::uint64_t most);
+  /// The next field as the nearest double; "nan" and "inf" are numbers here.
+  double number(std::string_view what);
+  /// The rest of the record, which must be numbers.
+  void skip_numbers(std::string_view what);
+
+  /// The field read last, as written.
+  std::string field() const;
+  const std::string& name() const { return name_; }
+  std::uint64_t line() const { return line_; }
+  std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - line_end_); }
+  /// The last comment passed that begins with "# gcdt grid ", less these words, and its line.
+  const std::pair<std::string, std::uint64_t>& grid_comment() const { return grid_comment_; }
+
+  [[noreturn]] void fail(const std::string& what, Exit exit = Exit::input) const;
+
+ private:
+  std::string_view take(std::string_view what);
+  void note_comment(std::string_view comment);
+
+  std::string name_, text_;
+  const char *at_, *line_end_, *end_;
+  std::string_view field_;
+  std::uint64_t line_ = 0;
+  std::pair<std::string, std::uint64_t> grid_comment_;
+};
+
+}  // namespace gcdt::io

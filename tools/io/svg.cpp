@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "svg.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gcdt::io {
+
+namespace {
+
+constexpr double longer_side = 1e5;  // units of the canvas; a unit is 1e-5 of the picture
+constexpr double margin = 0.02;      // of the longer side, all around
+constexpr int shown_pixels = 1200;   // of the longer side, where nothing else asks for a size
+
+using Edge = std::array<std::uint32_t, 2>;
+using Place = std::array<std::int32_t, 2>;
+
+/// The vertices on the canvas: the bounding box scaled to the longer side, y downwards.
+struct Canvas {
+  std::vector<Place> places;
+  double width = 0, height = 0;
+
+  explicit Canvas(const std::vector<std::array<double, 2>>& vertices) : places(vertices.size()) {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    std::array<double, 2> low{inf, inf}, high{-inf, -inf};
+    for (const auto& v : vertices)
+      for (int axis = 0; axis < 2; ++axis) {
+        low[axis] = std::min(low[axis], v[axis] / 2);  // halves: the extent of doubles is no double
+        high[axis] = std::max(high[axis], v[axis] / 2);
+      }
+    if (vertices.empty()) return;
+    const double extent = std::max(high[0] - low[0], high[1] - low[1]);
+    auto scaled = [&](double half) { return extent > 0 ? half / extent * longer_side : 0; };
+    width = scaled(high[0] - low[0]);
+    height = scaled(high[1] - low[1]);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      places[i] = {static_cast<std::int32_t>(std::lround(scaled(vertices[i][0] / 2 - low[0]))),
+                   static_cast<std::int32_t>(std::lround(scaled(high[1] - vertices[i][1] / 2)))};
+  }
+};
+
+/// Path data that draws every edge once, in few strokes: from each vertex on it follows unused edges
+/// as long as there are any.
+class Strokes {
+ public:
+  Strokes(const Canvas& canvas, std::vector<Edge> edges) : canvas_(canvas), edges_(std::move(edges)) {
+    auto invisible = [&](const Edge& e) { return canvas.places[e[0]] == canvas.places[e[1]]; };
+    edges_.erase(std::remove_if(edges_.begin(), edges_.end(), invisible), edges_.end());
+    starts_.resize(canvas.places.size() + 1);
+    for (const Edge& e : edges_)
+      for (std::uint32_t v : e) ++starts_[v + 1];
+    for (std::size_t v = 1; v < starts_.size(); ++v) starts_[v] += starts_[v - 1];
+    incident_.resize(2 * edges_.size());
+    next_.assign(starts_.begin(), starts_.end() - 1);
+    for (std::size_t e = 0; e < edges_.size(); ++e)
+      for (std::uint32_t v : edges_[e]) incident_[next_[v]++] = static_cast<std::uint32_t>(e);
+    next_.assign(starts_.begin(), starts_.end() - 1);
+    used_.resize(edges_.size());
+  }
+
+  void draw(OutputFile& file) {
+    for (const Edge& edge : edges_)
+      for (std::uint32_t at = edge[0]; follow(file, at);) file.write("\n");
+  }
+
+ private:
+  /// One stroke from vertex `at`; false if no edge was left there.
+  bool follow(OutputFile& file, std::uint32_t at) {
+    bool drawn = false;
+    for (;; drawn = true) {
+      while (next_[at] < starts_[at + 1] && used_[incident_[next_[at]]]) ++next_[at];
+      if (next_[at] == starts_[at + 1]) return drawn;
+      const std::uint32_t e = incident_[next_[at]++];
+      used_[e] = true;
+      const std::uint32_t to = edges_[e][0] == at ? edges_[e][1] : edges_[e][0];
+      const auto &from_place = canvas_.places[at], &place = canvas_.places[to];
+      if (!drawn) file.print("M{} {}l", from_place[0], from_place[1]);
+      const std::int32_t x = place[0] - from_place[0], y = place[1] - from_place[1];
+      file.print("{}{}{}{}", drawn && x >= 0 ? " " : "", x, y >= 0 ? " " : "", y);
+      at = to;
+    }
+  }
+
+  const Canvas& canvas_;
+  std::vector<Edge> edges_;
+  std::vector<std::size_t> starts_, next_;
+  std::vector<std::uint32_t> incident_;
+  std::vector<bool> used_;
+};
+
+void draw_edges(OutputFile& file, const Canvas& canvas, std::vector<Edge> edges, const char* colour, double stroke) {
+  if (edges.empty()) return;
+  file.print("<path stroke=\"{}\" stroke-width=\"{:.0f}\" d=\"", colour, stroke);
+  Strokes(canvas, std::move(edges)).draw(file);
+  file.print("\"/>\n");
+}
+
+void draw_dots(OutputFile& file, const Canvas& canvas, double stroke) {
+  if (canvas.places.empty()) return;
+  file.print("<path stroke=\"#000\" stroke-width=\"{:.0f}\" d=\"", stroke);
+  for (const auto& [x, y] : canvas.places) file.print("M{} {}h0\n", x, y);
+  file.print("\"/>\n");
+}
+
+}  // namespace
+
+void write_svg(OutputFile& file, const Result& result) {
+  const Canvas canvas(result.input.vertices);
+  const double border = margin * longer_side;
+  const double width = canvas.width + 2 * border, height = canvas.height + 2 * border;
+  const double pixels = shown_pixels / std::max(width, height);
+  // Strokes are thin against the length of edges in a mesh of evenly spread vertices.
+  const double spacing = longer_side / std::sqrt(static_cast<double>(result.input.vertices.size()) + 1);
+  const double thin = std::clamp(spacing * 0.04, 10.0, 200.0), bold = 4 * thin;
+  file.print(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"{:.0f} {:.0f} {:.0f} "
+      "{:.0f}\">\n",
+      std::ceil(width * pixels), std::ceil(height * pixels), -border, -border, std::ceil(width), std::ceil(height));
+  file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", -border, -border);
+  file.print("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
+  std::vector<Edge> unconstrained;
+  for_each_edge(result.mesh, [&](std::uint32_t a, std::uint32_t b, bool constrained) {
+    if (!constrained) unconstrained.push_back({a, b});
+  });
+  draw_edges(file, canvas, std::move(unconstrained), "#8aa", thin);
+  draw_edges(file, canvas, result.mesh.pieces, "#103", bold);
+  if (result.mesh.triangles.empty()) draw_dots(file, canvas, 2 * bold);
+  file.print("</g>\n</svg>\n");
+}
+
+}  // namespace gcdt::io

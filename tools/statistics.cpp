@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "statistics.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/grid_text.hpp"
+
+namespace gcdt::command {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json grid_json(const Grid& grid) {
+  return {{"kind", io::kind_name(grid.kind)},
+          {"origin", grid.origin},
+          {"cell", grid.cell()},
+          {"largest_move", grid.largest_move}};
+}
+
+Json milliseconds_json(const Statistics::Milliseconds& ms) {
+  return {{"read", ms.read},   {"core", ms.core},   {"full", ms.full},     {"write", ms.write},
+          {"build", ms.build}, {"order", ms.order}, {"insert", ms.insert}, {"constrain", ms.constrain},
+          {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}};
+}
+
+Json cases_json(const Statistics::Cases& cases) {
+  return {{"edge_splits", cases.edge_splits},
+          {"constraint_hits", cases.constraint_hits},
+          {"existing_edges", cases.existing_edges},
+          {"pieces_walked", cases.pieces_walked},
+          {"chain_vertices", cases.chain_vertices},
+          {"holes", cases.holes},
+          {"symbolic_chain_vertices", cases.symbolic_chain_vertices}};
+}
+
+}  // namespace
+
+std::string statistics_json(const Statistics& s) {
+  const Json json = {{"n", s.n},
+                     {"m", s.m},
+                     {"vertices_merged", s.vertices_merged},
+                     {"constraints_zero", s.constraints_zero},
+                     {"constraints_pieces", s.constraints_pieces},
+                     {"constraints_overlapping", s.constraints_overlapping},
+                     {"crossings", s.crossings},
+                     {"constraints_dropped", s.constraints_dropped},
+                     {"vertices_added", s.vertices_added},
+                     {"triangles", s.triangles},
+                     {"grid", grid_json(s.grid)},
+                     {"ms", milliseconds_json(s.ms)},
+                     {"rounds", {{"insert", s.rounds.insert}, {"flip", s.rounds.flip}}},
+                     {"flips", s.flips},
+                     {"history_depth", s.history_depth},
+                     {"location_steps", s.location_steps},
+                     {"launches", s.launches},
+                     {"read_backs", s.read_backs},
+                     {"crossed_pairs", s.crossed_pairs},
+                     {"peak_device_bytes", s.peak_device_bytes},
+                     {"device", s.device},
+                     {"driver", s.driver},
+                     {"platform", s.platform},
+                     {"version", s.version},
+                     {"cases", cases_json(s.cases)},
+                     {"notes", s.notes}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string statistics_table(const Statistics& s) {
+  std::string table;
+  auto row = [&](const char* name, const std::string& value) { table += fmt::format("{:<12}  {}\n", name, value); };
+  row("vertices", fmt::format("{} ({} merged)", s.n, s.vertices_merged));
+  row("constraints", fmt::format("{} ({} of length zero, {} dropped)", s.m, s.constraints_zero, s.constraints_dropped));
+  row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
+  row("crossings", fmt::format("{}", s.crossings));
+  row("triangles", fmt::format("{}", s.triangles));
+  row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
+                          s.grid.origin[1], s.grid.cell(), s.grid.largest_move));
+  row("rounds", fmt::format("{} insert, {} flip ({} flips)", s.rounds.insert, s.rounds.flip, s.flips));
+  row("time",
+      fmt::format("{:.1f} ms (core {:.1f}), read {:.1f}, build {:.1f}", s.ms.full, s.ms.core, s.ms.read, s.ms.build));
+  row("", fmt::format("order {:.1f}, insert {:.1f}, constrain {:.1f}, flip {:.1f}, check {:.1f}, output {:.1f}",
+                      s.ms.order, s.ms.insert, s.ms.constrain, s.ms.flip, s.ms.check, s.ms.output));
+  row("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
+  row("device", fmt::format("{} ({}, driver {})", s.device, s.platform, s.driver));
+  return table;
+}
+
+}  // namespace gcdt::command

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// gcdt triangulate: read, triangulate, prove if asked, write.
+#include <fmt/format.h>
+
+#include <gcdt/verify.hpp>
+
+#include "command.hpp"
+#include "io/formats.hpp"
+#include "io/output_files.hpp"
+#include "io/paths.hpp"
+#include "progress.hpp"
+#include "statistics.hpp"
+
+namespace gcdt::command {
+
+namespace {
+
+using io::Exit;
+using io::Failure;
+
+/// All paths that will be written.
+std::vector<std::string> written_paths(const TriangulateArguments& arguments) {
+  std::vector<std::string> paths = arguments.outputs;
+  if (!arguments.statistics.empty()) paths.push_back(arguments.statistics);
+  return paths;
+}
+
+void check_outputs(const TriangulateArguments& arguments) {
+  for (const std::string& path : arguments.outputs)
+    if (!io::writer_for(io::lower_extension(path)))
+      throw Failure(Exit::usage,
+                    fmt::format("{}: unknown output format; there are .ele .node .neigh .edge .poly .vtu .svg", path));
+  const auto paths = written_paths(arguments);
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (io::same_file(paths[i], paths[j]))
+        throw Failure(Exit::usage, fmt::format("{}: given twice as an output", paths[i]));
+}
+
+void check_overwrites_no_input(const TriangulateArguments& arguments, const std::vector<std::string>& inputs) {
+  for (const std::string& path : written_paths(arguments))
+    for (const std::string& input : inputs)
+      if (input != "-" && io::same_file(path, input))
+        throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
+}
+
+std::string chosen_device(const TriangulateArguments& arguments) {
+  bool ambiguous = false;
+  const std::size_t number = select_device(arguments.device, &ambiguous);
+  if (ambiguous && !arguments.quiet) {
+    const DeviceInfo device = devices().at(number);
+    note(fmt::format("several devices fit; device {} is taken: {} ({})", number, device.name, device.platform));
+  }
+  return std::to_string(number);
+}
+
+Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options) {
+  ProgressLine line(!arguments.quiet);
+  options.progress = [&](const char* phase, double done) {
+    line.show(phase, done);
+    return !interrupted();
+  };
+  try {
+    Solver solver(chosen_device(arguments));
+    return solver.triangulate(input.vertices, input.constraints, options);
+  } catch (const Error& error) {
+    throw explained(error, input, options);
+  }
+}
+
+void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing) {
+  MeshView view;
+  view.triangles = mesh.triangles;
+  view.neighbours = mesh.neighbours.data();
+  view.constrained = mesh.constrained.data();
+  const Verification verification =
+      gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
+  if (!verification.valid)
+    throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
+}
+
+void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics) {
+  const Stopwatch write;
+  io::OutputFiles files(stop_if_interrupted);
+  for (const std::string& path : arguments.outputs) io::writer_for(io::lower_extension(path))(files.add(path), result);
+  if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
+  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics));
+  stop_if_interrupted();
+  files.commit();
+}
+
+}  // namespace
+
+void triangulate(const TriangulateArguments& arguments) {
+  check_outputs(arguments);
+  check_overwrites_no_input(arguments, {arguments.input});
+  Options options;
+  options.crossing = crossing_named(arguments.crossing);
+  options.grid = grid_from_option(arguments.grid);
+
+  const Stopwatch read;
+  const io::Input input = io::read_input(arguments.input);
+  const double read_milliseconds = read.milliseconds();
+  check_overwrites_no_input(arguments, input.files);
+  stop_if_interrupted();
+
+  Triangulation mesh = computed(input, arguments, options);
+  mesh.statistics.ms.read = read_milliseconds;
+  mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
+  if (arguments.verify) prove(input, mesh, options.crossing);
+  stop_if_interrupted();
+  Statistics statistics = mesh.statistics;
+  write_outputs(arguments, {input, mesh}, statistics);
+  if (arguments.quiet) return;
+  for (const std::string& text : statistics.notes) note(text);
+  if (arguments.outputs.empty()) print(statistics_table(statistics));
+}
+
+}  // namespace gcdt::command

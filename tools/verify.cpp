@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// gcdt verify: the proof of a result from the files alone.
+#include <gcdt/verify.hpp>
+
+#include <fmt/format.h>
+
+#include "command.hpp"
+#include "io/grid_text.hpp"
+#include "io/paths.hpp"
+#include "io/vtu.hpp"
+
+namespace gcdt::command {
+
+namespace {
+
+using io::Exit;
+using io::Failure;
+
+io::MeshFile read_output(const std::string& path, const io::Input& input) {
+  if (io::lower_extension(path) == ".vtu") return io::read_vtu(path);
+  return io::read_mesh(path, input.vertices.size(), input.first);
+}
+
+/// A file that holds vertices must hold the input's, or its triangles mean something else.
+void check_vertices(const std::string& path, const io::MeshFile& mesh, const io::Input& input) {
+  if (mesh.vertices.size() != input.vertices.size())
+    throw Failure(Exit::check, fmt::format("{}: {} vertices, but the input has {}", path, mesh.vertices.size(),
+                                           input.vertices.size()));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    if (mesh.vertices[v] != input.vertices[v])
+      throw Failure(Exit::check, fmt::format("{}: vertex {} is not where the input has it", path, v + input.first));
+}
+
+Grid grid_of(const io::MeshFile& mesh, const io::Input& input, const Options& options, bool quiet) {
+  if (mesh.grid && options.grid && !quiet) note("the grid is taken from the output file, and not from --grid");
+  if (mesh.grid) return *mesh.grid;
+  try {
+    return choose_grid(input.vertices, options.grid);
+  } catch (const Error& error) {
+    throw explained(error, input, options);
+  }
+}
+
+}  // namespace
+
+void verify(const VerifyArguments& arguments) {
+  const std::string extension = io::lower_extension(arguments.output);
+  if (extension != ".ele" && extension != ".neigh" && extension != ".vtu")
+    throw Failure(Exit::usage, fmt::format("{}: only .ele, .neigh and .vtu files can be verified", arguments.output));
+  Options options;
+  options.grid = grid_from_option(arguments.grid);
+  const io::Input input = io::read_input(arguments.input);
+  const io::MeshFile mesh = read_output(arguments.output, input);
+  if (extension == ".vtu") check_vertices(arguments.output, mesh, input);
+  const Grid grid = grid_of(mesh, input, options, arguments.quiet);
+
+  MeshView view;
+  view.triangles = mesh.triangles;
+  if (!mesh.neighbours.empty()) view.neighbours = mesh.neighbours.data();
+  if (!mesh.constrained.empty()) view.constrained = mesh.constrained.data();
+  const Verification verification =
+      gcdt::verify(input.vertices, input.constraints, view, grid, crossing_named(arguments.crossing));
+  if (!verification.valid) throw Failure(Exit::check, fmt::format("{}: {}", arguments.output, verification.reason));
+  if (!arguments.quiet)
+    print(fmt::format("valid: {} vertices, {} constraints, {} triangles{} on the {} grid with cell {}\n",
+                      input.vertices.size(), input.constraints.size(), mesh.triangles.size(),
+                      view.neighbours ? " and their neighbours" : "", io::kind_name(grid.kind), grid.cell()));
+}
+
+}  // namespace gcdt::command
