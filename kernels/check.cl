@@ -60,14 +60,18 @@ GCDT_INLINE uint corner_across(global const uint* corners, uint u, uint a, uint 
 // (rank of the lower end, rank of the other). Ends: high - low shrinks.
 GCDT_INLINE uint find_piece(global const Levels* levels, uint pieces, global const uint2* ends, uint a, uint b) {
   const uint ra = gcdt_rank_of_vertex(levels, a), rb = gcdt_rank_of_vertex(levels, b);
-  const ulong wanted = (ulong)min(ra, rb) << 32 | max(ra, rb);
+  const uint lower = min(ra, rb), upper = max(ra, rb);
   uint low = 0, high = pieces;
   while (low < high) {
     const uint middle = low + (high - low) / 2u;
     const uint2 e = ends[middle];
-    const ulong key = (ulong)gcdt_rank_of_vertex(levels, e.x) << 32 | gcdt_rank_of_vertex(levels, e.y);
-    if (key == wanted) return middle;
-    if (key < wanted) low = middle + 1u;
+    uint found = gcdt_rank_of_vertex(levels, e.x), wanted = lower;
+    if (found == wanted) {
+      found = gcdt_rank_of_vertex(levels, e.y);
+      wanted = upper;
+      if (found == wanted) return middle;
+    }
+    if (found < wanted) low = middle + 1u;
     else high = middle;
   }
   return GCDT_NONE;

@@ -106,6 +106,7 @@ class Constraining {
     walked_.launch(runtime_, "constrain", "constrain_chain", over(parts_.capacity), std::make_tuple(pieces_.count, right_begin_),
                    near_.first, near_.second, pieces_.ends, parts_.begins, left_start_, right_start_, far_, chain_vertex_,
                    chain_distances_, chain_piece_, hole_place_, counters_.buffer());
+    walked_.history = {};
     make_minima();
   }
 
@@ -151,6 +152,8 @@ class Constraining {
       runtime_.launch("stitch", "stitch_match", over(crossed_faces_), crossed_faces_, second, crossed_edge_count_, crossed_,
                       mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_, froms_,
                       tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n, walked_.vertices.points,
+                    mesh_.corners, mesh_.sides, mesh_.edge_faces, counters_.buffer());
     runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_, mesh_.edge_marks,
                     capacity_, codes_, froms_, tos_, counters_.buffer());
   }

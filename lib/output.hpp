@@ -22,7 +22,7 @@ OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, c
 
 /// Replaces the corners of `ordered`, so far vertices, by input numbers, and reads triangles,
 /// neighbours, flags and representatives into `result`. vertices.input_vertex has exactly one element
-/// per input point. `ordered` is read-only in sense afterwards: check() wants vertices.
+/// per input point. Afterwards `ordered` no longer holds vertices, as check() wants them.
 void read_triangulation(runtime::Runtime& runtime, OrderedMesh& ordered, const Vertices& vertices, Triangulation& result);
 
 }  // namespace gcdt

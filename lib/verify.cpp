@@ -30,8 +30,8 @@ std::string check_diagonal(const Mesh& mesh, std::uint32_t h) {
   const Wide inside = incircle(a, b, c, d);
   if (inside < 0) return {};
   if (inside > 0)
-    return say(mesh.edge_name(h), " is not locally Delaunay: vertex ", mesh.apex(mesh.twin(h)), " is inside the circle of ",
-               mesh.triangle_name(h / 3));
+    return say(mesh.edge_name(h), " is not locally Delaunay: vertex ", mesh.apex(mesh.twin(h)),
+               " is inside the circle of ", mesh.triangle_name(h / 3));
   const Vertex least_end = before(a, b) ? a : b, least_other = before(c, d) ? c : d;
   if (before(least_end, least_other)) return {};
   return say(mesh.edge_name(h), " is the wrong diagonal of four cocircular vertices: it must end at vertex ",
@@ -49,7 +49,8 @@ std::string check_delaunay(const Mesh& mesh, const Sources& sources) {
 
 std::string check_flags(const Mesh& mesh, const std::uint8_t* constrained, const Sources& sources) {
   for (std::uint32_t h = 0; h < mesh.half_edges(); ++h) {
-    if (h % 3 == 0 && constrained[h / 3] > 7) return say(mesh.triangle_name(h / 3), " has flags of edges it does not have");
+    if (h % 3 == 0 && constrained[h / 3] > 7)
+      return say(mesh.triangle_name(h / 3), " has flags of edges it does not have");
     const bool flag = constrained[h / 3] >> h % 3 & 1;
     if (flag == (sources[h] != none)) continue;
     const auto where = say(mesh.edge_name(h), " of ", mesh.triangle_name(h / 3));

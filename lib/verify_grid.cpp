@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the grid (contract 1), on the host and by code of its own.
+#include "verify_grid.hpp"
+
 #include <algorithm>
 #include <limits>
 
 #include "verify_big.hpp"
-#include "verify_grid.hpp"
 
 namespace gcdt {
 
@@ -106,7 +107,8 @@ Grid fixed_grid(Points points, const FixedGrid& fixed) {
   Grid grid;
   grid.kind = Grid::Kind::fixed;
   read_cell(fixed.cell, grid);
-  if (!is_finite(fixed.x) || !is_finite(fixed.y)) throw Error(Status::invalid_argument, "the grid's origin is not finite");
+  if (!is_finite(fixed.x) || !is_finite(fixed.y))
+    throw Error(Status::invalid_argument, "the grid's origin is not finite");
   grid.origin = {fixed.x + 0.0, fixed.y + 0.0};
   set_largest_move(points, grid);
   return grid;

@@ -4,11 +4,10 @@
 
 #include <array>
 #include <cstdint>
+#include <gcdt/verify.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <gcdt/verify.hpp>
 
 namespace gcdt::proof {
 

@@ -6,9 +6,9 @@
 // winding number of that boundary around it. The boundary is one closed polygon that never turns right and turns
 // around once, so that is 1 inside and 0 outside. All representatives are corners, so the inside is their hull,
 // and none is inside an edge, since the triangles around it would cover something twice.
-#include <algorithm>
-
 #include "verify_mesh.hpp"
+
+#include <algorithm>
 
 namespace gcdt::proof {
 
@@ -80,8 +80,9 @@ std::string Mesh::check_stars() const {
       return say("vertex ", v, " is a corner of no triangle");
     for (std::uint32_t i = first_[v] + 1; i < first_[v + 1]; ++i)
       if (leaving_[i].to == leaving_[i - 1].to)
-        return say("the directed edge ", v, " -> ", leaving_[i].to, " is in two triangles: ",
-                   triangle_name(leaving_[i - 1].half_edge / 3), " and ", triangle_name(leaving_[i].half_edge / 3));
+        return say("the directed edge ", v, " -> ", leaving_[i].to,
+                   " is in two triangles: ", triangle_name(leaving_[i - 1].half_edge / 3), " and ",
+                   triangle_name(leaving_[i].half_edge / 3));
   }
   return {};
 }
@@ -148,7 +149,8 @@ std::string Mesh::check_turns(const std::vector<std::uint32_t>& boundary_from, s
     h = following;
     ++steps;
   } while (h != first && steps <= count);
-  if (h != first || steps != count) return say("the boundary is not one closed polygon: vertex ", from(first), " is not on all of it");
+  if (h != first || steps != count)
+    return say("the boundary is not one closed polygon: vertex ", from(first), " is not on all of it");
   if (rounds != 1) return say("the boundary through vertex ", from(first), " turns around ", rounds, " times");
   return {};
 }

@@ -83,7 +83,7 @@ class Mesh {
 
   /// What a ray from vertex v towards vertex w meets first.
   struct Exit {
-    bool along_edge = false;  ///< true: it runs along `half_edge` (in either direction) to `end`
+    bool along_edge = false;         ///< true: it runs along `half_edge` (in either direction) to `end`
     std::uint32_t half_edge = none;  ///< false: it crosses `half_edge`, across from v
     std::uint32_t end = none;
   };
@@ -102,7 +102,8 @@ class Mesh {
   std::uint32_t find(std::uint32_t from, std::uint32_t to) const;
   std::string check_given_neighbours() const;
   std::string check_boundary() const;
-  std::string check_turns(const std::vector<std::uint32_t>& boundary_from, std::uint32_t first, std::uint64_t count) const;
+  std::string check_turns(const std::vector<std::uint32_t>& boundary_from, std::uint32_t first,
+                          std::uint64_t count) const;
 
   const Sites& sites_;
   const MeshView& view_;

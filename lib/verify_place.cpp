@@ -101,8 +101,8 @@ std::optional<Wide> in_units(double v, int decimals) {
   if (!number || number->decimals > decimals) return std::nullopt;
   const int zeros = decimals - number->decimals;
   const auto magnitude = static_cast<std::uint64_t>(number->units < 0 ? -number->units : number->units);
-  const UWide scaled = UWide(magnitude) * power_of_five(zeros);   // < 2^115
-  if (bit_length(scaled) + zeros > 126) return std::nullopt;      // on a decimal grid it is below 2^95
+  const UWide scaled = UWide(magnitude) * power_of_five(zeros);  // < 2^115
+  if (bit_length(scaled) + zeros > 126) return std::nullopt;     // on a decimal grid it is below 2^95
   const auto value = static_cast<Wide>(scaled << zeros);
   return number->units < 0 ? -value : value;
 }

@@ -348,6 +348,28 @@ TEST_CASE("no triangles are refused unless all vertices lie on one line") {
   for (auto& runtime : runtimes()) CHECK(verdict(*runtime, line, HostResult()) == "");
 }
 
+TEST_CASE("of many offences the same one is named under every launch geometry") {
+  Fixture f;
+  HostResult flags = f.right, turned = f.right, links = f.right;
+  for (cl_uint t = 20; t < f.right.triangles(); t += 3) {
+    flags.toggle(t, t % 3);
+    std::swap(turned.corners[3 * t], turned.corners[3 * t + 1]);
+    std::swap(links.neighbour(t, 0), links.neighbour(t, 1));
+  }
+  for (auto& runtime : runtimes()) {
+    const runtime::Geometry usual = runtime->geometry();
+    for (const HostResult* result : {&f.right, &flags, &turned, &links}) {
+      const std::string said = verdict(*runtime, f.sample, *result);
+      CHECK(said.empty() == (result == &f.right));
+      for (const runtime::Geometry& geometry : {runtime::Geometry{1, 3}, runtime::Geometry{7, 2}, runtime::Geometry{64, 1}}) {
+        runtime->geometry() = geometry;
+        CHECK(verdict(*runtime, f.sample, *result) == said);
+      }
+      runtime->geometry() = usual;
+    }
+  }
+}
+
 TEST_CASE("every change of one word is refused") {
   Fixture f(make_sample("random", random_points(40, 30, 8), 12, 8));
   std::mt19937 random(1);

@@ -19,7 +19,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
 using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
+using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
+                                                       CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
 using Points = std::vector<std::array<std::int64_t, 2>>;
 using Segments = std::vector<std::array<std::uint32_t, 2>>;
@@ -39,8 +40,7 @@ Int128 incircle(const Points& p, std::uint32_t a, std::uint32_t b, std::uint32_t
 
 ReferenceMesh build(const Points& points, const Segments& constraints) {
   std::vector<std::pair<Kernel::Point_2, std::uint32_t>> sites;
-  for (std::uint32_t i = 0; i < points.size(); ++i)
-    sites.push_back({{double(points[i][0]), double(points[i][1])}, i});
+  for (std::uint32_t i = 0; i < points.size(); ++i) sites.push_back({{double(points[i][0]), double(points[i][1])}, i});
   Cdt cdt;
   cdt.insert(sites.begin(), sites.end());
   if (cdt.number_of_vertices() != points.size()) throw std::runtime_error("reference: two points are equal");
@@ -106,7 +106,8 @@ void settle_ties(const Points& points, ReferenceMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t u = mesh.neighbours[t][k];
       if (u < 0 || (mesh.constrained[t] >> k & 1)) continue;
-      const auto [a, b, c] = std::array{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3], mesh.triangles[t][(k + 2) % 3]};
+      const auto [a, b, c] =
+          std::array{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3], mesh.triangles[t][(k + 2) % 3]};
       const std::uint32_t d = mesh.triangles[u][corner_towards(mesh, u, t)];
       const Int128 inside = incircle(points, a, b, c, d);
       if (inside > 0) throw std::logic_error("reference: CGAL's mesh is not Delaunay");
@@ -128,7 +129,8 @@ void sort_canonically(const Points& points, ReferenceMesh& mesh) {
     for (int k = 1; k < 3; ++k)
       if (z[corners[k]] < z[corners[first]]) first = k;
     std::rotate(corners.begin(), corners.begin() + first, corners.end());
-    mesh.constrained[t] = static_cast<std::uint8_t>((mesh.constrained[t] >> first | mesh.constrained[t] << (3 - first)) & 7);
+    mesh.constrained[t] =
+        static_cast<std::uint8_t>((mesh.constrained[t] >> first | mesh.constrained[t] << (3 - first)) & 7);
   }
   std::vector<std::uint32_t> order(mesh.triangles.size());
   for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
@@ -159,7 +161,8 @@ std::vector<std::array<std::int32_t, 3>> link(const std::vector<std::array<std::
   by_edge.reserve(3 * triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k)
-      by_edge[std::uint64_t(triangles[t][(k + 1) % 3]) << 32 | triangles[t][(k + 2) % 3]] = static_cast<std::int32_t>(t);
+      by_edge[std::uint64_t(triangles[t][(k + 1) % 3]) << 32 | triangles[t][(k + 2) % 3]] =
+          static_cast<std::int32_t>(t);
   std::vector<std::array<std::int32_t, 3>> neighbours(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {

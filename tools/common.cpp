@@ -21,14 +21,15 @@ std::string place(const std::string& file, const io::LineNumbers& lines, std::ui
 
 std::string segment(const io::Input& input, std::uint64_t c) {
   const auto& [a, b] = input.constraints[c];
-  return fmt::format("segment {} (vertices {} {}, line {})", c + input.first_constraint, a + input.first, b + input.first,
-                     input.constraint_lines.of(c));
+  return fmt::format("segment {} (vertices {} {}, line {})", c + input.first_constraint, a + input.first,
+                     b + input.first, input.constraint_lines.of(c));
 }
 
 std::string crossings(const Error& error, const io::Input& input, const Options& options) {
   const auto& pairs = error.indices();
   const std::uint64_t shown = pairs.size() / 2, all = std::max(error.pair_count(), shown);
-  std::string text = fmt::format("{}: {} {} of constraints cross{}:", input.constraint_file, all, all == 1 ? "pair" : "pairs", all == 1 ? "es" : "");
+  std::string text = fmt::format("{}: {} {} of constraints cross{}:", input.constraint_file, all,
+                                 all == 1 ? "pair" : "pairs", all == 1 ? "es" : "");
   for (std::size_t i = 0; i + 1 < pairs.size(); i += 2)
     if (pairs[i] < input.constraints.size() && pairs[i + 1] < input.constraints.size())
       text += fmt::format("\n  {} and {}", segment(input, pairs[i]), segment(input, pairs[i + 1]));
@@ -36,15 +37,16 @@ std::string crossings(const Error& error, const io::Input& input, const Options&
   const Grid grid = choose_grid(input.vertices, options.grid);
   if (grid.kind == Grid::Kind::rounded || grid.kind == Grid::Kind::fixed)
     text += fmt::format(
-        "\nthe vertices are rounded to a grid (cell {}, largest move {}), which can make clean input cross: --grid X,Y,CELL sets another",
+        "\nthe vertices are rounded to a grid (cell {}, largest move {}), which can make clean input cross: --grid "
+        "X,Y,CELL sets another",
         grid.cell(), grid.largest_move);
   return text + "\n--crossing drop leaves out every constraint that crosses an earlier one";
 }
 
 std::string about_coordinate(const Error& error, const io::Input& input, const char* what) {
   const std::uint64_t vertex = error.indices()[0], axis = error.indices()[1] & 1;
-  return fmt::format("{}: the {} coordinate of vertex {}, {}, {}", place(input.vertex_file, input.vertex_lines, vertex), axis == 0 ? 'x' : 'y',
-                     vertex + input.first, input.vertices[vertex][axis], what);
+  return fmt::format("{}: the {} coordinate of vertex {}, {}, {}", place(input.vertex_file, input.vertex_lines, vertex),
+                     axis == 0 ? 'x' : 'y', vertex + input.first, input.vertices[vertex][axis], what);
 }
 
 }  // namespace
@@ -53,13 +55,16 @@ Crossing crossing_named(const std::string& name) { return name == "drop" ? Cross
 
 std::optional<FixedGrid> grid_from_option(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  auto wrong = [&](const std::string& why) { return io::Failure(io::Exit::usage, fmt::format("--grid {}: {}", text, why)); };
+  auto wrong = [&](const std::string& why) {
+    return io::Failure(io::Exit::usage, fmt::format("--grid {}: {}", text, why));
+  };
   const std::size_t first = text.find(','), second = text.find(',', first + 1);
   if (first == std::string::npos || second == std::string::npos) throw wrong("expected X,Y,CELL");
   auto coordinate = [&](std::size_t from, std::size_t to) {
     double value = 0;
     const auto [end, error] = fast_float::from_chars(text.data() + from, text.data() + to, value);
-    if (error != std::errc() || end != text.data() + to || !(value - value == 0)) throw wrong("X and Y must be finite numbers");
+    if (error != std::errc() || end != text.data() + to || !(value - value == 0))
+      throw wrong("X and Y must be finite numbers");
     return value;
   };
   FixedGrid grid{coordinate(0, first), coordinate(first + 1, second), text.substr(second + 1)};
@@ -94,8 +99,10 @@ io::Failure explained(const Error& error, const io::Input& input, const Options&
   std::string text = error.what();
   const bool names_vertex = error.indices().size() >= 2 && error.indices()[0] < input.vertices.size();
   if (error.status() == Status::constraints_cross) text = crossings(error, input, options);
-  if (error.status() == Status::coordinate_outside_grid && names_vertex) text = about_coordinate(error, input, "lies outside the grid");
-  if (error.status() == Status::coordinate_not_finite && names_vertex) text = about_coordinate(error, input, "is not finite");
+  if (error.status() == Status::coordinate_outside_grid && names_vertex)
+    text = about_coordinate(error, input, "lies outside the grid");
+  if (error.status() == Status::coordinate_not_finite && names_vertex)
+    text = about_coordinate(error, input, "is not finite");
   if (error.status() == Status::cancelled) text = "interrupted";
   return io::Failure(exit_for(error.status()), text);
 }

@@ -17,7 +17,9 @@ std::string mebibytes(std::uint64_t bytes) { return fmt::format("{} MiB", bytes 
 Row row_of(std::size_t number, const DeviceInfo& d) {
   return {std::to_string(number),
           d.name,
-          d.is_gpu ? "GPU" : d.is_cpu ? "CPU" : "other",
+          d.is_gpu   ? "GPU"
+          : d.is_cpu ? "CPU"
+                     : "other",
           d.platform,
           d.vendor,
           d.driver,
@@ -34,7 +36,8 @@ std::string aligned(const std::vector<Row>& rows) {
     for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
   std::string text;
   for (const Row& row : rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) text += c + 1 < row.size() ? fmt::format("{:<{}}  ", row[c], widths[c]) : row[c];
+    for (std::size_t c = 0; c < row.size(); ++c)
+      text += c + 1 < row.size() ? fmt::format("{:<{}}  ", row[c], widths[c]) : row[c];
     text += '\n';
   }
   return text;
@@ -45,7 +48,8 @@ std::string aligned(const std::vector<Row>& rows) {
 void list_devices() {
   const std::vector<DeviceInfo> all = devices();
   if (all.empty()) select_device("auto");  // throws, and says what to install
-  std::vector<Row> rows{{"number", "name", "type", "platform", "vendor", "driver", "memory", "largest buffer", "units", "64-bit atomics", "fp64"}};
+  std::vector<Row> rows{{"number", "name", "type", "platform", "vendor", "driver", "memory", "largest buffer", "units",
+                         "64-bit atomics", "fp64"}};
   for (std::size_t i = 0; i < all.size(); ++i) rows.push_back(row_of(i, all[i]));
   print(aligned(rows));
 }

@@ -14,10 +14,13 @@ namespace {
 using namespace gcdt;
 
 constexpr const char* triangulate_help =
-    "Triangulate INPUT: the exact constrained Delaunay triangulation of its vertices and segments.\n\n"
     "Outputs by extension: .ele triangles, .neigh neighbours, .edge edges (marker 1: constrained, 0: not),\n"
     ".node vertices, .poly vertices and cleaned constraints, .vtu for ParaView, .svg picture. All files\n"
-    "appear together or not at all. Without -o the statistics are printed.";
+    "appear together or not at all. Without -o the statistics are printed.\n\n";
+
+constexpr const char* verify_help =
+    "OUTPUT is an .ele file, a .neigh file with the .ele beside it, or a .vtu file. The grid is taken from\n"
+    "OUTPUT if it holds one, else from --grid, else chosen as triangulate does.\n\n";
 
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
@@ -28,44 +31,57 @@ constexpr const char* grid_help =
     "default: the finest that fits the input";
 
 void add_crossing(CLI::App& app, std::string& crossing) {
-  app.add_option("--crossing", crossing, "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an earlier one)")
-      ->check(CLI::IsMember({"reject", "drop"}))
+  app.add_option("--crossing", crossing,
+                 "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an "
+                 "earlier one)")
+      ->check(CLI::IsMember({"reject", "drop"}).description(""))
       ->type_name("reject|drop")
       ->capture_default_str();
 }
 
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
-  CLI::App* app = gcdt.add_subcommand("triangulate", triangulate_help);
-  app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")->required()->type_name("");
-  app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")->allow_extra_args(false)->type_name("OUTPUT");
+  CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
+  app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+      ->required()
+      ->type_name("");
+  app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("OUTPUT");
   add_crossing(*app, arguments.crossing);
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
-  app->add_option("--device", arguments.device,
-                  "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
-                  "default: the variable GCDT_DEVICE, else auto")
+  app->add_option(
+         "--device", arguments.device,
+         "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
+         "default: the variable GCDT_DEVICE, else auto")
       ->type_name("SPEC");
-  app->add_flag("--verify", arguments.verify, "Prove the result by exact arithmetic on the host before anything is written");
+  app->add_flag("--verify", arguments.verify,
+                "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
-  app->footer(status_help);
+  app->footer(std::string(triangulate_help) + status_help);
   app->callback([&arguments] { command::triangulate(arguments); });
 }
 
 void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
-  CLI::App* app = gcdt.add_subcommand("verify",
-                                      "Prove that OUTPUT is the constrained Delaunay triangulation of INPUT, by exact arithmetic on the host.\n\n"
-                                      "OUTPUT is an .ele file, a .neigh file with the .ele beside it, or a .vtu file. The grid is taken from\n"
-                                      "OUTPUT if it holds one, else from --grid, else chosen as triangulate does.");
-  app->add_option("INPUT", arguments.input, "The .poly or .node file that was triangulated, or - for a .poly on standard input")->required()->type_name("");
+  CLI::App* app =
+      gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
+  app->add_option("INPUT", arguments.input,
+                  "The .poly or .node file that was triangulated, or - for a .poly on standard input")
+      ->required()
+      ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
   add_crossing(*app, arguments.crossing);
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
-  app->footer(status_help);
+  app->footer(std::string(verify_help) + status_help);
   app->callback([&arguments] { command::verify(arguments); });
 }
 
 int leave(io::Exit exit, const std::string& what) {
+  if (command::interrupted()) {
+    std::fputs("gcdt: interrupted\n", stderr);
+    return static_cast<int>(io::Exit::interrupted);
+  }
   std::fputs(fmt::format("gcdt: {}\n", what).c_str(), stderr);
   return static_cast<int>(exit);
 }
@@ -80,14 +96,14 @@ int wrong_usage(const CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argc, char** argv) {
   command::watch_interrupts();
-  CLI::App app("Exact constrained Delaunay triangulation on OpenCL devices.", "gcdt");
+  CLI::App app("Exact constrained Delaunay triangulation on OpenCL devices", "gcdt");
   command::TriangulateArguments triangulate;
   command::VerifyArguments verify;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
   add_verify(app, verify);
-  app.add_subcommand("devices", "List the OpenCL devices of this machine and what matters about them.")->callback(command::list_devices);
+  app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
   try {
     app.parse(argc, argv);
     return 0;

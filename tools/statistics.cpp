@@ -14,13 +14,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json grid_json(const Grid& grid) {
-  return {{"kind", io::kind_name(grid.kind)}, {"origin", grid.origin}, {"cell", grid.cell()}, {"largest_move", grid.largest_move}};
+  return {{"kind", io::kind_name(grid.kind)},
+          {"origin", grid.origin},
+          {"cell", grid.cell()},
+          {"largest_move", grid.largest_move}};
 }
 
 Json milliseconds_json(const Statistics::Milliseconds& ms) {
-  return {{"read", ms.read},     {"core", ms.core},     {"full", ms.full},           {"write", ms.write},
-          {"build", ms.build},   {"order", ms.order},   {"insert", ms.insert},       {"constrain", ms.constrain},
-          {"flip", ms.flip},     {"check", ms.check},   {"output", ms.output}};
+  return {{"read", ms.read},   {"core", ms.core},   {"full", ms.full},     {"write", ms.write},
+          {"build", ms.build}, {"order", ms.order}, {"insert", ms.insert}, {"constrain", ms.constrain},
+          {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}};
 }
 
 Json cases_json(const Statistics::Cases& cases) {
@@ -73,12 +76,13 @@ std::string statistics_table(const Statistics& s) {
   row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
   row("crossings", fmt::format("{}", s.crossings));
   row("triangles", fmt::format("{}", s.triangles));
-  row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0], s.grid.origin[1], s.grid.cell(),
-                          s.grid.largest_move));
+  row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
+                          s.grid.origin[1], s.grid.cell(), s.grid.largest_move));
   row("rounds", fmt::format("{} insert, {} flip ({} flips)", s.rounds.insert, s.rounds.flip, s.flips));
-  row("time", fmt::format("{:.1f} ms (core {:.1f}), read {:.1f}, build {:.1f}", s.ms.full, s.ms.core, s.ms.read, s.ms.build));
-  row("", fmt::format("order {:.1f}, insert {:.1f}, constrain {:.1f}, flip {:.1f}, check {:.1f}, output {:.1f}", s.ms.order, s.ms.insert,
-                      s.ms.constrain, s.ms.flip, s.ms.check, s.ms.output));
+  row("time",
+      fmt::format("{:.1f} ms (core {:.1f}), read {:.1f}, build {:.1f}", s.ms.full, s.ms.core, s.ms.read, s.ms.build));
+  row("", fmt::format("order {:.1f}, insert {:.1f}, constrain {:.1f}, flip {:.1f}, check {:.1f}, output {:.1f}",
+                      s.ms.order, s.ms.insert, s.ms.constrain, s.ms.flip, s.ms.check, s.ms.output));
   row("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
   row("device", fmt::format("{} ({}, driver {})", s.device, s.platform, s.driver));
   return table;

@@ -28,17 +28,20 @@ std::vector<std::string> written_paths(const TriangulateArguments& arguments) {
 void check_outputs(const TriangulateArguments& arguments) {
   for (const std::string& path : arguments.outputs)
     if (!io::writer_for(io::lower_extension(path)))
-      throw Failure(Exit::usage, fmt::format("{}: unknown output format; there are .ele .node .neigh .edge .poly .vtu .svg", path));
+      throw Failure(Exit::usage,
+                    fmt::format("{}: unknown output format; there are .ele .node .neigh .edge .poly .vtu .svg", path));
   const auto paths = written_paths(arguments);
   for (std::size_t i = 0; i < paths.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (io::same_file(paths[i], paths[j])) throw Failure(Exit::usage, fmt::format("{}: given twice as an output", paths[i]));
+      if (io::same_file(paths[i], paths[j]))
+        throw Failure(Exit::usage, fmt::format("{}: given twice as an output", paths[i]));
 }
 
 void check_overwrites_no_input(const TriangulateArguments& arguments, const std::vector<std::string>& inputs) {
   for (const std::string& path : written_paths(arguments))
     for (const std::string& input : inputs)
-      if (input != "-" && io::same_file(path, input)) throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
+      if (input != "-" && io::same_file(path, input))
+        throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
 }
 
 std::string chosen_device(const TriangulateArguments& arguments) {
@@ -70,8 +73,10 @@ void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing)
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
-  const Verification verification = gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
-  if (!verification.valid) throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
+  const Verification verification =
+      gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
+  if (!verification.valid)
+    throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
 
 void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics) {

@@ -24,7 +24,8 @@ io::MeshFile read_output(const std::string& path, const io::Input& input) {
 /// A file that holds vertices must hold the input's, or its triangles mean something else.
 void check_vertices(const std::string& path, const io::MeshFile& mesh, const io::Input& input) {
   if (mesh.vertices.size() != input.vertices.size())
-    throw Failure(Exit::check, fmt::format("{}: {} vertices, but the input has {}", path, mesh.vertices.size(), input.vertices.size()));
+    throw Failure(Exit::check, fmt::format("{}: {} vertices, but the input has {}", path, mesh.vertices.size(),
+                                           input.vertices.size()));
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (mesh.vertices[v] != input.vertices[v])
       throw Failure(Exit::check, fmt::format("{}: vertex {} is not where the input has it", path, v + input.first));
@@ -57,12 +58,13 @@ void verify(const VerifyArguments& arguments) {
   view.triangles = mesh.triangles;
   if (!mesh.neighbours.empty()) view.neighbours = mesh.neighbours.data();
   if (!mesh.constrained.empty()) view.constrained = mesh.constrained.data();
-  const Verification verification = gcdt::verify(input.vertices, input.constraints, view, grid, crossing_named(arguments.crossing));
+  const Verification verification =
+      gcdt::verify(input.vertices, input.constraints, view, grid, crossing_named(arguments.crossing));
   if (!verification.valid) throw Failure(Exit::check, fmt::format("{}: {}", arguments.output, verification.reason));
   if (!arguments.quiet)
-    print(fmt::format("valid: {} vertices, {} constraints, {} triangles{} on the {} grid with cell {}\n", input.vertices.size(),
-                      input.constraints.size(), mesh.triangles.size(), view.neighbours ? " and their neighbours" : "", io::kind_name(grid.kind),
-                      grid.cell()));
+    print(fmt::format("valid: {} vertices, {} constraints, {} triangles{} on the {} grid with cell {}\n",
+                      input.vertices.size(), input.constraints.size(), mesh.triangles.size(),
+                      view.neighbours ? " and their neighbours" : "", io::kind_name(grid.kind), grid.cell()));
 }
 
 }  // namespace gcdt::command

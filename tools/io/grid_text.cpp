@@ -37,7 +37,8 @@ bool read_kind(std::string_view text, Grid& grid) {
 
 bool read_origin(std::string_view text, Grid& grid) {
   const std::size_t comma = text.find(',');
-  return comma != std::string_view::npos && read_finite(text.substr(0, comma), grid.origin[0]) && read_finite(text.substr(comma + 1), grid.origin[1]);
+  return comma != std::string_view::npos && read_finite(text.substr(0, comma), grid.origin[0]) &&
+         read_finite(text.substr(comma + 1), grid.origin[1]);
 }
 
 bool read_cell(std::string_view text, Grid& grid) {
@@ -48,7 +49,9 @@ bool read_cell(std::string_view text, Grid& grid) {
   }
   const std::size_t e = text.find('e');
   int exponent = 0;
-  if (e == std::string_view::npos || !read_whole(text.substr(0, e), grid.cell_units) || !read_whole(text.substr(e + 1), exponent)) return false;
+  if (e == std::string_view::npos || !read_whole(text.substr(0, e), grid.cell_units) ||
+      !read_whole(text.substr(e + 1), exponent))
+    return false;
   grid.cell_decimals = -exponent;
   return grid.cell_units > 0 && in_range(exponent);
 }
@@ -65,12 +68,13 @@ const char* kind_name(Grid::Kind kind) {
 }
 
 std::string cell_text(const Grid& grid) {
-  return grid.cell_units > 0 ? fmt::format("{}e{}", grid.cell_units, -grid.cell_decimals) : fmt::format("2^{}", grid.cell_exponent);
+  return grid.cell_units > 0 ? fmt::format("{}e{}", grid.cell_units, -grid.cell_decimals)
+                             : fmt::format("2^{}", grid.cell_exponent);
 }
 
 std::string to_text(const Grid& grid) {
-  return fmt::format("kind={} origin={},{} cell={} largest_move={}", kind_name(grid.kind), grid.origin[0], grid.origin[1],
-                     cell_text(grid), grid.largest_move);
+  return fmt::format("kind={} origin={},{} cell={} largest_move={}", kind_name(grid.kind), grid.origin[0],
+                     grid.origin[1], cell_text(grid), grid.largest_move);
 }
 
 std::optional<Grid> grid_from_text(const std::string& text) {
@@ -80,7 +84,8 @@ std::optional<Grid> grid_from_text(const std::string& text) {
   for (std::string word; words >> word;) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos) return std::nullopt;
-    const std::string_view name = std::string_view(word).substr(0, equals), value = std::string_view(word).substr(equals + 1);
+    const std::string_view name = std::string_view(word).substr(0, equals),
+                           value = std::string_view(word).substr(equals + 1);
     if (name == "kind" && !(kind = read_kind(value, grid))) return std::nullopt;
     if (name == "origin" && !(origin = read_origin(value, grid))) return std::nullopt;
     if (name == "cell" && !(cell = read_cell(value, grid))) return std::nullopt;

@@ -70,7 +70,9 @@ void OutputFile::close() {
 
 void OutputFile::replace_target() {
   std::error_code error;
-  if (fs::exists(target_, error)) {
+  const fs::file_status status = fs::status(target_, error);
+  if (fs::exists(status)) {
+    if (!fs::is_regular_file(status)) fail("is not a regular file");
     backup_ = unused_name(target_.parent_path(), ".old");
     fs::create_hard_link(target_, backup_, error);  // so that the name is never without a file
     if (error) fs::rename(target_, backup_, error);

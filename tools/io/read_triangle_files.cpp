@@ -42,7 +42,8 @@ double coordinate(Records& in, const char* what) {
 std::uint64_t vertex_header(Records& in) {
   if (!in.next()) in.fail("the number of vertices is missing");
   const std::uint64_t count = in.count("the number of vertices", max_vertices);
-  if (in.more() && in.integer("the dimension") != 2) in.fail(fmt::format("the dimension must be 2, not {}", in.field()));
+  if (in.more() && in.integer("the dimension") != 2)
+    in.fail(fmt::format("the dimension must be 2, not {}", in.field()));
   in.skip_numbers("the header");
   return count;
 }
@@ -54,7 +55,8 @@ void read_vertices(Records& in, std::uint64_t count, Input& out) {
     expect_record(in, "vertices", i, count);
     const std::int64_t number = in.integer("the vertex number");
     if (i == 0) {
-      if (number != 0 && number != 1) in.fail(fmt::format("the first vertex must have the number 0 or 1, not {}", in.field()));
+      if (number != 0 && number != 1)
+        in.fail(fmt::format("the first vertex must have the number 0 or 1, not {}", in.field()));
       out.first = static_cast<std::uint32_t>(number);
     } else if (number != static_cast<std::int64_t>(i + out.first)) {
       in.fail(fmt::format("vertex number {} where {} is due", in.field(), i + out.first));
@@ -71,9 +73,10 @@ std::uint32_t segment_end(Records& in, const Input& out, std::uint64_t segment) 
   const std::int64_t number = in.integer("the segment's end");
   const std::int64_t index = number < 0 ? -1 : number - out.first;
   if (index < 0 || static_cast<std::uint64_t>(index) >= out.vertices.size())
-    in.fail(out.vertices.empty() ? fmt::format("segment {} names vertex {}, but there are no vertices", segment, in.field())
-                                 : fmt::format("segment {} names vertex {}, but the vertices are {} to {}", segment, in.field(),
-                                               out.first, out.first + out.vertices.size() - 1));
+    in.fail(out.vertices.empty()
+                ? fmt::format("segment {} names vertex {}, but there are no vertices", segment, in.field())
+                : fmt::format("segment {} names vertex {}, but the vertices are {} to {}", segment, in.field(),
+                              out.first, out.first + out.vertices.size() - 1));
   return static_cast<std::uint32_t>(index);
 }
 
@@ -136,7 +139,8 @@ void read_poly(const std::string& path, Input& out) {
   const std::uint64_t holes = skip_section(in, "holes");
   const std::uint64_t regions = skip_section(in, "regions");
   expect_end(in);
-  if (holes + regions > 0) out.notes.push_back(fmt::format("holes ({}) and regions ({}) of the input are not used", holes, regions));
+  if (holes + regions > 0)
+    out.notes.push_back(fmt::format("holes ({}) and regions ({}) of the input are not used", holes, regions));
 }
 
 /// The rows of .ele or .neigh, by triangle number: numbers may come in any order.
@@ -157,7 +161,8 @@ class RowNumbers {
       const auto found = rows_.find(number);
       return found == rows_.end() ? std::nullopt : std::optional(found->second);
     }
-    if (numbers_.empty() || number < numbers_[0] || number - numbers_[0] >= static_cast<std::int64_t>(size())) return std::nullopt;
+    if (numbers_.empty() || number < numbers_[0] || number - numbers_[0] >= static_cast<std::int64_t>(size()))
+      return std::nullopt;
     return static_cast<std::size_t>(number - numbers_[0]);
   }
 
@@ -171,7 +176,8 @@ void take_grid(const Records& in, MeshFile& out) {
   const auto& [text, line] = in.grid_comment();
   if (text.empty()) return;
   out.grid = grid_from_text(text);
-  if (!out.grid) throw Failure(Exit::input, fmt::format("{}:{}: the grid cannot be read from this comment", in.name(), line));
+  if (!out.grid)
+    throw Failure(Exit::input, fmt::format("{}:{}: the grid cannot be read from this comment", in.name(), line));
 }
 
 /// `<triangles> <corners or neighbours: 3> ...`
@@ -206,7 +212,8 @@ void read_ele(Records& in, std::uint64_t vertex_count, std::uint32_t first, Mesh
 
 void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
   const std::uint64_t count = triangle_header(in);
-  if (count != rows.size()) in.fail(fmt::format("{} triangles here, but {} in the .ele beside", count, rows.size()), Exit::check);
+  if (count != rows.size())
+    in.fail(fmt::format("{} triangles here, but {} in the .ele beside", count, rows.size()), Exit::check);
   if (!rows.distinct()) in.fail("triangle numbers occur twice in the .ele beside", Exit::check);
   out.neighbours.assign(out.triangles.size(), {-1, -1, -1});
   std::vector<bool> seen(out.triangles.size());
@@ -214,7 +221,8 @@ void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
     expect_record(in, "triangles", i, count);
     const auto row = rows.row(in.integer("the triangle number"));
     if (!row || seen[*row])
-      in.fail(fmt::format("triangle {} {}", in.field(), row ? "occurs twice" : "does not exist in the .ele beside"), Exit::check);
+      in.fail(fmt::format("triangle {} {}", in.field(), row ? "occurs twice" : "does not exist in the .ele beside"),
+              Exit::check);
     seen[*row] = true;
     for (std::int32_t& neighbour : out.neighbours[*row]) {
       const std::int64_t number = in.integer("a neighbour");
@@ -233,7 +241,8 @@ Input read_input(const std::string& path) {
   Input input;
   const std::string extension = lower_extension(path);
   if (path != "-" && extension != ".poly" && extension != ".node")
-    throw Failure(Exit::usage, fmt::format("{}: the input must be a .poly or .node file, or - for a .poly on standard input", path));
+    throw Failure(Exit::usage,
+                  fmt::format("{}: the input must be a .poly or .node file, or - for a .poly on standard input", path));
   input.files.push_back(path);
   if (extension == ".node") {
     Records in(path);

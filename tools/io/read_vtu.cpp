@@ -58,9 +58,13 @@ class VtuReader {
     const auto end = text_.begin() + std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(text_.size()));
     throw Failure(exit, fmt::format("{}:{}: {}", name_, 1 + std::count(text_.begin(), end, '\n'), what));
   }
-  [[noreturn]] void fail(pugi::xml_node node, const std::string& what, Exit exit = Exit::input) const { fail(node.offset_debug(), what, exit); }
+  [[noreturn]] void fail(pugi::xml_node node, const std::string& what, Exit exit = Exit::input) const {
+    fail(node.offset_debug(), what, exit);
+  }
 
-  static pugi::xml_node named(pugi::xml_node parent, const char* name) { return parent.find_child_by_attribute("DataArray", "Name", name); }
+  static pugi::xml_node named(pugi::xml_node parent, const char* name) {
+    return parent.find_child_by_attribute("DataArray", "Name", name);
+  }
 
   template <class To>
   std::vector<To> ascii(pugi::xml_node array) const {
@@ -79,8 +83,10 @@ class VtuReader {
     std::string bytes;
     if (!decode_base64(array.text().get(), bytes)) fail(array, "an array is not valid base64");
     std::uint64_t size = 0;
-    if (bytes.size() >= header_bytes_) std::memcpy(&size, bytes.data(), header_bytes_);  // a little-endian UInt32 or UInt64
-    if (bytes.size() < header_bytes_ || size != bytes.size() - header_bytes_) fail(array, "an array is not as long as its header says");
+    if (bytes.size() >= header_bytes_)
+      std::memcpy(&size, bytes.data(), header_bytes_);  // a little-endian UInt32 or UInt64
+    if (bytes.size() < header_bytes_ || size != bytes.size() - header_bytes_)
+      fail(array, "an array is not as long as its header says");
     if (type == "Float64") return converted<To, double>(bytes, header_bytes_);
     if (type == "Float32") return converted<To, float>(bytes, header_bytes_);
     if (type == "Int64") return converted<To, std::int64_t>(bytes, header_bytes_);
@@ -96,7 +102,8 @@ class VtuReader {
     const auto array = piece.child("Points").child("DataArray");
     if (!array) fail(piece, "no points");
     const auto xyz = numbers<double>(array);
-    if (xyz.size() != 3 * piece.attribute("NumberOfPoints").as_ullong()) fail(array, "the points are not as many as the Piece says");
+    if (xyz.size() != 3 * piece.attribute("NumberOfPoints").as_ullong())
+      fail(array, "the points are not as many as the Piece says");
     for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) mesh.vertices.push_back({xyz[i], xyz[i + 1]});
   }
 
@@ -109,7 +116,8 @@ class VtuReader {
     if (count != piece.attribute("NumberOfCells").as_ullong() || offsets.size() != count || corners.size() != 3 * count)
       fail(cells, "the cells are not as many as the Piece says, or not all triangles");
     for (std::size_t t = 0; t < count; ++t) {
-      if (types[t] != 5 || offsets[t] != static_cast<std::int64_t>(3 * (t + 1))) fail(cells, fmt::format("cell {} is not a triangle", t));
+      if (types[t] != 5 || offsets[t] != static_cast<std::int64_t>(3 * (t + 1)))
+        fail(cells, fmt::format("cell {} is not a triangle", t));
       for (std::size_t k = 3 * t; k < 3 * t + 3; ++k)
         if (corners[k] < 0 || static_cast<std::size_t>(corners[k]) >= mesh.vertices.size())
           fail(cells, fmt::format("triangle {} names point {}, which does not exist", t, corners[k]), Exit::check);
@@ -129,7 +137,8 @@ class VtuReader {
       if (across.size() != 3 * count) fail(array, "not three numbers for every triangle");
       for (std::size_t i = 0; i < across.size(); ++i)
         if (across[i] < -1 || across[i] >= static_cast<std::int64_t>(count))
-          fail(array, fmt::format("triangle {} names neighbour {}, which does not exist", i / 3, across[i]), Exit::check);
+          fail(array, fmt::format("triangle {} names neighbour {}, which does not exist", i / 3, across[i]),
+               Exit::check);
       for (std::size_t t = 0; t < count; ++t) {
         auto neighbour = [&](std::size_t k) { return static_cast<std::int32_t>(across[3 * t + k]); };
         mesh.neighbours.push_back({neighbour(0), neighbour(1), neighbour(2)});

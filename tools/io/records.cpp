@@ -56,7 +56,8 @@ std::string read_file(const std::string& path) {
 
 std::uint64_t LineNumbers::of(std::uint64_t index) const {
   if (index >= count_) return 0;
-  auto after = std::upper_bound(runs_.begin(), runs_.end(), index, [](auto i, const Run& run) { return i < run.first; });
+  auto after =
+      std::upper_bound(runs_.begin(), runs_.end(), index, [](auto i, const Run& run) { return i < run.first; });
   const Run& run = *std::prev(after);
   return run.line + (index - run.first);
 }
@@ -118,7 +119,8 @@ std::int64_t Records::integer(std::string_view what) {
 std::uint64_t Records::count(std::string_view what, std::uint64_t most) {
   const std::int64_t value = integer(what);
   if (value < 0) fail(fmt::format("{} is negative: {}", what, field()));
-  if (static_cast<std::uint64_t>(value) > most) fail(fmt::format("{} is {}; at most {} are possible", what, field(), most));
+  if (static_cast<std::uint64_t>(value) > most)
+    fail(fmt::format("{} is {}; at most {} are possible", what, field(), most));
   return static_cast<std::uint64_t>(value);
 }
 

@@ -9,9 +9,9 @@ namespace gcdt::io {
 
 namespace {
 
-constexpr double longer_side = 1e5;     // units of the canvas; a unit is 1e-5 of the picture
-constexpr double margin = 0.02;         // of the longer side, all around
-constexpr int shown_pixels = 1200;      // of the longer side, where nothing else asks for a size
+constexpr double longer_side = 1e5;  // units of the canvas; a unit is 1e-5 of the picture
+constexpr double margin = 0.02;      // of the longer side, all around
+constexpr int shown_pixels = 1200;   // of the longer side, where nothing else asks for a size
 
 using Edge = std::array<std::uint32_t, 2>;
 using Place = std::array<std::int32_t, 2>;
@@ -112,9 +112,11 @@ void write_svg(OutputFile& file, const Result& result) {
   const double pixels = shown_pixels / std::max(width, height);
   // Strokes are thin against the length of edges in a mesh of evenly spread vertices.
   const double spacing = longer_side / std::sqrt(static_cast<double>(result.input.vertices.size()) + 1);
-  const double thin = std::clamp(spacing * 0.04, 10.0, 200.0), bold = 3 * thin;
-  file.print("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"{:.0f} {:.0f} {:.0f} {:.0f}\">\n",
-             std::ceil(width * pixels), std::ceil(height * pixels), -border, -border, std::ceil(width), std::ceil(height));
+  const double thin = std::clamp(spacing * 0.04, 10.0, 200.0), bold = 4 * thin;
+  file.print(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"{:.0f} {:.0f} {:.0f} "
+      "{:.0f}\">\n",
+      std::ceil(width * pixels), std::ceil(height * pixels), -border, -border, std::ceil(width), std::ceil(height));
   file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", -border, -border);
   file.print("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
   std::vector<Edge> unconstrained;

@@ -34,10 +34,10 @@ Input read_input(const std::string& path);
 
 /// A mesh read back from .ele (and .neigh), for verification.
 struct MeshFile {
-  std::vector<std::array<std::uint32_t, 3>> triangles;   ///< vertex numbers from 0
-  std::vector<std::array<std::int32_t, 3>> neighbours;   ///< empty if the file holds none
-  std::vector<std::uint8_t> constrained;                 ///< empty if the file holds none
-  std::vector<std::array<double, 2>> vertices;           ///< empty if the file holds none
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertex numbers from 0
+  std::vector<std::array<std::int32_t, 3>> neighbours;  ///< empty if the file holds none
+  std::vector<std::uint8_t> constrained;                ///< empty if the file holds none
+  std::vector<std::array<double, 2>> vertices;          ///< empty if the file holds none
   std::optional<Grid> grid;
 };
 

@@ -6,7 +6,9 @@ namespace gcdt::io {
 
 namespace {
 
-void write_grid(OutputFile& file, const Result& result) { file.print("# gcdt grid {}\n", to_text(result.mesh.statistics.grid)); }
+void write_grid(OutputFile& file, const Result& result) {
+  file.print("# gcdt grid {}\n", to_text(result.mesh.statistics.grid));
+}
 
 void write_vertices(OutputFile& file, const Input& input) {
   file.print("{} 2 0 0\n", input.vertices.size());
@@ -20,7 +22,8 @@ void write_ele(OutputFile& file, const Result& result) {
   const std::uint32_t first = result.input.first;
   file.print("{} 3 0\n", result.mesh.triangles.size());
   std::uint64_t number = first;
-  for (const auto& [a, b, c] : result.mesh.triangles) file.print("{} {} {} {}\n", number++, a + first, b + first, c + first);
+  for (const auto& [a, b, c] : result.mesh.triangles)
+    file.print("{} {} {} {}\n", number++, a + first, b + first, c + first);
   write_grid(file, result);
 }
 

@@ -63,18 +63,22 @@ void write_vtu(OutputFile& file, const Result& result) {
   const Triangulation& mesh = result.mesh;
   const std::uint64_t triangles = mesh.triangles.size();
   constexpr int vtk_triangle = 5;
-  file.print("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\">\n<UnstructuredGrid>\n",
-             little_endian() ? "LittleEndian" : "BigEndian");
+  file.print(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
+      "header_type=\"UInt64\">\n<UnstructuredGrid>\n",
+      little_endian() ? "LittleEndian" : "BigEndian");
   write_grid(file, mesh.statistics.grid);
   file.print("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", vertices.size(), triangles);
   write_array<double>(file, "Name=\"Points\" NumberOfComponents=\"3\"", 3 * vertices.size(),
                       [&](std::uint64_t i) { return i % 3 < 2 ? vertices[i / 3][i % 3] : 0.0; });
   file.print("</Points>\n<Cells>\n");
-  write_array<std::int32_t>(file, "Name=\"connectivity\"", 3 * triangles, [&](std::uint64_t i) { return mesh.triangles[i / 3][i % 3]; });
+  write_array<std::int32_t>(file, "Name=\"connectivity\"", 3 * triangles,
+                            [&](std::uint64_t i) { return mesh.triangles[i / 3][i % 3]; });
   write_array<std::int64_t>(file, "Name=\"offsets\"", triangles, [](std::uint64_t i) { return 3 * (i + 1); });
   write_array<std::uint8_t>(file, "Name=\"types\"", triangles, [](std::uint64_t) { return vtk_triangle; });
   file.print("</Cells>\n<CellData>\n");
-  write_array<std::uint8_t>(file, "Name=\"constrained\"", triangles, [&](std::uint64_t i) { return mesh.constrained[i]; });
+  write_array<std::uint8_t>(file, "Name=\"constrained\"", triangles,
+                            [&](std::uint64_t i) { return mesh.constrained[i]; });
   write_array<std::int32_t>(file, "Name=\"neighbours\" NumberOfComponents=\"3\"", 3 * triangles,
                             [&](std::uint64_t i) { return mesh.neighbours[i / 3][i % 3]; });
   file.print("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");

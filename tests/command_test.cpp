@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command gcdt as its user sees it: arguments in; status, files and text out.
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "scratch_folder.hpp"
+
+using gcdt::testing::ScratchFolder;
+
+namespace {
+
+struct Outcome {
+  int status;
+  std::string out, err;
+};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// A folder in which the command is run, so that its arguments are short names.
+class Session : public ScratchFolder {
+ public:
+  /// Runs a shell line in which $gcdt is the command.
+  Outcome shell(const std::string& line) const {
+    ScratchFolder streams;
+    const std::string whole = "cd '" + *this / "" + "' && gcdt='" GCDT_COMMAND "' && { " + line + "\n} >'" +
+                              streams / "out" + "' 2>'" + streams / "err" + "'";
+    const int status = std::system(whole.c_str());
+    REQUIRE(WIFEXITED(status));
+    return {WEXITSTATUS(status), streams.read("out"), streams.read("err")};
+  }
+  Outcome gcdt(const std::string& arguments) const { return shell("\"$gcdt\" " + arguments + " </dev/null"); }
+  /// Runs the command, which must succeed without a word on standard error; its standard output.
+  std::string good(const std::string& arguments) const {
+    CAPTURE(arguments);
+    const Outcome outcome = gcdt(arguments);
+    CHECK(outcome.err == "");
+    CHECK(outcome.status == 0);
+    return outcome.out;
+  }
+  /// Runs the command, which must fail with `status` and one line on standard error; that line.
+  std::string bad(int status, const std::string& arguments) const {
+    CAPTURE(arguments);
+    const Outcome outcome = gcdt(arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.status == status);
+    CHECK(outcome.out == "");
+    CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+    CHECK(outcome.err.compare(0, 6, "gcdt: ") == 0);
+    return outcome.err;
+  }
+};
+
+constexpr const char* square = "4 2 0 0\n0 0 0\n1 1 0\n2 1 1\n3 0 1\n1 0\n0 1 3\n0\n";
+constexpr const char* square_from_1 = "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n1 0\n1 2 4\n0\n";
+/// Two diagonals of a square: segments 0 (line 7) and 1 (line 8) cross.
+constexpr const char* crossed = "4 2 0 0\n0 0 0\n1 1 0\n2 1 1\n3 0 1\n2 0\n0 1 3\n1 0 2\n0\n";
+
+/// The lines of a text that are no comments.
+std::string data_lines(const std::string& text) {
+  std::istringstream in(text);
+  std::string lines;
+  for (std::string line; std::getline(in, line);)
+    if (line.empty() || line[0] != '#') lines += line + "\n";
+  return lines;
+}
+
+/// A closed star-shaped polygon around many scattered vertices, with decimal coordinates.
+std::string random_poly(int n, int first) {
+  std::mt19937 random(7);
+  std::ostringstream text;
+  text << n << " 2 0 0\n";
+  const int ring = n / 4;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 6.283185307179586 * i / ring, radius = 500 + static_cast<double>(random() % 400);
+    const long x =
+        std::lround(i < ring ? radius * std::cos(angle) * 1000 : static_cast<double>(random() % 2000000) - 1000000);
+    const long y =
+        std::lround(i < ring ? radius * std::sin(angle) * 1000 : static_cast<double>(random() % 2000000) - 1000000);
+    text << i + first << ' ' << x << "e-3 " << y << "e-3\n";
+  }
+  text << ring << " 0\n";
+  for (int i = 0; i < ring; ++i) text << i + first << ' ' << i + first << ' ' << (i + 1) % ring + first << '\n';
+  text << "0\n";
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("help and version are no errors") {
+  Session session;
+  CHECK(contains(session.good("--help"), "triangulate"));
+  CHECK(session.good("--version").compare(0, 5, "gcdt ") == 0);
+  for (const char* option : {"--crossing", "--grid", "--device", "--verify", "--stats", "--quiet", ".vtu", "Status:"})
+    CHECK(contains(session.good("triangulate --help"), option));
+  CHECK(contains(session.good("verify --help"), "OUTPUT"));
+  CHECK(!session.good("devices --help").empty());
+}
+
+TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
+  Session session;
+  session.write("in.poly", square);
+  session.write("in.obj", square);
+  for (const char* arguments : {"",
+                                "frobnicate",
+                                "triangulate",
+                                "verify in.poly",
+                                "triangulate in.poly --no-such-option",
+                                "triangulate in.poly --tiles 2",
+                                "triangulate in.poly --trace t.json",
+                                "triangulate in.poly --domain holes",
+                                "triangulate in.poly --crossing split",
+                                "triangulate in.poly -o",
+                                "triangulate in.poly -o out.xyz",
+                                "triangulate in.poly -o out.ele -o out",
+                                "triangulate in.poly -o in.poly",
+                                "triangulate in.poly -o ./in.poly",
+                                "triangulate in.poly -o out.ele -o ./out.ele",
+                                "triangulate in.poly -o out.ele --stats out.ele",
+                                "triangulate in.poly --stats in.poly",
+                                "triangulate in.poly in.poly",
+                                "triangulate in.obj",
+                                "triangulate in.poly --grid 1",
+                                "triangulate in.poly --grid 0,0",
+                                "triangulate in.poly --grid 0,0,zero",
+                                "triangulate in.poly --grid 0,0,0",
+                                "triangulate in.poly --grid nan,0,1",
+                                "triangulate in.poly --grid 0,0,-1",
+                                "verify in.poly in.poly",
+                                "devices 1"})
+    session.bad(2, arguments);
+  CHECK(session.names() == std::vector<std::string>{"in.obj", "in.poly"});
+  CHECK(session.read("in.poly") == square);
+}
+
+TEST_CASE("a node file that is read beside a poly file cannot be an output") {
+  Session session;
+  session.write("in.node", "3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n");
+  session.write("in.poly", "0 2 0 0\n1 0\n0 0 1\n0\n");
+  session.bad(2, "triangulate in.poly -o in.node");
+  session.good("triangulate in.poly -o in.ele");
+  CHECK(data_lines(session.read("in.ele")) == "1 3 0\n0 0 1 2\n");
+}
+
+TEST_CASE("input that cannot be read or is invalid is status 3 with its file and line") {
+  Session session;
+  CHECK(contains(session.bad(3, "triangulate none.poly"), "none.poly"));
+  session.write("bad.poly", "2 2 0 0\n0 0 0\n1 nan 0\n0\n");
+  CHECK(contains(session.bad(3, "triangulate bad.poly -o out.ele"), "bad.poly:3: "));
+  session.write("bad.poly", "3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n1 0\n0 0 3\n");
+  CHECK(contains(session.bad(3, "triangulate bad.poly"), "bad.poly:6: "));
+  session.write("bad.node", "1000000000000000000 2 0 0\n0 0 0\n");
+  CHECK(contains(session.bad(3, "triangulate bad.node"), "bad.node:1: "));
+  session.write("cut.node", "536870910 2 0 0\n0 0 0\n");
+  const Outcome cut = session.shell("ulimit -v 4000000; \"$gcdt\" triangulate cut.node");
+  CHECK(cut.status == 3);
+  CHECK(contains(cut.err, "cut.node:2: "));
+  const Outcome piped = session.shell("printf '1 2 0 0\\n0 0\\n' | \"$gcdt\" triangulate -");
+  CHECK(piped.status == 3);
+  CHECK(contains(piped.err, "<stdin>:2: "));
+}
+
+TEST_CASE("devices are listed with what matters") {
+  const std::string table = Session().good("devices");
+  for (const char* column :
+       {"name", "platform", "vendor", "driver", "memory", "largest buffer", "64-bit atomics", "fp64"})
+    CHECK(contains(table, column));
+  CHECK(contains(table, "\n0 "));
+}
+
+TEST_CASE("without a device the status is 4 and the message says what to install") {
+  Session session;
+  session.write("in.poly", square);
+  for (const char* arguments : {"devices", "triangulate in.poly -o out.ele"}) {
+    const Outcome outcome =
+        session.shell(std::string("env -u OCL_ICD_FILENAMES OCL_ICD_VENDORS=/no-such-folder \"$gcdt\" ") + arguments);
+    CHECK(outcome.status == 4);
+    CHECK(contains(outcome.err, "pocl-opencl-icd"));
+  }
+  CHECK(session.gcdt("triangulate in.poly --device no-such-device -o out.ele").status == 4);
+  CHECK(session.gcdt("triangulate in.poly --device 999").status == 4);
+  CHECK(session.shell("GCDT_DEVICE=no-such-device \"$gcdt\" triangulate in.poly").status == 4);
+  session.good("triangulate in.poly --device 0 -o out.ele");
+}
+
+TEST_CASE("a mesh is written in canonical order and in the input's numbers") {
+  Session session;
+  session.write("zero.poly", square);
+  session.write("one.poly", square_from_1);
+  session.good("triangulate zero.poly -o zero.ele -o zero.neigh -o zero.edge");
+  CHECK(data_lines(session.read("zero.ele")) == "2 3 0\n0 0 1 3\n1 1 2 3\n");
+  CHECK(data_lines(session.read("zero.neigh")) == "2 3\n0 1 -1 -1\n1 -1 0 -1\n");
+  CHECK(data_lines(session.read("zero.edge")) == "5 1\n0 1 3 1\n1 3 0 0\n2 0 1 0\n3 2 3 0\n4 1 2 0\n");
+  session.good("triangulate one.poly -o one.ele -o one.neigh -o one.poly.poly");
+  CHECK(data_lines(session.read("one.ele")) == "2 3 0\n1 1 2 4\n2 2 3 4\n");
+  CHECK(data_lines(session.read("one.neigh")) == "2 3\n1 2 -1 -1\n2 -1 1 -1\n");
+  CHECK(data_lines(session.read("one.poly.poly")) == "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n1 1\n1 2 4 1\n0\n");
+}
+
+TEST_CASE("all formats at once: verified, the same bytes in every run, and free of paths, devices and dates") {
+  for (int first : {0, 1}) {
+    Session session;
+    session.write("in.poly", random_poly(400, first));
+    const std::string outputs = "-o o.ele -o o.node -o o.neigh -o o.edge -o o.poly -o o.vtu -o o.svg";
+    session.good("triangulate in.poly --verify " + outputs);
+    const std::vector<std::string> names{"in.poly", "o.edge", "o.ele", "o.neigh", "o.node", "o.poly", "o.svg", "o.vtu"};
+    CHECK(session.names() == names);
+    for (const char* output : {"o.ele", "o.neigh", "o.vtu"})
+      CHECK(session.good(std::string("verify in.poly ") + output).compare(0, 6, "valid:") == 0);
+    CHECK(session.good("verify --quiet in.poly o.ele") == "");
+    // The cleaned graph has the same triangulation, and so has the same input from a pipe.
+    session.good("triangulate o.poly -o again.ele");
+    CHECK(session.read("again.ele") == session.read("o.ele"));
+    CHECK(session.shell("\"$gcdt\" triangulate - -o piped.ele <in.poly").status == 0);
+    CHECK(session.read("piped.ele") == session.read("o.ele"));
+    Session second;
+    second.write("in.poly", random_poly(400, first));
+    second.good("triangulate in.poly " + outputs);
+    const auto device = nlohmann::json::parse((second.good("triangulate in.poly -o s.ele --stats s.json"),
+                                               second.read("s.json")))["device"]
+                            .get<std::string>();
+    for (std::size_t i = 1; i < names.size(); ++i) {
+      CAPTURE(names[i]);
+      const std::string bytes = session.read(names[i]);
+      CHECK(bytes == second.read(names[i]));
+      CHECK(!contains(bytes, device));
+      CHECK(!contains(bytes, "gcdt-test-"));
+    }
+  }
+}
+
+TEST_CASE("statistics have the names of the contract") {
+  Session session;
+  session.write("in.poly", square);
+  session.good("triangulate in.poly -o o.ele --stats s.json");
+  const auto json = nlohmann::json::parse(session.read("s.json"));
+  for (const char* name :
+       {"n", "m", "vertices_merged", "constraints_zero", "constraints_pieces", "constraints_overlapping", "crossings",
+        "constraints_dropped", "vertices_added", "triangles", "flips", "history_depth", "location_steps", "launches",
+        "read_backs", "crossed_pairs", "peak_device_bytes"}) {
+    CAPTURE(name);
+    CHECK(json.at(name).is_number_unsigned());
+  }
+  for (const char* name :
+       {"read", "core", "full", "write", "build", "order", "insert", "constrain", "flip", "check", "output"})
+    CHECK(json.at("ms").at(name).is_number());
+  for (const char* name : {"insert", "flip"}) CHECK(json.at("rounds").at(name).is_number_unsigned());
+  for (const char* name : {"device", "driver", "platform", "version"}) CHECK(!json.at(name).get<std::string>().empty());
+  for (const char* name : {"kind", "origin", "cell", "largest_move"}) CHECK(json.at("grid").contains(name));
+  for (const char* name : {"edge_splits", "constraint_hits", "existing_edges", "pieces_walked", "chain_vertices",
+                           "holes", "symbolic_chain_vertices"})
+    CHECK(json.at("cases").at(name).is_number_unsigned());
+  CHECK(json["n"] == 4);
+  CHECK(json["m"] == 1);
+  CHECK(json["triangles"] == 2);
+  CHECK(json["ms"]["read"] > 0);
+  CHECK(json["ms"]["write"] > 0);
+}
+
+TEST_CASE("without an output the statistics are printed, and not if quiet") {
+  Session session;
+  session.write("in.poly", square);
+  const std::string table = session.good("triangulate in.poly");
+  for (const char* row : {"vertices ", "constraints ", "triangles ", "grid ", "device "}) CHECK(contains(table, row));
+  CHECK(session.good("triangulate in.poly --quiet") == "");
+  CHECK(session.good("triangulate in.poly -o o.ele") == "");
+}
+
+TEST_CASE("constraints that cross are listed with their numbers, ends and lines, or dropped") {
+  Session session;
+  session.write("in.poly", crossed);
+  session.write("o.ele", "before");
+  const Outcome rejected = session.gcdt("triangulate in.poly -o o.ele");
+  CHECK(rejected.status == 3);
+  for (const char* part :
+       {"in.poly", "1 pair", "segment 0 (vertices 1 3, line 7)", "segment 1 (vertices 0 2, line 8)", "--crossing drop"})
+    CHECK(contains(rejected.err, part));
+  CHECK(session.read("o.ele") == "before");
+  session.good("triangulate in.poly --crossing drop --verify -o o.ele -o o.poly --stats s.json");
+  CHECK(data_lines(session.read("o.ele")) == "2 3 0\n0 0 1 3\n1 1 2 3\n");
+  CHECK(contains(session.read("o.poly"), "\n1 1\n0 1 3 1\n0\n"));
+  CHECK(nlohmann::json::parse(session.read("s.json"))["constraints_dropped"] == 1);
+  session.good("verify in.poly o.ele --crossing drop");
+  session.bad(5, "verify in.poly o.ele");
+}
+
+TEST_CASE("a grid can be fixed, is kept in the outputs, and refuses what lies outside") {
+  Session session;
+  session.write("in.poly", square);
+  session.good("triangulate in.poly --grid -1,-0.5,0.25 -o o.ele -o o.vtu --verify");
+  CHECK(contains(session.read("o.ele"), "# gcdt grid kind=fixed origin=-1,-0.5 cell="));
+  CHECK(contains(session.good("verify in.poly o.ele"), "fixed grid with cell 0.25"));
+  CHECK(contains(session.good("verify in.poly o.vtu"), "fixed grid with cell 0.25"));
+  session.write("bare.ele", data_lines(session.read("o.ele")));
+  CHECK(contains(session.good("verify in.poly bare.ele --grid -1,-0.5,0.25"), "fixed grid with cell 0.25"));
+  CHECK(!contains(session.good("verify in.poly bare.ele"), "fixed"));
+  CHECK(contains(session.bad(3, "triangulate in.poly --grid 0.5,0,0.25"), "in.poly:2: "));
+  CHECK(contains(session.bad(3, "triangulate in.poly --grid 0,0,0.0000000001"), "in.poly:3: "));
+}
+
+TEST_CASE("inputs without an area have no triangles, status 0 and a note") {
+  Session session;
+  session.write("empty.node", "0 2 0 0\n");
+  session.write("one.node", "1 2 0 0\n1 3 4\n");
+  session.write("same.node", "3 2 0 0\n1 3 4\n2 3 4\n3 3 4\n");
+  session.write("line.poly", "3 2 0 0\n0 0 0\n1 1 1\n2 3 3\n1 0\n0 0 2\n0\n");
+  for (const char* name : {"empty.node", "one.node", "same.node", "line.poly"}) {
+    CAPTURE(name);
+    const Outcome outcome = session.gcdt(std::string("triangulate ") + name +
+                                         " --verify -o o.ele -o o.neigh -o o.edge -o o.vtu -o o.svg -o o.poly");
+    CHECK(outcome.status == 0);
+    CHECK(contains(outcome.err, "gcdt: note: "));
+    CHECK(session.gcdt(std::string("triangulate ") + name + " --quiet").err == "");
+    CHECK(data_lines(session.read("o.ele")) == "0 3 0\n");
+    CHECK(contains(session.read("o.svg"), "</svg>"));
+    session.good(std::string("verify ") + name + " o.ele");
+    session.good(std::string("verify ") + name + " o.vtu");
+  }
+  CHECK(contains(session.read("o.poly"), "\n2 1\n"));
+}
+
+TEST_CASE("holes and regions of the input are said to be unused") {
+  Session session;
+  session.write("in.poly", "3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n0 0\n1\n0 0.1 0.1\n");
+  const Outcome outcome = session.gcdt("triangulate in.poly -o o.ele");
+  CHECK(outcome.status == 0);
+  CHECK(contains(outcome.err, "holes"));
+  CHECK(session.good("triangulate in.poly -o o.ele --quiet") == "");
+}
+
+TEST_CASE("verify catches every kind of wrong mesh with status 5") {
+  Session session;
+  session.write("in.poly", random_poly(60, 0));
+  session.good("triangulate in.poly -o o.ele -o o.neigh -o o.vtu");
+  std::vector<std::string> rows;
+  std::istringstream in(data_lines(session.read("o.ele")));
+  std::string header;
+  std::getline(in, header);
+  for (std::string row; std::getline(in, row);) rows.push_back(row.substr(row.find(' ') + 1));
+  auto write = [&](const std::vector<std::string>& triangles) {
+    std::string text = std::to_string(triangles.size()) + " 3 0\n";
+    for (std::size_t t = 0; t < triangles.size(); ++t) text += std::to_string(t) + " " + triangles[t] + "\n";
+    session.write("m.ele", text);
+  };
+  auto mutant = [&](auto&& change) {
+    std::vector<std::string> triangles = rows;
+    change(triangles);
+    write(triangles);
+    CHECK(contains(session.bad(5, "verify in.poly m.ele"), "m.ele"));
+  };
+  write(rows);
+  session.good("verify in.poly m.ele");
+  write({rows.rbegin(), rows.rend()});
+  session.good("verify in.poly m.ele");
+  mutant([](auto& t) { t.pop_back(); });
+  mutant([](auto& t) { t.push_back(t.front()); });
+  mutant([](auto& t) { t.back() = t.front(); });
+  mutant([](auto& t) {
+    std::istringstream corners(t.front());
+    std::string a, b, c;
+    corners >> a >> b >> c;
+    t.front() = a + " " + c + " " + b;
+  });
+  mutant([](auto& t) { t.front() = "0 1 60"; });
+  mutant([](auto& t) { t.front() = "0 1 -1"; });
+  mutant([](auto& t) { t.clear(); });
+
+  std::string neigh = session.read("o.neigh");
+  session.write("o.neigh",
+                neigh.replace(neigh.find("\n1 ") + 1, neigh.find("\n2 ") - neigh.find("\n1 ") - 1, "1 -1 -1 -1"));
+  session.bad(5, "verify in.poly o.neigh");
+  session.write("other.poly", random_poly(61, 0));
+  session.bad(5, "verify other.poly o.vtu");
+  session.bad(5, "verify other.poly o.ele");
+}
+
+TEST_CASE("verify cannot read an output that is missing or malformed: status 3") {
+  Session session;
+  session.write("in.poly", square);
+  session.bad(3, "verify in.poly none.ele");
+  session.write("bad.ele", "2 3 0\n0 0 1 3\n");
+  CHECK(contains(session.bad(3, "verify in.poly bad.ele"), "bad.ele:2: "));
+  session.write("bad.vtu", "<VTKFile>\n<");
+  CHECK(contains(session.bad(3, "verify in.poly bad.vtu"), "bad.vtu:2: "));
+}
+
+TEST_CASE("an output that cannot be written is status 6, and all files stay as they were") {
+  Session session;
+  session.write("in.poly", square);
+  session.write("o.ele", "before");
+  std::filesystem::create_directory(session / "folder.svg");
+  session.bad(6, "triangulate in.poly -o o.ele -o no-such-folder/o.svg");
+  session.bad(6, "triangulate in.poly -o o.ele -o folder.svg");
+  session.bad(6, "triangulate in.poly -o o.ele --stats no-such-folder/s.json");
+  CHECK(session.read("o.ele") == "before");
+  CHECK(session.names() == std::vector<std::string>{"folder.svg", "in.poly", "o.ele"});
+  CHECK(session.shell("\"$gcdt\" triangulate in.poly 2>err.txt >/dev/full").status == 6);
+}
+
+TEST_CASE("an interrupt ends the command with status 130 and leaves nothing") {
+  Session session;
+  session.write("big.poly", random_poly(20000, 0));
+  session.write("o.ele", "before");
+  const Outcome waiting = session.shell(
+      "mkfifo pipe; sleep 20 >pipe & \"$gcdt\" triangulate - -o o.ele <pipe & p=$!; sleep 0.5; kill -TERM $p; wait $p");
+  CHECK(waiting.status == 130);
+  CHECK(waiting.err == "gcdt: interrupted\n");
+  std::filesystem::remove(session / "pipe");
+  for (const char* delay : {"0.05", "0.15", "0.4"}) {
+    const Outcome working = session.shell(std::string("\"$gcdt\" triangulate big.poly -o o.ele & p=$!; sleep ") +
+                                          delay + "; kill -TERM $p; wait $p");
+    CHECK((working.status == 130 || working.status == 0 || working.status == 143));  // 143: before it was ready for it
+    if (working.status != 0) CHECK(session.read("o.ele") == "before");
+    session.write("o.ele", "before");
+    CHECK(session.names() == std::vector<std::string>{"big.poly", "o.ele"});
+  }
+}
+
+TEST_CASE("progress is shown on a terminal, cleared at the end, and not if quiet") {
+  Session session;
+  session.write("in.poly", random_poly(400, 0));
+  auto on_terminal = [&](const std::string& arguments) {
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    REQUIRE(terminal >= 0);
+    REQUIRE(grantpt(terminal) == 0);
+    REQUIRE(unlockpt(terminal) == 0);
+    const std::string name = ptsname(terminal);
+    const int held = open(name.c_str(), O_RDWR | O_NOCTTY);
+    std::string seen;
+    std::thread reader([&] {
+      char part[4096];
+      for (ssize_t got; (got = read(terminal, part, sizeof part)) > 0;)
+        seen.append(part, static_cast<std::size_t>(got));
+    });
+    CHECK(session.shell("\"$gcdt\" " + arguments + " 2>" + name).status == 0);
+    close(held);
+    reader.join();
+    close(terminal);
+    return seen;
+  };
+  const std::string seen = on_terminal("triangulate in.poly -o o.ele");
+  CHECK(contains(seen, "%"));
+  REQUIRE(seen.size() >= 4);
+  CHECK(seen.substr(seen.size() - 4) == "\r\x1b[K");
+  CHECK(on_terminal("triangulate in.poly -o o.ele --quiet") == "");
+}

@@ -1,0 +1,538 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command's file formats: what is read is what was written, and what is malformed is said with its line.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <sstream>
+
+#include "io/base64.hpp"
+#include "io/formats.hpp"
+#include "io/grid_text.hpp"
+#include "io/paths.hpp"
+#include "scratch_folder.hpp"
+
+using namespace gcdt;
+using gcdt::testing::ScratchFolder;
+using io::Exit;
+using io::Failure;
+
+namespace {
+
+/// A unit square, cut by the constraint 0 2.
+///   3---2
+///   |1 /|
+///   | /0|
+///   0---1
+struct Square {
+  io::Input input;
+  Triangulation mesh;
+
+  explicit Square(std::uint32_t first = 0) {
+    input.vertices = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    input.constraints = {{0, 2}};
+    input.first = first;
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.neighbours = {{-1, 1, -1}, {-1, -1, 0}};
+    mesh.constrained = {2, 4};
+    mesh.pieces = {{0, 2}};
+    mesh.statistics.grid.cell_exponent = -30;
+  }
+};
+
+std::string written(const ScratchFolder& folder, const std::string& name, const io::Input& input,
+                    const Triangulation& mesh) {
+  io::OutputFiles files;
+  io::writer_for(io::lower_extension(name))(files.add(folder / name), {input, mesh});
+  files.commit();
+  return folder.read(name);
+}
+std::string written(const ScratchFolder& folder, const std::string& name, const Square& square) {
+  return written(folder, name, square.input, square.mesh);
+}
+
+/// "LINE: what" of the failure that `action` must end in, with `path` taken off.
+template <class Action>
+std::string failure(const std::string& path, Exit exit, Action&& action) {
+  try {
+    action();
+  } catch (const Failure& failed) {
+    CHECK(failed.exit() == exit);
+    const std::string what = failed.what();
+    CHECK(what.compare(0, path.size() + 1, path + ":") == 0);
+    return what.substr(std::min(what.size(), path.size() + 1));
+  }
+  FAIL("accepted");
+  return {};
+}
+
+io::Input poly(const std::string& text) {
+  ScratchFolder folder;
+  return io::read_input(folder.write("in.poly", text));
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+struct Malformed {
+  const char *text, *expected;
+};
+
+}  // namespace
+
+TEST_CASE("a poly file gives its vertices and segments, numbered from 0 or from 1") {
+  const io::Input zero = poly("3 2 0 0\n0 0 0\n1 1.5 0\n2 0 -2e-3\n2 0\n0 0 1\n1 2 1\n0\n");
+  CHECK(zero.vertices == std::vector<std::array<double, 2>>{{0, 0}, {1.5, 0}, {0, -0.002}});
+  CHECK(zero.constraints == std::vector<Constraint>{{0, 1}, {2, 1}});
+  CHECK(zero.first == 0);
+  const io::Input one = poly("3 2 0 0\n1 0 0\n2 1.5 0\n3 0 -2e-3\n2 0\n1 1 2\n2 3 2\n0\n");
+  CHECK(one.vertices == zero.vertices);
+  CHECK(one.constraints == zero.constraints);
+  CHECK(one.first == 1);
+  CHECK(one.first_constraint == 1);
+}
+
+TEST_CASE("comments, blank lines, attributes, markers, Windows line ends and a missing last newline are read over") {
+  const io::Input input = poly(
+      "\xEF\xBB\xBF# a comment\r\n\r\n  \t\r\n3 2 2 1 # header\r\n 1\t0 +1 7 nan 1\r\n# between\r\n2 1e0 0. 8 8 "
+      "1#near\r\n3 .5 1 9 9 1\r\n"
+      "1 1\r\n1 1 2 -5\r\n1 # holes\r\n1 0.5 0.5\r\n1\r\n1 0.5 0.5 1 0.1");
+  CHECK(input.vertices == std::vector<std::array<double, 2>>{{0, 1}, {1, 0}, {0.5, 1}});
+  CHECK(input.constraints == std::vector<Constraint>{{0, 1}});
+  CHECK(input.notes.size() == 1);
+  CHECK(input.vertex_lines.of(0) == 5);
+  CHECK(input.vertex_lines.of(1) == 7);
+  CHECK(input.vertex_lines.of(2) == 8);
+  CHECK(input.constraint_lines.of(0) == 10);
+  CHECK(input.constraint_lines.of(1) == 0);
+}
+
+TEST_CASE("the sections after the segments may be absent, and a header may be a number alone") {
+  CHECK(poly("1\n0 5 6\n0").vertices.size() == 1);
+  CHECK(poly("0 2 0 0\n0 0\n0\n").vertices.empty());
+}
+
+TEST_CASE("a poly file without vertices takes them from the node file beside it") {
+  ScratchFolder folder;
+  folder.write("in.node", "2 2 0 0\n1 0 0\n2 1 1\n");
+  const std::string path = folder.write("in.poly", "0 2 0 0\n1 0\n1 1 2\n0\n");
+  const io::Input input = io::read_input(path);
+  CHECK(input.vertices.size() == 2);
+  CHECK(input.constraints == std::vector<Constraint>{{0, 1}});
+  CHECK(input.files == std::vector<std::string>{path, folder / "in.node"});
+  const std::string alone = folder.write("alone.poly", "0 2 0 0\n1 0\n1 1 2\n0\n");
+  CHECK(failure(alone, Exit::input, [&] { io::read_input(alone); }).find("no file") != std::string::npos);
+}
+
+TEST_CASE("malformed poly files are refused with the line and the reason") {
+  const Malformed cases[] = {
+      {"", "1: the number of vertices is missing"},
+      {"# nothing\n\n", "2: the number of vertices is missing"},
+      {"three\n", "1: the number of vertices must be an integer, not \"three\""},
+      {"3.5 2 0 0\n", "1: the number of vertices must be an integer, not \"3.5\""},
+      {"1e18 2 0 0\n", "1: the number of vertices must be an integer, not \"1e18\""},
+      {"-1 2 0 0\n", "1: the number of vertices is negative: -1"},
+      {"1000000000000000000 2 0 0\n",
+       "1: the number of vertices is 1000000000000000000; at most 536870910 are possible"},
+      {"99999999999999999999999 2 0 0\n",
+       "1: the number of vertices is 99999999999999999999999; at most 536870910 are possible"},
+      {"1 3 0 0\n0 0 0 0\n0\n", "1: the dimension must be 2, not 3"},
+      {"536870910 2 0 0\n0 0 0\n", "2: the file ends after 1 of 536870910 vertices"},
+      {"2 2 0 0\n0 0 0\n\n# end\n", "4: the file ends after 1 of 2 vertices"},
+      {"1 2 0 0\n5 0 0\n0\n", "2: the first vertex must have the number 0 or 1, not 5"},
+      {"1 2 0 0\n-1 0 0\n0\n", "2: the first vertex must have the number 0 or 1, not -1"},
+      {"2 2 0 0\n0 0 0\n0 1 1\n0\n", "3: vertex number 0 where 1 is due"},
+      {"2 2 0 0\n1 0 0\n3 1 1\n0\n", "3: vertex number 3 where 2 is due"},
+      {"2 2 0 0\n1 0 0\nx 1 1\n0\n", "3: the vertex number must be an integer, not \"x\""},
+      {"1 2 0 0\n0 0\n0\n", "2: y coordinate is missing"},
+      {"1 2 0 0\n0 nan 0\n0\n", "2: the x coordinate is not finite: nan"},
+      {"1 2 0 0\n0 0 -inf\n0\n", "2: the y coordinate is not finite: -inf"},
+      {"1 2 0 0\n0 0 1e999\n0\n", "2: the y coordinate is not finite: 1e999"},
+      {"1 2 0 0\n0 0 1,5\n0\n", "2: y coordinate must be a number, not \"1,5\""},
+      {"1 2 0 0\n0 0 0x10\n0\n", "2: y coordinate must be a number, not \"0x10\""},
+      {"1 2 0 0\n0 0 --1\n0\n", "2: y coordinate must be a number, not \"--1\""},
+      {"1 2 0 0\n0 0 +-1\n0\n", "2: y coordinate must be a number, not \"+-1\""},
+      {"1 2 0 0\n0 0 0 word\n0\n", "2: an attribute or marker must be a number, not \"word\""},
+      {"1 2 0 0\n0 0 0\n", "2: the number of segments is missing"},
+      {"1 2 0 0\n0 0 0\n-2 0\n", "3: the number of segments is negative: -2"},
+      {"1 2 0 0\n0 0 0\n4000000000 0\n", "3: the number of segments is 4000000000; at most 2147483647 are possible"},
+      {"2 2 0 0\n0 0 0\n1 1 1\n2 0\n0 0 1\n", "5: the file ends after 1 of 2 segments"},
+      {"2 2 0 0\n0 0 0\n1 1 1\n1 0\n0 0 2\n0\n", "5: segment 0 names vertex 2, but the vertices are 0 to 1"},
+      {"2 2 0 0\n1 0 0\n2 1 1\n1 0\n1 0 2\n0\n", "5: segment 1 names vertex 0, but the vertices are 1 to 2"},
+      {"2 2 0 0\n1 0 0\n2 1 1\n1 0\n1 1 -9223372036854775809\n0\n",
+       "5: segment 1 names vertex -9223372036854775809, but the vertices are 1 to 2"},
+      {"2 2 0 0\n0 0 0\n1 1 1\n1 0\n0 0\n0\n", "5: the segment's end is missing"},
+      {"2 2 0 0\n0 0 0\n1 1 1\n1 0\n0 0 1.0\n0\n", "5: the segment's end must be an integer, not \"1.0\""},
+      {"0 2 0 0\n1 0\n0 0 0\n0\n", "2: segments without vertices, and no file "},
+      {"1 2 0 0\n0 0 0\n0 0\n1\n", "4: the file ends after 0 of 1 holes"},
+      {"1 2 0 0\n0 0 0\n0 0\n1\n1 x 0\n", "5: x coordinate must be a number, not \"x\""},
+      {"1 2 0 0\n0 0 0\n0 0\n0\n0\nmore\n", "6: more text than the counts announce"},
+      {"1 2 0 0\n0 0 0\n0 0\n9999999999999\n",
+       "4: the number of holes is 9999999999999; at most 2147483647 are possible"},
+  };
+  ScratchFolder folder;
+  for (const Malformed& malformed : cases) {
+    CAPTURE(malformed.text);
+    const std::string path = folder.write("bad.poly", malformed.text);
+    CHECK(failure(path, Exit::input, [&] { io::read_input(path); }).substr(0, std::strlen(malformed.expected)) ==
+          malformed.expected);
+  }
+}
+
+TEST_CASE("bytes that are no text are refused, whatever they are") {
+  ScratchFolder folder;
+  const std::string nul("2 2 0 0\n0 0 0\n1 \0 1\n0\n", 23);
+  const std::string path = folder.write("bad.poly", nul);
+  CHECK(failure(path, Exit::input, [&] { io::read_input(path); }) == "3: x coordinate must be a number, not \"?\"");
+  std::string noise(4096, '\0');
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<char>(i * 2654435761u >> 13);
+  folder.write("bad.poly", noise);
+  CHECK(!failure(path, Exit::input, [&] { io::read_input(path); }).empty());
+}
+
+TEST_CASE("every prefix of a good file is refused with a line, or is a good file") {
+  const std::string whole = "3 2 1 1\n1 0 0 5 1\n2 1 0 5 1\n3 0 1 5 1\n2 1\n1 1 2 1\n2 2 3 1\n1\n1 0.1 0.1\n0\n";
+  ScratchFolder folder;
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const std::string path = folder.write("cut.poly", whole.substr(0, size));
+    try {
+      const io::Input input = io::read_input(path);
+      CHECK(input.vertices.size() == 3);
+    } catch (const Failure& failed) {
+      CHECK(failed.exit() == Exit::input);
+      CHECK(std::string(failed.what()).compare(0, path.size() + 1, path + ":") == 0);
+    }
+  }
+}
+
+TEST_CASE("a file that is missing, a folder, and an unknown extension are refused") {
+  ScratchFolder folder;
+  CHECK(failure(folder / "no.poly", Exit::input, [&] {
+          io::read_input(folder / "no.poly");
+        }).find("cannot be opened") != std::string::npos);
+  std::filesystem::create_directory(folder / "folder.poly");
+  CHECK(failure(folder / "folder.poly", Exit::input, [&] {
+          io::read_input(folder / "folder.poly");
+        }).find("cannot be read") != std::string::npos);
+  CHECK(!failure(folder / "a.obj", Exit::usage, [&] { io::read_input(folder / "a.obj"); }).empty());
+}
+
+TEST_CASE("more vertices than a node file announces are refused") {
+  ScratchFolder folder;
+  const std::string path = folder.write("in.node", "1 2 0 0\n0 0 0\n1 1 1\n");
+  CHECK(failure(path, Exit::input, [&] { io::read_input(path); }) == "3: more text than the counts announce");
+}
+
+TEST_CASE("coordinates written to node and poly files read back to the same bits") {
+  using Limits = std::numeric_limits<double>;
+  Square square(1);
+  square.input.vertices = {{0.1, -0.0},
+                           {Limits::max(), Limits::lowest()},
+                           {Limits::min(), Limits::denorm_min()},
+                           {1.0 / 3, 1e22},
+                           {1e23, 123456789012345678.0},
+                           {-180.0, 89.999999},
+                           {5e-324, 4.35},
+                           {0.30000000000000004, 2.2250738585072011e-308}};
+  ScratchFolder folder;
+  for (const char* name : {"out.node", "out.poly"}) {
+    written(folder, name, square);
+    const io::Input back = io::read_input(folder / name);
+    CHECK(back.first == 1);
+    REQUIRE(back.vertices.size() == square.input.vertices.size());
+    for (std::size_t v = 0; v < back.vertices.size(); ++v)
+      for (int axis = 0; axis < 2; ++axis) CHECK(same_bits(back.vertices[v][axis], square.input.vertices[v][axis]));
+  }
+  CHECK(io::read_input(folder / "out.poly").constraints == square.mesh.pieces);
+}
+
+TEST_CASE("Triangle's formats are written with the input's first number and end with the grid") {
+  ScratchFolder folder;
+  const std::string grid = "# gcdt grid kind=binary origin=0,0 cell=2^-30 largest_move=0\n";
+  CHECK(written(folder, "o.ele", Square(0)) == "2 3 0\n0 0 1 2\n1 0 2 3\n" + grid);
+  CHECK(written(folder, "o.ele", Square(1)) == "2 3 0\n1 1 2 3\n2 1 3 4\n" + grid);
+  CHECK(written(folder, "o.neigh", Square(0)) == "2 3\n0 -1 1 -1\n1 -1 -1 0\n" + grid);
+  CHECK(written(folder, "o.neigh", Square(1)) == "2 3\n1 -1 2 -1\n2 -1 -1 1\n" + grid);
+  CHECK(written(folder, "o.edge", Square(1)) == "5 1\n1 2 3 0\n2 3 1 1\n3 1 2 0\n4 3 4 0\n5 4 1 0\n" + grid);
+  CHECK(written(folder, "o.node", Square(1)) == "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n" + grid);
+  CHECK(written(folder, "o.poly", Square(1)) == "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n1 1\n1 1 3 1\n0\n" + grid);
+}
+
+TEST_CASE("meshes read back from ele, neigh and vtu files are the meshes written") {
+  ScratchFolder folder;
+  for (std::uint32_t first : {0u, 1u}) {
+    const Square square(first);
+    for (const char* name : {"o.ele", "o.neigh", "o.vtu"}) {
+      CAPTURE(name);
+      written(folder, name, square);
+      const bool vtu = std::string(name) == "o.vtu";
+      const io::MeshFile back = vtu ? io::read_vtu(folder / name) : io::read_mesh(folder / name, 4, first);
+      CHECK(back.triangles == square.mesh.triangles);
+      if (std::string(name) != "o.ele") CHECK(back.neighbours == square.mesh.neighbours);
+      if (vtu) CHECK(back.constrained == square.mesh.constrained);
+      if (vtu) CHECK(back.vertices == square.input.vertices);
+      REQUIRE(back.grid);
+      CHECK(io::to_text(*back.grid) == io::to_text(square.mesh.statistics.grid));
+    }
+  }
+}
+
+TEST_CASE("triangles of an ele file may come in any order, and neigh follows their numbers") {
+  ScratchFolder folder;
+  folder.write("o.ele", "2 3 0\n2 1 3 4\n1 1 2 3\n");
+  folder.write("o.neigh", "2 3\n1 -1 2 -1\n2 -1 -1 1\n");
+  const io::MeshFile mesh = io::read_mesh(folder / "o.neigh", 4, 1);
+  CHECK(mesh.triangles == std::vector<std::array<std::uint32_t, 3>>{{0, 2, 3}, {0, 1, 2}});
+  CHECK(mesh.neighbours == std::vector<std::array<std::int32_t, 3>>{{-1, -1, 1}, {-1, 0, -1}});
+}
+
+TEST_CASE("a number that does not exist in an ele or neigh file is a failed check, and a malformed file is not") {
+  ScratchFolder folder;
+  struct Case {
+    const char *ele, *neigh, *expected;
+    Exit exit;
+  };
+  const Case cases[] = {
+      {"1 3 0\n1 1 2 5\n", nullptr, "2: a triangle names vertex 5, which does not exist", Exit::check},
+      {"1 3 0\n1 0 1 2\n", nullptr, "2: a triangle names vertex 0, which does not exist", Exit::check},
+      {"1 3 0\n1 -1 1 2\n", nullptr, "2: a triangle names vertex -1, which does not exist", Exit::check},
+      {"1 3 0\n1 1 2 99999999999999999999\n", nullptr,
+       "2: a triangle names vertex 99999999999999999999, which does not exist", Exit::check},
+      {"1 6 0\n1 1 2 3 4 5 6\n", nullptr, "1: triangles have 3 corners, not 6", Exit::input},
+      {"2 3 0\n1 1 2 3\n", nullptr, "2: the file ends after 1 of 2 triangles", Exit::input},
+      {"4000000000 3 0\n", nullptr, "1: the number of triangles is 4000000000; at most 1073741820 are possible",
+       Exit::input},
+      {"1 3 0\n1 1 2\n", nullptr, "2: a corner is missing", Exit::input},
+      {"1 3 0\n1 1 2 3\n# gcdt grid kind=odd origin=0,0 cell=2^0\n", nullptr,
+       "3: the grid cannot be read from this comment", Exit::input},
+      {"1 3 0\n1 1 2 3\n", "1 3\n1 -1 -1 2\n", "2: neighbour 2 does not exist", Exit::check},
+      {"1 3 0\n1 1 2 3\n", "1 3\n1 -1 -1 -2\n", "2: neighbour -2 does not exist", Exit::check},
+      {"1 3 0\n1 1 2 3\n", "1 3\n7 -1 -1 -1\n", "2: triangle 7 does not exist in the .ele beside", Exit::check},
+      {"1 3 0\n1 1 2 3\n", "2 3\n1 -1 -1 -1\n2 -1 -1 -1\n", "1: 2 triangles here, but 1 in the .ele beside",
+       Exit::check},
+  };
+  for (const Case& test : cases) {
+    CAPTURE(test.expected);
+    std::string path = folder.write("o.ele", test.ele);
+    if (test.neigh) path = folder.write("o.neigh", test.neigh);
+    CHECK(failure(path, test.exit, [&] { io::read_mesh(path, 4, 1); }) == test.expected);
+  }
+}
+
+TEST_CASE("a grid is read back exactly from its text") {
+  Grid grid;
+  for (auto kind : {Grid::Kind::binary, Grid::Kind::decimal, Grid::Kind::rounded, Grid::Kind::fixed})
+    for (double origin : {0.0, -180.0, 0.1, -1e-300, 1.7976931348623157e308})
+      for (std::uint64_t units : {0ull, 1ull, 25ull, 18446744073709551615ull})
+        for (int exponent : {-1074, -22, 0, 3, 1023}) {
+          grid.kind = kind;
+          grid.origin = {origin, -origin / 3};
+          grid.cell_units = units;
+          (units > 0 ? grid.cell_decimals : grid.cell_exponent) = exponent;
+          (units > 0 ? grid.cell_exponent : grid.cell_decimals) = 0;
+          grid.largest_move = std::abs(origin) / 7;
+          const auto back = io::grid_from_text(io::to_text(grid));
+          REQUIRE(back);
+          CHECK(back->kind == grid.kind);
+          CHECK(back->origin == grid.origin);
+          CHECK(back->cell_units == grid.cell_units);
+          CHECK(back->cell_decimals == grid.cell_decimals);
+          CHECK(back->cell_exponent == grid.cell_exponent);
+          CHECK(back->largest_move == grid.largest_move);
+        }
+}
+
+TEST_CASE("text that is no grid is refused") {
+  for (const char* text :
+       {"", "kind", "kind=decimal", "kind=decimal origin=0 cell=1e-6", "kind=decimal origin=0,nan cell=1e-6",
+        "kind=decimal origin=0,0 cell=0e0", "kind=decimal origin=0,0 cell=1e-6x", "kind=decimal origin=0,0 cell=2^",
+        "kind=decimal origin=0,0 cell=2^99999", "kind=decimal origin=0,0 cell=-1e2",
+        "kind=other origin=0,0 cell=1e2"}) {
+    CAPTURE(text);
+    CHECK(!io::grid_from_text(text));
+  }
+}
+
+TEST_CASE("base64 decodes to what was encoded, at every length") {
+  struct Sink {
+    std::string text;
+    void write(std::string_view part) { text += part; }
+  };
+  for (std::size_t size : {0, 1, 2, 3, 4, 5, 3071, 3072, 3073, 10000}) {
+    std::string bytes(size, '\0'), back;
+    for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(i * 37 + i / 256);
+    Sink sink;
+    io::Base64Writer<Sink> writer(sink);
+    writer.put(bytes.data(), size / 2);
+    writer.put(bytes.data() + size / 2, size - size / 2);
+    writer.finish();
+    CHECK(sink.text.size() == (size + 2) / 3 * 4);
+    CHECK(io::decode_base64(sink.text, back));
+    CHECK(back == bytes);
+  }
+  std::string back;
+  CHECK(io::decode_base64("Z2 Nk\ndA==", back));
+  CHECK(back == "gcdt");
+  for (const char* bad : {"Z", "Zg==Zg==", "Z!==", "Zg===", "ZgA=B"}) CHECK(!io::decode_base64(bad, back));
+}
+
+TEST_CASE("a vtu file that is malformed is refused with its line, and a wrong number in it is a failed check") {
+  ScratchFolder folder;
+  auto vtu = [](const std::string& connectivity, const std::string& neighbours) {
+    return "<VTKFile type=\"UnstructuredGrid\">\n<UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"1\">\n"
+           "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 "
+           "0</DataArray></Points>\n"
+           "<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" +
+           connectivity +
+           "</DataArray>\n"
+           "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray>\n"
+           "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">5</DataArray></Cells>\n"
+           "<CellData><DataArray type=\"Int32\" Name=\"neighbours\" format=\"ascii\">" +
+           neighbours +
+           "</DataArray></CellData>\n"
+           "</Piece></UnstructuredGrid></VTKFile>\n";
+  };
+  auto read = [&](const std::string& text) { return io::read_vtu(folder.write("o.vtu", text)); };
+  auto failed = [&](Exit exit, const std::string& text) {
+    return failure(folder / "o.vtu", exit, [&] { read(text); });
+  };
+  CHECK(read(vtu("0 1 2", "-1 -1 -1")).triangles == std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}});
+  CHECK(failed(Exit::check, vtu("0 1 3", "-1 -1 -1")) == "4: triangle 0 names point 3, which does not exist");
+  CHECK(failed(Exit::check, vtu("0 1 2", "-1 -1 1")) == "7: triangle 0 names neighbour 1, which does not exist");
+  CHECK(failed(Exit::input, vtu("0 1 x", "-1 -1 -1")) == "4: an array holds something that is not a number");
+  CHECK(failed(Exit::input, vtu("0 1", "-1 -1 -1")).substr(0, 2) == "4:");
+  CHECK(failed(Exit::input, "<VTKFile>\n<Unstruct").substr(0, 2) == "2:");
+  CHECK(failed(Exit::input, "").substr(0, 2) == "1:");
+  CHECK(failed(Exit::input, "<VTKFile type=\"PolyData\"/>").substr(0, 2) == "1:");
+  const std::string good = written(folder, "g.vtu", Square());
+  for (std::size_t size = 0; size < good.size(); size += 61) CHECK(!failed(Exit::input, good.substr(0, size)).empty());
+  std::string broken = good;
+  broken.replace(broken.find("Name=\"types\""), 12, "Name=\"typos\"");
+  CHECK(!failed(Exit::input, broken).empty());
+}
+
+namespace {
+
+/// Ends of all segments drawn by the path data of an svg file, in canvas units.
+std::vector<std::array<long, 4>> drawn(const std::string& svg) {
+  std::vector<std::array<long, 4>> segments;
+  for (std::size_t at = svg.find(" d=\""); at != std::string::npos; at = svg.find(" d=\"", at + 1)) {
+    const char* p = svg.c_str() + at + 4;
+    long x = 0, y = 0;
+    while (*p != '"') {
+      char* end;
+      if (*p == 'M') {
+        x = std::strtol(p + 1, &end, 10);
+        y = std::strtol(end, &end, 10);
+      } else if (*p == '\n' || *p == 'l') {
+        end = const_cast<char*>(p) + 1;
+      } else if (*p == 'h') {  // a dot
+        std::strtol(p + 1, &end, 10);
+      } else {
+        const long dx = std::strtol(p, &end, 10), dy = std::strtol(end, &end, 10);
+        segments.push_back({x, y, x + dx, y + dy});
+        x += dx;
+        y += dy;
+      }
+      REQUIRE(end != p);
+      p = end;
+    }
+  }
+  return segments;
+}
+
+}  // namespace
+
+TEST_CASE("an svg file draws every edge once, with y up") {
+  ScratchFolder folder;
+  const std::string svg = written(folder, "o.svg", Square());
+  auto segments = drawn(svg);
+  CHECK(segments.size() == 5);
+  for (auto& s : segments)
+    if (std::array<long, 2>{s[2], s[3]} < std::array<long, 2>{s[0], s[1]}) s = {s[2], s[3], s[0], s[1]};
+  std::sort(segments.begin(), segments.end());
+  const long e = 100000;
+  // Vertex (0, 0) is at the lower left of the canvas, which is (0, e).
+  CHECK(segments ==
+        std::vector<std::array<long, 4>>{{0, 0, 0, e}, {0, 0, e, 0}, {0, e, e, 0}, {0, e, e, e}, {e, 0, e, e}});
+  CHECK(svg.find("viewBox=\"-2000 -2000 104000 104000\"") != std::string::npos);
+}
+
+TEST_CASE("an svg file of an empty result is a picture all the same") {
+  ScratchFolder folder;
+  io::Input input;
+  Triangulation mesh;
+  CHECK(written(folder, "none.svg", input, mesh).find("</svg>") != std::string::npos);
+  input.vertices = {{1, 1}};
+  CHECK(written(folder, "one.svg", input, mesh).find("M0 0h0") != std::string::npos);
+  input.vertices = {{-1.7976931348623157e308, 5}, {1.7976931348623157e308, 5}};
+  mesh.pieces = {{0, 1}};
+  CHECK(drawn(written(folder, "line.svg", input, mesh)).front() == std::array<long, 4>{0, 0, 100000, 0});
+}
+
+TEST_CASE("every format writes an empty result, and what can be read back is empty") {
+  ScratchFolder folder;
+  const io::Input input;
+  const Triangulation mesh;
+  for (const char* name : {"o.ele", "o.node", "o.neigh", "o.edge", "o.poly", "o.vtu", "o.svg"})
+    CHECK(!written(folder, name, input, mesh).empty());
+  CHECK(io::read_input(folder / "o.poly").vertices.empty());
+  CHECK(io::read_mesh(folder / "o.neigh", 0, 0).triangles.empty());
+  CHECK(io::read_vtu(folder / "o.vtu").triangles.empty());
+}
+
+TEST_CASE("output files appear only at commit, and nothing is left without it") {
+  ScratchFolder folder;
+  folder.write("old.ele", "before");
+  {
+    io::OutputFiles files;
+    files.add(folder / "old.ele").write("after");
+    files.add(folder / "new.ele").write("after");
+    CHECK(folder.read("old.ele") == "before");
+  }
+  CHECK(folder.names() == std::vector<std::string>{"old.ele"});
+  CHECK(folder.read("old.ele") == "before");
+  io::OutputFiles files;
+  files.add(folder / "old.ele").write("after");
+  files.add(folder / "new.ele").write("after");
+  files.commit();
+  CHECK(folder.names() == std::vector<std::string>{"new.ele", "old.ele"});
+  CHECK(folder.read("old.ele") == "after");
+}
+
+TEST_CASE("if one output cannot take its place, all others get back what they were") {
+  ScratchFolder folder;
+  folder.write("a.ele", "before");
+  {
+    io::OutputFiles files;
+    files.add(folder / "a.ele").write("after");
+    files.add(folder / "b.ele").write("after");
+    files.add(folder / "c.ele").write("after");
+    std::filesystem::create_directory(folder / "c.ele");
+    folder.write("c.ele/inside", "");
+    CHECK(!failure(folder / "c.ele", Exit::output, [&] { files.commit(); }).empty());
+  }
+  CHECK(folder.read("a.ele") == "before");
+  CHECK(folder.names() == std::vector<std::string>{"a.ele", "c.ele"});
+}
+
+TEST_CASE("an output is written through a link, and keeps the permissions that were there") {
+  ScratchFolder folder;
+  folder.write("real.ele", "before");
+  std::filesystem::permissions(folder / "real.ele", std::filesystem::perms(0640));
+  std::filesystem::create_symlink("real.ele", folder / "link.ele");
+  io::OutputFiles files;
+  files.add(folder / "link.ele").write("after");
+  files.commit();
+  CHECK(std::filesystem::is_symlink(folder / "link.ele"));
+  CHECK(folder.read("real.ele") == "after");
+  CHECK(std::filesystem::status(folder / "real.ele").permissions() == std::filesystem::perms(0640));
+}
+
+TEST_CASE("an output in no folder, or in the place of a folder, is refused at once") {
+  ScratchFolder folder;
+  io::OutputFiles files;
+  CHECK(!failure(folder / "no/o.ele", Exit::output, [&] { files.add(folder / "no/o.ele"); }).empty());
+  CHECK(!failure(folder / "", Exit::output, [&] { files.add(folder / ""); }).empty());
+}
