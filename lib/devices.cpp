@@ -24,7 +24,9 @@ bool usable(const cl::Device& device) {
                     device.getInfo(CL_DEVICE_PLATFORM, &platform) == CL_SUCCESS &&
                     device.getInfo(CL_DEVICE_VERSION, &version) == CL_SUCCESS;
   int major = 0, minor = 0;
-  if (!told || !available || !compiler || !platform || std::sscanf(version.c_str(), "OpenCL %d.%d", &major, &minor) != 2) return false;
+  if (!told || !available || !compiler || !platform ||
+      std::sscanf(version.c_str(), "OpenCL %d.%d", &major, &minor) != 2)
+    return false;
   return major > 1 || (major == 1 && minor >= 2);
 }
 }  // namespace
@@ -82,7 +84,9 @@ std::size_t select_device(const std::string& spec, bool* ambiguous) {
   if (ambiguous) *ambiguous = false;
   const std::vector<DeviceInfo> all = devices();
   if (all.empty())
-    throw Error(Status::no_device, "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a GPU its vendor's OpenCL driver");
+    throw Error(Status::no_device,
+                "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a "
+                "GPU its vendor's OpenCL driver");
   std::string wanted = spec;
   if (wanted.empty())
     if (const char* variable = std::getenv("GCDT_DEVICE")) wanted = variable;
@@ -110,13 +114,16 @@ std::size_t select_device(const std::string& spec, bool* ambiguous) {
       std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
       return s;
     };
-    auto matches = [&](const DeviceInfo& d) { return lower(d.name + " " + d.platform).find(lower(wanted)) != std::string::npos; };
+    auto matches = [&](const DeviceInfo& d) {
+      return lower(d.name + " " + d.platform).find(lower(wanted)) != std::string::npos;
+    };
     found = first(matches);
     if (ambiguous) *ambiguous = std::count_if(all.begin(), all.end(), matches) > 1;
   }
   if (!found) {
     std::string list;
-    for (std::size_t i = 0; i < all.size(); ++i) list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
+    for (std::size_t i = 0; i < all.size(); ++i)
+      list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
     throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
   }
   return *found;

@@ -16,7 +16,8 @@ std::string Runtime::build_options() const {
 }
 
 std::vector<std::string> Runtime::cache_parts(const char* program) const {
-  return {source(program), build_options(), info_.name, info_.vendor, info_.driver, info_.version, info_.platform, GCDT_VERSION};
+  return {source(program), build_options(), info_.name,     info_.vendor,
+          info_.driver,    info_.version,   info_.platform, GCDT_VERSION};
 }
 
 std::string Runtime::source(const char* program) const {
@@ -39,7 +40,8 @@ cl::Program build_source(Runtime& runtime, const char* name) {
     return code;
   });
   try {
-    runtime.call("clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+    runtime.call("clBuildProgram", name,
+                 [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
   } catch (const Error& error) {
     std::string log;
     program.getBuildInfo(runtime.device(), CL_PROGRAM_BUILD_LOG, &log);
@@ -60,7 +62,8 @@ std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, cons
     return code != CL_SUCCESS ? code : status;
   });
   if (made != CL_SUCCESS) return std::nullopt;
-  const cl_int built = runtime.attempt("clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+  const cl_int built = runtime.attempt(
+      "clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
   if (built != CL_SUCCESS) return std::nullopt;
   return program;
 }

@@ -82,7 +82,8 @@ TEST_CASE("an ambiguous name takes the first device and says so") {
   // A letter that at least two devices have in common.
   std::string common;
   for (char c = 'a'; c <= 'z' && common.empty(); ++c)
-    if (std::count_if(all.begin(), all.end(), [&](const DeviceInfo& d) { return has(upper(d.name), upper(std::string(1, c))); }) >= 2)
+    if (std::count_if(all.begin(), all.end(),
+                      [&](const DeviceInfo& d) { return has(upper(d.name), upper(std::string(1, c))); }) >= 2)
       common = std::string(1, c);
   REQUIRE(!common.empty());
   const std::size_t chosen = select_device(common, &ambiguous);
@@ -105,7 +106,8 @@ TEST_CASE("GCDT_DEVICE is used when nothing is asked for") {
 TEST_CASE("a choice that fits nothing is an error that lists what there is") {
   test::every_device();
   const auto all = devices();
-  for (const std::string& spec : {std::string("no such thing"), std::to_string(all.size()), std::string("99999999999999999999")}) {
+  for (const std::string& spec :
+       {std::string("no such thing"), std::to_string(all.size()), std::string("99999999999999999999")}) {
     const std::string message = message_of(spec);
     CHECK(has(message, "\"" + spec + "\""));
     for (const auto& d : all) CHECK(has(message, d.name));

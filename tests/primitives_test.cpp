@@ -30,7 +30,9 @@ Runtime& test_runtime() {
 // Sets a launch geometry for its life.
 class Shaken {
  public:
-  Shaken(Runtime& runtime, Geometry geometry) : geometry_(runtime.geometry()), before_(geometry_) { geometry_ = geometry; }
+  Shaken(Runtime& runtime, Geometry geometry) : geometry_(runtime.geometry()), before_(geometry_) {
+    geometry_ = geometry;
+  }
   ~Shaken() { geometry_ = before_; }
 
  private:
@@ -97,7 +99,8 @@ void check_sort(Primitives& primitives, std::vector<Key> keys, unsigned bits) {
   const Key mask = bits >= sizeof(Key) * 8 ? ~Key{0} : static_cast<Key>((Key{1} << bits) - 1);
   Words order(count);
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](cl_uint a, cl_uint b) { return (keys[a] & mask) < (keys[b] & mask); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](cl_uint a, cl_uint b) { return (keys[a] & mask) < (keys[b] & mask); });
   std::vector<Key> keys_wanted(count);
   Words values_wanted(count);
   for (std::size_t i = 0; i < count; ++i) {

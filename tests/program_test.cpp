@@ -60,7 +60,8 @@ runtime::CallHook with_options(const char* options) {
 runtime::CallHook with_edit(std::string what, std::string with) {
   runtime::CallHook hook;
   hook.edit = [=](std::string& source) {
-    for (std::size_t at = 0; (at = source.find(what, at)) != std::string::npos; at += with.size()) source.replace(at, what.size(), with);
+    for (std::size_t at = 0; (at = source.find(what, at)) != std::string::npos; at += with.size())
+      source.replace(at, what.size(), with);
   };
   return hook;
 }
@@ -208,7 +209,8 @@ TEST_CASE("two runtimes that start at once share a cache") {
   auto work = [&] {
     try {
       runtime::Runtime runtime(device);
-      for (const char* program : {"primitives", "sort32_serial", "sort64_serial"}) runtime::build_program(runtime, program);
+      for (const char* program : {"primitives", "sort32_serial", "sort64_serial"})
+        runtime::build_program(runtime, program);
     } catch (const std::exception& error) {
       std::lock_guard<std::mutex> lock(mutex);
       errors.push_back(error.what());
