@@ -2,7 +2,9 @@
 // Lists OpenCL devices and chooses among them.
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
+#include <iterator>
 
 #include "opencl.hpp"
 
@@ -10,14 +12,35 @@ namespace gcdt {
 
 namespace runtime {
 
+namespace {
+// The library needs a compiler and OpenCL 1.2 ("OpenCL 1.2 ..."); a device that cannot even tell is
+// left out, and hides no other.
+bool usable(const cl::Device& device) {
+  cl_bool available = CL_FALSE, compiler = CL_FALSE;
+  cl_platform_id platform = nullptr;
+  std::string version;
+  const bool told = device.getInfo(CL_DEVICE_AVAILABLE, &available) == CL_SUCCESS &&
+                    device.getInfo(CL_DEVICE_COMPILER_AVAILABLE, &compiler) == CL_SUCCESS &&
+                    device.getInfo(CL_DEVICE_PLATFORM, &platform) == CL_SUCCESS &&
+                    device.getInfo(CL_DEVICE_VERSION, &version) == CL_SUCCESS;
+  int major = 0, minor = 0;
+  if (!told || !available || !compiler || !platform ||
+      std::sscanf(version.c_str(), "OpenCL %d.%d", &major, &minor) != 2)
+    return false;
+  return major > 1 || (major == 1 && minor >= 2);
+}
+}  // namespace
+
 std::vector<cl::Device> all_devices() {
+  // These calls return codes, they do not throw: no driver at all, or a platform that fails, only
+  // leaves its list empty.
   std::vector<cl::Platform> platforms;
-  cl::Platform::get(&platforms);  // no platform is an error code here, and an empty list for us
+  cl::Platform::get(&platforms);
   std::vector<cl::Device> all;
   for (const auto& platform : platforms) {
     std::vector<cl::Device> of_platform;
     platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
-    all.insert(all.end(), of_platform.begin(), of_platform.end());
+    std::copy_if(of_platform.begin(), of_platform.end(), std::back_inserter(all), usable);
   }
   return all;
 }
@@ -61,7 +84,9 @@ std::size_t select_device(const std::string& spec, bool* ambiguous) {
   if (ambiguous) *ambiguous = false;
   const std::vector<DeviceInfo> all = devices();
   if (all.empty())
-    throw Error(Status::no_device, "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a GPU its vendor's OpenCL driver");
+    throw Error(Status::no_device,
+                "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a "
+                "GPU its vendor's OpenCL driver");
   std::string wanted = spec;
   if (wanted.empty())
     if (const char* variable = std::getenv("GCDT_DEVICE")) wanted = variable;
@@ -89,13 +114,16 @@ std::size_t select_device(const std::string& spec, bool* ambiguous) {
       std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
       return s;
     };
-    auto matches = [&](const DeviceInfo& d) { return lower(d.name + " " + d.platform).find(lower(wanted)) != std::string::npos; };
+    auto matches = [&](const DeviceInfo& d) {
+      return lower(d.name + " " + d.platform).find(lower(wanted)) != std::string::npos;
+    };
     found = first(matches);
     if (ambiguous) *ambiguous = std::count_if(all.begin(), all.end(), matches) > 1;
   }
   if (!found) {
     std::string list;
-    for (std::size_t i = 0; i < all.size(); ++i) list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
+    for (std::size_t i = 0; i < all.size(); ++i)
+      list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
     throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
   }
   return *found;

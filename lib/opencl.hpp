@@ -86,10 +86,12 @@ struct Geometry {
 };
 
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
-/// `options` are added when programs are built: tests break a device's arithmetic by them.
+/// `options` are added when programs are built. `edit` may change a program's text: by that, tests
+/// have a device that computes wrongly.
 struct CallHook {
   std::function<cl_int(const char* call, const char* detail)> before;
   std::string options;
+  std::function<void(std::string& source)> edit;
 };
 
 class Runtime {
@@ -165,6 +167,8 @@ class Runtime {
   /// Options that every program is built with; part of the cache key.
   std::string build_options() const;
 
+  /// The text of the embedded program. Throws device_failed if there is none of that name.
+  std::string source(const char* program) const;
   /// What a built program depends on: its source, the options, device, driver and library version.
   std::vector<std::string> cache_parts(const char* program) const;
 
@@ -224,9 +228,6 @@ class Runtime {
   double build_ms_ = 0;
   bool emulate_mul_hi_ = false;  ///< the device's own is wrong
 };
-
-/// The text of the embedded program. Throws device_failed if there is none of that name.
-std::string program_source(const char* program);
 
 /// Builds the embedded program `name` for the runtime's device (lib/program.cpp).
 cl::Program build_program(Runtime& runtime, const char* name);

@@ -16,6 +16,8 @@ constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
 constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
 // Digits as in sort_serial.h and sort_group.h.
 constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
+// The most elements that one work-item walks: llvmpipe silently ends any loop after 65535 rounds.
+constexpr std::size_t longest_walk = 60000;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
 
 // Scratch that is exchanged with a caller's buffer must leave the caller its capacity, not more.
@@ -31,7 +33,8 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
   if (count > most_elements) throw Error(Status::invalid_argument, "scan and sort take at most 2^31 elements");
   const std::size_t units = std::max<std::size_t>(runtime_.info().compute_units, 1);
   const std::size_t most_parts = units * (walk_ == Walk::serial ? cpu_parts_per_unit : gpu_parts_per_unit);
-  const std::size_t span = std::max(least_span, (count + most_parts - 1) / most_parts);
+  const std::size_t even_span = std::max(least_span, (count + most_parts - 1) / most_parts);
+  const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
   return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
           runtime::over(parts * runtime_.geometry().local)};
@@ -43,10 +46,10 @@ void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>
   const char* program = serial ? "primitives" : "primitives_group";
   runtime_.reserve(part_sums_, "sums of parts", cut_at.parts);
   if (cut_at.parts > 1)
-    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in,
-                    part_sums_);
-  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, in, part_sums_,
-                  out);
+    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span,
+                    cut_at.parts, in, part_sums_);
+  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts,
+                  in, part_sums_, out);
 }
 
 void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl_uint>& out, std::size_t count) {
@@ -55,8 +58,8 @@ void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl
 }
 
 template <class Key>
-void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
-                            Buffer<Key>& other_keys) {
+void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_uint>& values, std::size_t count,
+                            unsigned bits, Buffer<Key>& other_keys) {
   if (count < 2 || bits == 0) return;
   const bool serial = walk_ == Walk::serial;
   const unsigned digit_bits = serial ? serial_digit_bits : group_digit_bits;
@@ -67,22 +70,24 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
   // Ends after ceil(bits / digit_bits) passes; each leaves the pairs in order of the bits seen so far.
   for (cl_uint shift = 0; shift < bits; shift += digit_bits) {
     const cl_uint mask = (1u << std::min(digit_bits, bits - shift)) - 1u;
-    runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, shift,
-                    mask, keys, digit_table_);
+    runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut_at.range, cut_at.count, cut_at.span,
+                    cut_at.parts, shift, mask, keys, digit_table_);
     exclusive_scan(digit_table_, digit_table_, std::size_t{mask + 1u} * cut_at.parts);
-    runtime_.launch(program, serial ? "sort_move_serial" : "sort_move_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts, shift,
-                    mask, keys, values, digit_table_, other_keys, other_values_);
+    runtime_.launch(program, serial ? "sort_move_serial" : "sort_move_group", cut_at.range, cut_at.count, cut_at.span,
+                    cut_at.parts, shift, mask, keys, values, digit_table_, other_keys, other_values_);
     std::swap(keys, other_keys);
     std::swap(values, other_values_);
   }
 }
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
-  sort_pairs(walk_ == Walk::serial ? "sort64_serial" : "sort64_group", keys, values, count, std::min(bits, 64u), other_keys64_);
+  sort_pairs(walk_ == Walk::serial ? "sort64_serial" : "sort64_group", keys, values, count, std::min(bits, 64u),
+             other_keys64_);
 }
 
 void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
-  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, std::min(bits, 32u), other_keys32_);
+  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, std::min(bits, 32u),
+             other_keys32_);
 }
 
 void Primitives::release() {

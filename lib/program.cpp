@@ -16,12 +16,17 @@ std::string Runtime::build_options() const {
 }
 
 std::vector<std::string> Runtime::cache_parts(const char* program) const {
-  return {program_source(program), build_options(), info_.name, info_.vendor, info_.driver, info_.version, info_.platform, GCDT_VERSION};
+  return {source(program), build_options(), info_.name,     info_.vendor,
+          info_.driver,    info_.version,   info_.platform, GCDT_VERSION};
 }
 
-std::string program_source(const char* program) {
+std::string Runtime::source(const char* program) const {
   for (std::size_t i = 0; i < kernel_source_count; ++i)
-    if (std::strcmp(kernel_sources[i].program, program) == 0) return kernel_sources[i].text;
+    if (std::strcmp(kernel_sources[i].program, program) == 0) {
+      std::string text = kernel_sources[i].text;
+      if (hook_.edit) hook_.edit(text);
+      return text;
+    }
   throw Error(Status::device_failed, std::string("no program is named ") + program);
 }
 
@@ -31,11 +36,12 @@ cl::Program build_source(Runtime& runtime, const char* name) {
   cl::Program program;
   runtime.call("clCreateProgramWithSource", name, [&] {
     cl_int code;
-    program = cl::Program(runtime.context(), program_source(name), false, &code);
+    program = cl::Program(runtime.context(), runtime.source(name), false, &code);
     return code;
   });
   try {
-    runtime.call("clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+    runtime.call("clBuildProgram", name,
+                 [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
   } catch (const Error& error) {
     std::string log;
     program.getBuildInfo(runtime.device(), CL_PROGRAM_BUILD_LOG, &log);
@@ -56,7 +62,8 @@ std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, cons
     return code != CL_SUCCESS ? code : status;
   });
   if (made != CL_SUCCESS) return std::nullopt;
-  const cl_int built = runtime.attempt("clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+  const cl_int built = runtime.attempt(
+      "clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
   if (built != CL_SUCCESS) return std::nullopt;
   return program;
 }

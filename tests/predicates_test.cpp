@@ -29,7 +29,9 @@ Exact::Point_2 real_point(Vertex v) {
   return {CGAL::Gmpz(static_cast<long>(v.x)) * scale, CGAL::Gmpz(static_cast<long>(v.y)) * scale};
 }
 
-int real_orientation(Vertex a, Vertex b, Vertex c) { return CGAL::orientation(real_point(a), real_point(b), real_point(c)); }
+int real_orientation(Vertex a, Vertex b, Vertex c) {
+  return CGAL::orientation(real_point(a), real_point(b), real_point(c));
+}
 int real_incircle(Vertex a, Vertex b, Vertex c, Vertex d) {
   return CGAL::side_of_oriented_circle(real_point(a), real_point(b), real_point(c), real_point(d));
 }
@@ -45,8 +47,23 @@ bool real_must_flip(Vertex a, Vertex b, Vertex c, Vertex d) {
 wide value(Int128 v) { return static_cast<wide>(static_cast<unsigned_wide>(static_cast<u64>(v.high)) << 64 | v.low); }
 int sign(wide v) { return (v > 0) - (v < 0); }
 
-const i64 extreme_words[] = {0, 1, -1, 2, -2, side, -side, side * side, -side * side, INT64_MAX, INT64_MIN, INT64_MIN + 1, 1LL << 32,
-                             -(1LL << 32), 0xFFFFFFFFLL, -0xFFFFFFFFLL, 0x7FFFFFFF00000000LL};
+const i64 extreme_words[] = {0,
+                             1,
+                             -1,
+                             2,
+                             -2,
+                             side,
+                             -side,
+                             side* side,
+                             -side* side,
+                             INT64_MAX,
+                             INT64_MIN,
+                             INT64_MIN + 1,
+                             1LL << 32,
+                             -(1LL << 32),
+                             0xFFFFFFFFLL,
+                             -0xFFFFFFFFLL,
+                             0x7FFFFFFF00000000LL};
 
 template <class Test>
 void for_word_pairs(Test test) {
@@ -60,7 +77,9 @@ void for_word_pairs(Test test) {
 }
 
 int orient_sign(Vertex a, Vertex b, Vertex c) { return gcdt_sign64(gcdt_orient2d(a, b, c)); }
-int symbols(const PredicateTuple& t) { return (t.a.symbol != 0) + (t.b.symbol != 0) + (t.c.symbol != 0) + (t.d.symbol != 0); }
+int symbols(const PredicateTuple& t) {
+  return (t.a.symbol != 0) + (t.b.symbol != 0) + (t.c.symbol != 0) + (t.d.symbol != 0);
+}
 
 }  // namespace
 

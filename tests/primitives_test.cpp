@@ -21,16 +21,18 @@ constexpr std::size_t sizes[] = {0, 1, 2, 63, 64, 65, 127, 128, 129, 1000, 1023,
 constexpr std::size_t million = 1000000;
 constexpr cl_uint guard = 0xDEADBEEFu;
 
-Runtime& cpu_runtime() {
+Runtime& test_runtime() {
   const auto all = runtime::all_devices();
-  static Runtime runtime(all.at(select_device("auto")));  // no device: throws, and the test fails
+  static Runtime runtime(all.at(select_device("")));  // no device: throws, and the test fails
   return runtime;
 }
 
 // Sets a launch geometry for its life.
 class Shaken {
  public:
-  Shaken(Runtime& runtime, Geometry geometry) : geometry_(runtime.geometry()), before_(geometry_) { geometry_ = geometry; }
+  Shaken(Runtime& runtime, Geometry geometry) : geometry_(runtime.geometry()), before_(geometry_) {
+    geometry_ = geometry;
+  }
   ~Shaken() { geometry_ = before_; }
 
  private:
@@ -47,8 +49,8 @@ void for_all_walks_and_geometries(Test test) {
       CAPTURE(static_cast<int>(walk));
       CAPTURE(geometry.local);
       CAPTURE(geometry.max_groups);
-      Shaken shaken(cpu_runtime(), geometry);
-      Primitives primitives(cpu_runtime(), walk);
+      Shaken shaken(test_runtime(), geometry);
+      Primitives primitives(test_runtime(), walk);
       test(primitives);
     }
 }
@@ -71,15 +73,15 @@ template <class T>
 Buffer<T> guarded(const std::vector<T>& values) {
   std::vector<T> all = values;
   all.resize(values.size() + 16, static_cast<T>(guard));
-  auto buffer = cpu_runtime().allocate<T>("test", all.size());
-  cpu_runtime().write(buffer, all.data(), all.size());
+  auto buffer = test_runtime().allocate<T>("test", all.size());
+  test_runtime().write(buffer, all.data(), all.size());
   return buffer;
 }
 
 template <class T>
 std::vector<T> contents(const Buffer<T>& buffer, std::size_t count) {
   std::vector<T> all(count);
-  cpu_runtime().read(buffer, all.data(), count);
+  test_runtime().read(buffer, all.data(), count);
   return all;
 }
 
@@ -97,7 +99,8 @@ void check_sort(Primitives& primitives, std::vector<Key> keys, unsigned bits) {
   const Key mask = bits >= sizeof(Key) * 8 ? ~Key{0} : static_cast<Key>((Key{1} << bits) - 1);
   Words order(count);
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](cl_uint a, cl_uint b) { return (keys[a] & mask) < (keys[b] & mask); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](cl_uint a, cl_uint b) { return (keys[a] & mask) < (keys[b] & mask); });
   std::vector<Key> keys_wanted(count);
   Words values_wanted(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -153,7 +156,7 @@ TEST_CASE("a scan in place equals a scan from buffer to buffer") {
 
 TEST_CASE("a scan of a million words equals the standard library's") {
   for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group}) {
-    Primitives primitives(cpu_runtime(), walk);
+    Primitives primitives(test_runtime(), walk);
     const Words in = random_words(million + 3, 3);
     const auto buffer = guarded(in);
     const auto out = guarded(Words(in.size() + 1, 0));
@@ -206,7 +209,7 @@ TEST_CASE("a sort of 32-bit keys equals a stable sort by the low bits") {
 
 TEST_CASE("equal keys keep their order, sorted and reversed keys sort, and one object serves many sizes") {
   for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group}) {
-    Primitives primitives(cpu_runtime(), walk);
+    Primitives primitives(test_runtime(), walk);
     for (std::size_t count : {std::size_t{50000}, std::size_t{777}, std::size_t{123456}}) {
       check_sort(primitives, std::vector<cl_ulong>(count, 0x123456789ABCDEF0ull), 64);
       check_sort(primitives, random_keys(count, 9, 0xF0F0ull), 16);
@@ -223,14 +226,14 @@ TEST_CASE("equal keys keep their order, sorted and reversed keys sort, and one o
 
 TEST_CASE("a million 64-bit keys sort by 62 bits") {
   for (Primitives::Walk walk : {Primitives::Walk::serial, Primitives::Walk::group}) {
-    Primitives primitives(cpu_runtime(), walk);
+    Primitives primitives(test_runtime(), walk);
     check_sort(primitives, random_keys(million, 11, (1ull << 62) - 1), 62);
     check_sort(primitives, random_words(million + 1, 12), 29);
   }
 }
 
 TEST_CASE("a sort beyond `count` touches nothing: later elements are not mixed in") {
-  Primitives primitives(cpu_runtime());
+  Primitives primitives(test_runtime());
   const auto keys = random_keys(10000, 13, ~0ull);
   auto key_buffer = guarded(keys);
   auto value_buffer = guarded(Words(keys.size(), 1u));

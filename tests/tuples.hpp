@@ -59,7 +59,8 @@ class TupleMaker {
     const std::int64_t bx = anywhere(), by = anywhere(), dx = anywhere() - side / 2, dy = anywhere() - side / 2;
     const std::int64_t step = 1 + below(std::uint64_t{1} << below(30));
     // Points on the circle of radius 65 around 0.
-    static const std::int64_t circle[][2] = {{65, 0}, {63, 16}, {60, 25}, {56, 33}, {52, 39}, {39, 52}, {33, 56}, {25, 60}, {16, 63}};
+    static const std::int64_t circle[][2] = {{65, 0},  {63, 16}, {60, 25}, {56, 33}, {52, 39},
+                                             {39, 52}, {33, 56}, {25, 60}, {16, 63}};
     for (auto& p : v) switch (family) {
         case 0: p = at(anywhere(), anywhere()); break;
         case 1: p = at(extreme(), extreme()); break;
@@ -71,7 +72,8 @@ class TupleMaker {
         }
         case 4: {
           const auto& c = circle[below(9)];
-          const std::int64_t scale = 1 + step % (side / 130), sx = below(2) ? scale : -scale, sy = below(2) ? scale : -scale;
+          const std::int64_t scale = 1 + step % (side / 130), sx = below(2) ? scale : -scale,
+                             sy = below(2) ? scale : -scale;
           p = at(side / 2 + sx * c[0] + nudge(), side / 2 + sy * c[1] + nudge());
           break;
         }

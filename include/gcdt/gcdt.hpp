@@ -223,7 +223,8 @@ struct DeviceInfo {
   bool atomics64 = false, fp64 = false, subgroups = false;
 };
 
-/// All OpenCL devices of all platforms, in the order that selects them by number.
+/// All OpenCL devices of all platforms, in the order that selects them by number; without those that
+/// have no compiler or no OpenCL 1.2.
 /// Empty if there is none (never an error). Thread-safe.
 GCDT_API std::vector<DeviceInfo> devices();
 
