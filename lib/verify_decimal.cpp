@@ -100,7 +100,7 @@ std::uint64_t power_of_five(int exponent) {
 }
 
 // With v = m 2^e, e < 0, and s = -(e + d): v 10^d = m 5^d / 2^s. The doubles nearest to which is v are those
-// within half a unit 2^e of m, so N / 10^d is one iff |N 2^s - m 5^d| <= 5^d / 2, equality for even m only.
+// within half a unit 2^e of m, so N / 10^d is one iff |N 2^s - m 5^d| < 5^d / 2 (which is not an integer: no ties).
 // Below a power of two (m = 2^52) the unit is half as large; there the nearest N is still the only one that
 // needs a test: for another to do, 10^-d would have to be below 2^-52 v, but 2^-k is itself a decimal with k
 // digits, which leaves d < k, and d > 15.6 + 0.3 k then contradicts d <= 22.
@@ -126,7 +126,7 @@ std::optional<Decimal> shortest_decimal(double v) {
     if (bit_length(nearest) > 63) return std::nullopt;  // and more so with more digits
     UWide twice = 2 * (up ? (UWide(1) << s) - below : below);
     if (!up && x.mantissa == 1ull << 52) twice *= 2;
-    if (twice < five || (twice == five && x.mantissa % 2 == 0)) return result(nearest, d);
+    if (twice < five) return result(nearest, d);
   }
   return std::nullopt;
 }

@@ -102,3 +102,12 @@ TEST_CASE("constraints that meet in a vertex do not cross, and pieces of a dropp
   CHECK(check_drop(p, covered, pieces).reason == "");
   CHECK_FALSE(check_drop(p, covered, mesh).valid);
 }
+
+TEST_CASE("a constraint is rightly dropped for an earlier one where a later one runs along the same edge") {
+  // 0-2 passes vertex 1; 3-4 crosses it between 1 and 2, where 1-2 also runs.
+  const GridPoints p = {{0, 0}, {2, 0}, {4, 0}, {3, 3}, {3, -2}};
+  const Segments constraints = {{0, 2}, {3, 4}, {1, 2}};
+  const auto mesh = reference::reference_mesh(p, {{0, 2}});
+  CHECK(check_drop(p, constraints, mesh).reason == "");
+  CHECK_FALSE(check_drop(p, {{3, 4}, {0, 2}, {1, 2}}, mesh).valid);
+}

@@ -219,6 +219,16 @@ TEST_CASE("a mesh that winds around twice is caught") {
   CHECK(contains(check(c, mesh).reason, "turns around 2 times"));
 }
 
+TEST_CASE("two islands, and two triangles that touch in one vertex, are caught") {
+  ReferenceMesh mesh;
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const Case islands("islands", {{0, 0}, {1, 0}, {0, 1}, {9, 9}, {8, 9}, {9, 8}}, {});
+  CHECK(contains(check(islands, mesh, false, false).reason, "not one closed polygon"));
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+  const Case bow("bow", {{5, 5}, {9, 4}, {9, 6}, {1, 6}, {1, 4}}, {});
+  CHECK(contains(check(bow, mesh, false, false).reason, "the boundary passes vertex 0 twice"));
+}
+
 TEST_CASE("of meshes with random corners overwritten only those that stayed the same are accepted") {
   Random random(13);
   auto canonical = [](Triangles triangles) {
