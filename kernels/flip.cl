@@ -6,11 +6,12 @@
 // nobody claimed in this round by try-lock (flip_propagate). One round is these two kernels, or one
 // pass of flip_rounds, which does whole rounds inside one work-group with the same functions.
 //
-// Lists: an edge that is not in the list for the next round is legal, or constrained, or had a face
-// changed after its test by a work-item that put it there. Proof: a flip puts the four edges around
-// it into the local worklist or the list; an edge leaves the worklist only if it is constrained, has
-// no other side, is flipped, is legal against faces that this work-item owns or that nobody changed,
-// or is put into the list.
+// Lists: an edge that is not in the list for the next round is legal or constrained. Proof: a flip puts
+// the four edges around it into the local worklist or the list; an edge leaves the worklist only if
+// it is constrained, has no other side, is flipped, is legal with both its faces owned here (a later
+// change of either is made here too, and puts it back), or is put into the list. An edge that is legal
+// against a face owned elsewhere goes into the list as well: two work-items that change its two
+// faces at the same time may each see the other's old face, both find it legal, and both be wrong.
 #include "mesh.h"
 
 #ifndef GCDT_FLIP_WORKLIST
@@ -108,9 +109,12 @@ static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Clai
       continue;
     }
     const uint near = mesh.edge_faces[code], far = mesh.edge_faces[code ^ 1u];
-    if (far == GCDT_NONE || !is_illegal(mesh, near, far)) continue;
+    if (far == GCDT_NONE) continue;
     const uint face = GCDT_REF_FACE(far);
-    if (*claim_word(mesh.corners, face) != ticket && !try_lock(mesh, face, ticket, c)) {
+    const bool owned = *claim_word(mesh.corners, face) == ticket;
+    const bool illegal = is_illegal(mesh, near, far);
+    if (owned && !illegal) continue;
+    if (!illegal || (!owned && !try_lock(mesh, face, ticket, c))) {
       queue_edge(edge, edge_marks, list, length);
       continue;
     }

@@ -106,6 +106,7 @@ class Constraining {
     walked_.launch(runtime_, "constrain", "constrain_chain", over(parts_.capacity), std::make_tuple(pieces_.count, right_begin_),
                    near_.first, near_.second, pieces_.ends, parts_.begins, left_start_, right_start_, far_, chain_vertex_,
                    chain_distances_, chain_piece_, hole_place_, counters_.buffer());
+    walked_.history = {};
     make_minima();
   }
 

@@ -185,13 +185,14 @@ std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits) {
 }
 
 ChosenGrid fixed_grid(const FixedGrid& given) {
-  if (!std::isfinite(given.x) || !std::isfinite(given.y)) throw Error(Status::invalid_argument, "the grid's origin is not finite");
+  const std::array<std::uint64_t, 2> origin{to_bits(given.x), to_bits(given.y)};
+  for (const std::uint64_t bits : origin)
+    if (!device::gcdt_is_finite(bits)) throw Error(Status::invalid_argument, "the grid's origin is not finite");
   const std::optional<DecimalText> text = parse_decimal(given.cell);
   if (!text) bad_cell(given.cell, "is not a positive decimal number");
   if (text->digits.empty()) bad_cell(given.cell, "is zero");
   ChosenGrid chosen;
   chosen.grid.kind = Grid::Kind::fixed;
-  const std::array<std::uint64_t, 2> origin{to_bits(given.x), to_bits(given.y)};
   chosen.grid.origin = {from_bits(origin[0]), from_bits(origin[1])};
   // Where the double is a power of two, that is meant: outputs write such a cell with 17 digits.
   const std::uint64_t nearest = to_bits(nearest_double(text->digits + "e" + std::to_string(text->exponent)));

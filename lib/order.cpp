@@ -94,11 +94,13 @@ std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const Staged
   return digits > limit ? std::nullopt : decimal_grid(survey, digits);
 }
 
-// In the contract's order: binary, decimal, rounded. The survey also finds what is not finite, so it is made
-// for a given grid, too.
+// In the contract's order: binary, decimal, rounded. A given grid is read first, as an error in it is the
+// caller's; the survey is made for it, too, since it finds what is not finite.
 ChosenGrid choose_grid(runtime::Runtime& runtime, const Staged& staged, const std::optional<FixedGrid>& fixed) {
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
   const Survey found = survey(runtime, staged);
-  if (fixed) return fixed_grid(*fixed);
+  if (given) return *given;
   const int k = finest_exponent(found);
   ChosenGrid power = power_of_two_grid(found, k);
   if (power.grid.kind == Grid::Kind::binary) return power;

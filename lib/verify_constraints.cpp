@@ -106,9 +106,11 @@ std::string prove_constraints(const Sites& sites, const Mesh& mesh, Constraints 
   for (std::size_t i = 0; i < missing.size(); ++i) {
     const Segment& segment = missing[i];
     if (crossing == Crossing::drop && walker.crossed_before(segment, segment.constraint) != none) continue;
+    const std::uint32_t other = walker.crossed_before(segment, none);
     return say("constraint ", segment.constraint, " (", segment.a, "-", segment.b,
                ") is not a chain of edges: it crosses ", mesh.edge_name(crossed[i]),
-               crossing == Crossing::drop ? ", and it crosses no earlier constraint that was kept" : "");
+               other != none ? say(" and constraint ", other) : "",
+               crossing == Crossing::drop ? ", but no earlier constraint that was kept" : "");
   }
   return {};
 }

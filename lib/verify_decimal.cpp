@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Doubles taken apart, the shortest decimals they stand for, and the cell of a fixed grid read from its text.
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <locale>
 #include <sstream>
 
@@ -25,16 +27,15 @@ struct Spelled {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// The part after 'e': an optional sign and one to five digits, up to the end of the text.
+/// The part after 'e': an optional sign and digits, up to the end of the text; at most a million in size.
 std::optional<int> read_exponent(const std::string& text, std::size_t i) {
   const bool negative = i < text.size() && text[i] == '-';
   if (i < text.size() && (text[i] == '-' || text[i] == '+')) ++i;
-  const std::size_t count = text.size() - i;
-  if (count < 1 || count > 5) return std::nullopt;
+  if (i == text.size()) return std::nullopt;
   int value = 0;
   for (; i < text.size(); ++i) {
     if (!is_digit(text[i])) return std::nullopt;
-    value = 10 * value + (text[i] - '0');
+    value = std::min(10 * value + (text[i] - '0'), 1000000);
   }
   return negative ? -value : value;
 }
@@ -98,8 +99,6 @@ std::uint64_t power_of_five(int exponent) {
   return power;
 }
 
-std::uint64_t power_of_ten(int exponent) { return power_of_five(exponent) << exponent; }
-
 // With v = m 2^e, e < 0, and s = -(e + d): v 10^d = m 5^d / 2^s. The doubles nearest to which is v are those
 // within half a unit 2^e of m, so N / 10^d is one iff |N 2^s - m 5^d| <= 5^d / 2, equality for even m only.
 // Below a power of two (m = 2^52) the unit is half as large; there the nearest N is still the only one that
@@ -148,7 +147,7 @@ void read_cell(const std::string& text, Grid& grid) {
   if (number->exponent < -max_decimals || number->exponent > max_decimals) reject("is too small or too large");
   for (char digit : number->digits) grid.cell_units = 10 * grid.cell_units + static_cast<std::uint64_t>(digit - '0');
   grid.cell_decimals = -number->exponent;
-  while (grid.cell_decimals < 0 && grid.cell_units < power_of_ten(18)) {
+  while (grid.cell_decimals < 0 && grid.cell_units <= std::numeric_limits<std::uint64_t>::max() / 10) {
     grid.cell_units *= 10;
     ++grid.cell_decimals;
   }

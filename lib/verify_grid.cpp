@@ -48,12 +48,13 @@ Big extent(const std::array<double, 2>& limits) {
   return a.negative ? least - largest : largest - least;
 }
 
-/// The least k with round_half_even(extent / 2^k) <= grid_max; the extent is positive.
+/// The least k >= least_double with round_half_even(extent / 2^k) <= grid_max; the extent is positive. The limit,
+/// at which nothing moves, keeps the cell a double.
 int finest_power_of_two(const Big& extent) {
   const int shift = extent.bits() - 31;  // leaves 31 bits: 2^30 to 2^31 before rounding
   const bool rounds_to_32_bits = shift > 0 && extent.window(shift) == grid_max &&
                                  extent.window(shift - 1) % 2 == 1;  // half or more above an odd number
-  return shift + rounds_to_32_bits + least_double;
+  return std::max(0, shift + rounds_to_32_bits) + least_double;
 }
 
 /// The largest k such that every coordinate is a multiple of 2^k.

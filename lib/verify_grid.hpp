@@ -35,7 +35,6 @@ struct Decimal {
 constexpr int max_decimals = 22;                 ///< 10^22 is the largest power of ten that is a double
 constexpr std::uint64_t grid_max = 0x7fffffffu;  ///< the largest grid coordinate
 
-std::uint64_t power_of_ten(int exponent);   ///< 0 <= exponent <= 19
 std::uint64_t power_of_five(int exponent);  ///< 0 <= exponent <= 22, so less than 2^52
 
 /// The decimal with the fewest digits after the point (at most max_decimals, |units| < 2^63) whose

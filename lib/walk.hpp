@@ -14,7 +14,7 @@ namespace gcdt {
 struct WalkedMesh {
   const Vertices& vertices;
   const Mesh& mesh;
-  const History& history;
+  History& history;
 
   /// Launches a kernel whose arguments are `first`, then GCDT_WALK_PARAMETERS, then `last`.
   template <class First, class... Last>

@@ -4,7 +4,7 @@
 # Usage: scripts/prove-setup.sh [--setup | --demo] [--quick] [--keep]
 #   --setup   only the installation of packages (setup.sh --tests, twice)
 #   --demo    only demo.sh
-#   --quick   test.sh without its long tests
+#   --quick   test.sh without its slow tests
 #   --keep    keep the root for a look at it, and say where it is
 # Needs root, debootstrap, about 5 GB under TMPDIR (/var/tmp). What is tested is the commit HEAD.
 # Packages come from where this machine's apt takes them, proxies included; GCDT_SUITE (default bookworm)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the tests, but for the long ones, with host code under the address and undefined-behaviour sanitizers.
+# Runs the tests, but for the slow ones, with host code under the address and undefined-behaviour sanitizers.
 # Usage: scripts/sanitize.sh [CTEST OPTION]...
 # Leaks are not looked for: OpenCL drivers keep memory until the process ends. Kernels are not instrumented.
 set -euo pipefail

@@ -9,7 +9,7 @@ set -euo pipefail
 build=(g++ cmake make pkg-config ca-certificates
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
   libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev)
-tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14 python3)
+tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14)
 
 wanted=("${build[@]}")
 for argument in "$@"; do
@@ -27,7 +27,7 @@ give_up() {
   exit 1
 }
 
-command -v dpkg-query apt-get >/dev/null || give_up "this distribution has no apt; please install the packages by hand"
+{ command -v dpkg-query && command -v apt-get; } >/dev/null || give_up "this distribution has no apt; please install the packages by hand"
 
 missing=()
 for package in "${wanted[@]}"; do

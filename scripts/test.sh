@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs what is missing, builds with warnings as errors, and runs all tests.
 # Usage: scripts/test.sh [--quick] [CTEST OPTION]...
-#   --quick        leaves out the tests labelled "long"
+#   --quick        leaves out the tests labelled "slow"
 #   CTEST OPTION   passed on, such as -R predicates
 # Ends with CTest's own summary and status. A missing oracle or OpenCL driver fails a test, never skips it.
 set -euo pipefail
@@ -12,7 +12,7 @@ build=$root/build-test
 selection=()
 case ${1-} in
   -h | --help) sed -n '3,6s/^# //p' "$0"; exit 0 ;;
-  --quick) selection=(-LE '^long$'); shift ;;
+  --quick) selection=(-LE '^slow$'); shift ;;
 esac
 
 cores=$(nproc)

@@ -3,6 +3,9 @@
 // decimals: the oracle for the order phase.
 #pragma once
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // false alarms in boost/multiprecision
+#endif
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include <algorithm>
@@ -46,6 +49,20 @@ inline Integer round_half_even(const Rational& r) {
 }
 
 const Integer last = power(2, 31) - 1;
+
+/// The number that a decimal text such as 1.5e-3 means.
+inline Rational decimal_number(const std::string& text) {
+  const std::size_t e = text.find('e');
+  std::string digits = text.substr(0, e);
+  int exponent = e == std::string::npos ? 0 : std::stoi(text.substr(e + 1));
+  const std::size_t point = digits.find('.');
+  if (point != std::string::npos) {
+    exponent -= int(digits.size() - point - 1);
+    digits.erase(point, 1);
+  }
+  digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size() - 1));  // a leading 0 would mean octal
+  return Rational(Integer(digits)) * power_of_ten(exponent);
+}
 
 struct Choice {
   gcdt::Grid::Kind kind = gcdt::Grid::Kind::binary;

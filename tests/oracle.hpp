@@ -50,6 +50,16 @@ inline std::vector<GridPoint> integers(const std::vector<Point>& points) {
   return result;
 }
 
+/// Moved so that the least X and the least Y are 0.
+inline std::vector<GridPoint> fromZero(std::vector<GridPoint> points) {
+  for (int axis = 0; axis < 2; ++axis) {
+    std::int64_t least = points.empty() ? 0 : points[0][axis];
+    for (const GridPoint& p : points) least = std::min(least, p[axis]);
+    for (GridPoint& p : points) p[axis] -= least;
+  }
+  return points;
+}
+
 /// round((p - origin) / cell), half to even, in rational arithmetic. On a decimal grid coordinates and
 /// origin are the decimals they stand for.
 inline std::vector<GridPoint> onGrid(const std::vector<Point>& points, const Grid& grid) {

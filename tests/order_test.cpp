@@ -8,12 +8,12 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <random>
-#include <set>
 
+#include "coordinate_families.hpp"
 #include "grid_oracle.hpp"
 
 using namespace gcdt;
+using namespace families;
 using oracle::Doubles;
 
 namespace {
@@ -150,79 +150,15 @@ Read check_all(const Doubles& points) {
   return *first;
 }
 
-// ---- Families of coordinates ----
-
-using Engine = std::mt19937_64;
-using Family = double (*)(Engine&);
-
-double uniform(Engine& e, double low, double high) { return std::uniform_real_distribution<double>(low, high)(e); }
-std::int64_t integer(Engine& e, std::int64_t low, std::int64_t high) { return std::uniform_int_distribution<std::int64_t>(low, high)(e); }
-double decimal(std::int64_t n, int d) { return std::strtod((std::to_string(n) + "e-" + std::to_string(d)).c_str(), nullptr); }
-double of_bits(std::uint64_t bits) {
-  double v;
-  std::memcpy(&v, &bits, sizeof v);
-  return v;
-}
-
-const std::map<std::string, Family> families = {
-    {"uniform in the unit square", [](Engine& e) { return uniform(e, 0, 1); }},
-    {"uniform around 0", [](Engine& e) { return uniform(e, -1, 1); }},
-    {"UTM metres to the millimetre", [](Engine& e) { return decimal(integer(e, 400000000, 5700000000), 3); }},
-    {"UTM metres, unrounded", [](Engine& e) { return uniform(e, 5600000, 5700000); }},
-    {"degrees with 6 decimals", [](Engine& e) { return decimal(integer(e, -180000000, 180000000), 6); }},
-    {"degrees with 7 decimals", [](Engine& e) { return decimal(integer(e, -1800000000, 1800000000), 7); }},
-    {"tenths", [](Engine& e) { return decimal(integer(e, -20, 20), 1); }},
-    {"small integers", [](Engine& e) { return double(integer(e, -5, 5)); }},
-    {"32-bit integers", [](Engine& e) { return double(integer(e, -2147483648ll, 2147483647ll)); }},
-    {"31-bit integers", [](Engine& e) { return double(integer(e, 0, 2147483647ll)); }},
-    {"integers up to 2^53", [](Engine& e) { return double(integer(e, 0, 1ll << 53)); }},
-    {"integers above 2^53 in a short range", [](Engine& e) { return double((1ll << 60) + 256 * integer(e, 0, 1000)); }},
-    {"eighths", [](Engine& e) { return double(integer(e, -1000, 1000)) / 8; }},
-    {"gaps of 1e-17", [](Engine& e) { return 1e-17 * double(integer(e, 0, 100)); }},
-    {"one and neighbours", [](Engine& e) { return 1 + double(integer(e, -8, 8)) * std::ldexp(1.0, -53); }},
-    {"powers of two", [](Engine& e) { return std::ldexp(1.0, int(integer(e, -40, 40))); }},
-    {"powers of two and ten", [](Engine& e) { return integer(e, 0, 1) ? std::ldexp(1.0, int(integer(e, -4, 4))) : decimal(1, int(integer(e, 0, 5))); }},
-    {"far powers of two", [](Engine& e) { return std::ldexp(integer(e, 0, 1) ? -1.0 : 1.0, int(integer(e, -1074, 1023))); }},
-    {"denormals", [](Engine& e) { return of_bits(std::uint64_t(integer(e, 0, (1ll << 52) - 1))); }},
-    {"few denormals", [](Engine& e) { return of_bits(std::uint64_t(integer(e, 0, 9))); }},
-    {"1e300 and less", [](Engine& e) { return uniform(e, -1e300, 1e300); }},
-    {"the largest doubles", [](Engine& e) { return (integer(e, 0, 1) ? -1 : 1) * of_bits(0x7FEFFFFFFFFFFFFFull - std::uint64_t(integer(e, 0, 3))); }},
-    {"1e300, 1 and 1e-300", [](Engine& e) { return std::ldexp(uniform(e, -1, 1), 1000 * int(integer(e, -1, 1))); }},
-    {"any bits", [](Engine& e) {
-       double v;
-       do v = of_bits(e());
-       while (!std::isfinite(v));
-       return v;
-     }},
-    {"a decimal range far from 0", [](Engine& e) { return decimal(123456789012ll + integer(e, 0, 100000), 2); }},
-    {"the last digits of a double", [](Engine& e) { return decimal(1234567890123450ll + integer(e, 0, 50), 6); }},
-    {"17 digits", [](Engine& e) { return decimal(80000000000000000ll + integer(e, 0, 2000), 17); }},
-    {"22 decimals", [](Engine& e) { return decimal(integer(e, 0, 1000), 22); }},
-    {"23 decimals", [](Engine& e) { return decimal(integer(e, 0, 1000), 23); }},
-    {"decimals near 2^63", [](Engine& e) { return decimal(9223372036854770000ll + 100 * integer(e, 0, 50), int(integer(e, 3, 4))); }},
-    {"above 2^63", [](Engine& e) { return 1e19 + 2048 * double(integer(e, 0, 1ll << 40)); }},
-    {"quarters where decimals are ambiguous", [](Engine& e) { return 1125899906842624.0 + double(integer(e, 0, 400)) / 4; }},
-    {"neighbours of a binade boundary", [](Engine& e) { return of_bits(0x4330000000000000ull + std::uint64_t(integer(e, -20, 20))) / 1024; }},
-    {"both zeros and one", [](Engine& e) { return integer(e, 0, 2) == 0 ? 1.0 : integer(e, 0, 1) ? 0.0 : -0.0; }},
-    {"halves of a coarse cell", [](Engine& e) { return integer(e, 0, 9) == 0 ? 4294967294.0 : double(integer(e, 0, 4294967294ll)) / 2; }},
-    {"float", [](Engine& e) { return double(float(uniform(e, -1000, 1000))); }},
-};
-
-Doubles draw(Engine& e, std::size_t n, Family x, Family y) {
-  Doubles points(n);
-  for (auto& p : points) p = {x(e), y(e)};
-  return points;
-}
-
 }  // namespace
 
 TEST_CASE("every family of coordinates gets the grid and the places that the rules say") {
   Engine e(1);
-  for (const auto& [name, family] : families) {
+  for (const auto& [name, family] : families::all) {
     CAPTURE(name);
     for (std::size_t n : {1, 2, 3, 5, 20, 20, 60}) check_all(draw(e, n, family, family));
-    check_all(draw(e, 20, family, families.at("tenths")));
-    check_all(draw(e, 20, families.at("uniform around 0"), family));
+    check_all(draw(e, 20, family, families::all.at("tenths")));
+    check_all(draw(e, 20, families::all.at("uniform around 0"), family));
   }
 }
 
@@ -230,7 +166,7 @@ TEST_CASE("all four kinds occur in the families") {
   Engine e(2);
   std::map<std::string, Grid::Kind> kinds;
   Device& device = *devices_under_test()[0];
-  for (const auto& [name, family] : families) kinds[name] = run(device, draw(e, 200, family, family)).grid.kind;
+  for (const auto& [name, family] : families::all) kinds[name] = run(device, draw(e, 200, family, family)).grid.kind;
   for (const std::string name : {"31-bit integers", "eighths", "integers above 2^53 in a short range", "few denormals", "the last digits of a double"}) {
     CAPTURE(name);
     CHECK(kinds[name] == Grid::Kind::binary);
@@ -313,12 +249,64 @@ TEST_CASE("floats and 32-bit integers are taken as the doubles they are") {
   }
 }
 
+TEST_CASE("a fixed grid places points as given, and its report is the caller's grid") {
+  Engine e(7);
+  for (const char* cell : {"1", "0.001", "1e-3", "0.5", "7.25", "0.000000476837158203125", "3e2", "1234567890123456789e-18"}) {
+    CAPTURE(cell);
+    const FixedGrid fixed{-12.3, 4.5, cell};
+    oracle::Choice expected;
+    expected.origin = {oracle::exact(fixed.x), oracle::exact(fixed.y)};
+    const oracle::Rational edge = oracle::decimal_number(cell);
+    Doubles points;
+    for (int i = 0; i < 300; ++i) points.push_back({uniform(e, -12.3, 900), uniform(e, 4.5, i % 2 ? 4.6 : 900)});
+    oracle::place(expected, points, edge);
+    for (auto& device : devices_under_test()) {
+      const Read read = run(*device, points, fixed);
+      check_numbering(read);
+      check_grid_points(read, expected.grid);
+      CHECK(read.grid.kind == Grid::Kind::fixed);
+      CHECK(read.grid.origin == std::array<double, 2>{fixed.x, fixed.y});
+      CHECK(read.grid.cell() == std::strtod(cell, nullptr));
+      check_move(read.grid.largest_move, expected.largest_move, edge);
+    }
+  }
+}
+
+TEST_CASE("a point outside a fixed grid is an error that names the least such vertex, never clipped") {
+  for (auto& device : devices_under_test()) {
+    Engine e(8);
+    Doubles points = draw(e, 3000, families::all.at("uniform in the unit square"), families::all.at("uniform in the unit square"));
+    auto expect = [&](const FixedGrid& fixed, std::vector<std::uint64_t> indices) {
+      try {
+        run(*device, points, fixed);
+        FAIL("no error");
+      } catch (const Error& error) {
+        CHECK(error.status() == Status::coordinate_outside_grid);
+        CHECK(error.indices() == indices);
+      }
+    };
+    points[2000] = {-0.2, -1};
+    points[1000] = {0.5, 3e9};
+    expect({0, 0, "1"}, {1000, 1});
+    points[1000] = {0.5, 2147483647.5};
+    expect({0, 0, "1"}, {1000, 1});
+    points[1000] = {0.5, 2147483647.25};
+    expect({0, 0, "1"}, {2000, 1});
+    expect({0, 0, "0.1"}, {1000, 1});
+    points[1000] = points[2000] = {-0.5, -0.5};
+    CHECK(run(*device, points, FixedGrid{0, 0, "1"}).points.size() == 4);
+    CHECK_THROWS_AS(run(*device, points, FixedGrid{0, 0, "-1"}), Error);
+    CHECK_THROWS_AS(run(*device, Doubles{}, FixedGrid{0, 0, "-1"}), Error);
+    CHECK(run(*device, Doubles{}, FixedGrid{0, 0, "2"}).grid.cell() == 2);
+  }
+}
+
 TEST_CASE("the least vertex that is not finite is named, x before y") {
   const double infinite = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   for (auto& device : devices_under_test())
     for (double bad : {infinite, -infinite, nan, -nan}) {
       Engine e(4);
-      Doubles points = draw(e, 5000, families.at("uniform around 0"), families.at("uniform around 0"));
+      Doubles points = draw(e, 5000, families::all.at("uniform around 0"), families::all.at("uniform around 0"));
       points[4000][0] = bad;
       points[1234][1] = bad;
       std::vector<std::array<float, 2>> floats;
@@ -345,8 +333,8 @@ TEST_CASE("more vertices than can be numbered are refused before they are read")
 
 TEST_CASE("the launch geometry does not matter") {
   Engine e(5);
-  const Doubles points = draw(e, 3000, families.at("tenths"), families.at("degrees with 6 decimals"));
-  const Doubles rounded = draw(e, 3000, families.at("uniform around 0"), families.at("1e300, 1 and 1e-300"));
+  const Doubles points = draw(e, 3000, families::all.at("tenths"), families::all.at("degrees with 6 decimals"));
+  const Doubles rounded = draw(e, 3000, families::all.at("uniform around 0"), families::all.at("1e300, 1 and 1e-300"));
   for (auto& device : devices_under_test()) {
     const runtime::Geometry before = device->runtime.geometry();
     const Read expected = run(*device, points), expected_rounded = run(*device, rounded);
@@ -362,7 +350,7 @@ TEST_CASE("the launch geometry does not matter") {
 TEST_CASE("nothing stays allocated but the vertices") {
   Device& device = *devices_under_test()[0];
   Engine e(6);
-  const Doubles points = draw(e, 10000, families.at("uniform around 0"), families.at("uniform around 0"));
+  const Doubles points = draw(e, 10000, families::all.at("uniform around 0"), families::all.at("uniform around 0"));
   device.primitives.release();
   const std::uint64_t before = device.runtime.meter().now;
   {

@@ -125,6 +125,7 @@ Expected expected_grid(const Doubles& points) {
   }
   if (extent == 0) return expected;
   int k = static_cast<int>(msb(numerator(extent))) - static_cast<int>(msb(denominator(extent))) - 40;
+  k = std::max(k, -1074);
   while (round_half_even(extent / power(2, k)) > largest) ++k;
   expected.cell = power(2, k);
   auto multiple = [&](double v) { return denominator(Rational(exact(v) / expected.cell)) == 1; };
@@ -325,12 +326,14 @@ TEST_CASE("a fixed grid's cell is the decimal that its text spells, or the power
       {".3", Rational(3, 10)},
       {"1024.0", 1024},
       {"9.0949470177292824e-13", power(2, -40)},
+      {"1e-0000000003", Rational(1, 1000)},
       {"4.9406564584124654e-324", power(2, -1074)},
       {"8.9884656743115795e307", power(2, 1023)},
       {"1.00000000000000000001", 1},
   };
-  for (const auto& [text, value] : good) {
-    CAPTURE(text);
+  for (const auto& entry : good) {
+    const auto [text, value] = entry;
+    INFO(entry.first);
     const Grid grid = choose_grid(Points(), FixedGrid{3, -0.0, text});
     CHECK(grid.kind == Grid::Kind::fixed);
     CHECK(cell_value(grid) == value);

@@ -265,9 +265,12 @@ constexpr std::uint64_t max_vertices = (1ull << 29) - 2;
 GCDT_API Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {},
                                    const std::string& device = {});
 
-/// The device memory that triangulating n vertices and m constraints needs at most, in bytes.
-/// `crossed` is accepted for the contract's signature: no crossed pair is stored, so it has no effect.
-GCDT_API std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed = 0);
+/// The device memory that triangulating n vertices and m constraints needs at most, in bytes; the
+/// caller's own buffers are not in it. `crossed`: the (triangle, constraint) pairs that the constraints
+/// cross on the mesh before the last flips (Statistics::crossed_pairs), not known before the first walk:
+/// the default is the worst case, all triangles crossed. Count a constraint that runs through k vertices as
+/// k + 1. Listing crossing constraints (Crossing::reject, drop) is not in it.
+GCDT_API std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed = ~std::uint64_t(0));
 
 /// "major.minor.patch" of the library.
 GCDT_API const char* version();

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// required_bytes: the device bytes of each step, added up from what its source allocates.
+#include <algorithm>
+
+#include "mesh.hpp"
+
+namespace gcdt {
+
+namespace {
+
+// Counters, levels, tables of primitives (256 or 16 counters a part), parts beyond one per constraint:
+// everything that does not grow with the input.
+constexpr std::uint64_t constant_bytes = 8u << 20;
+
+struct Sizes {
+  std::uint64_t n, m, faces, edges, crossed_faces;
+};
+
+std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }             // points, both maps
+std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edges; }  // corners, sides; faces, marks
+std::uint64_t list_bytes(const Sizes& s) { return 8 * s.edges; }
+// Top layer (a quarter of the vertices) and nodes (three quarters); small inputs have one level.
+std::uint64_t history_bytes(const Sizes& s) { return 32 * (s.n / 2 + 3) + 4 * (s.n / 4 + 1) + 20 * (s.n * 3 / 4 + 256); }
+std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
+
+// Coordinates, Morton codes and numbers, and the other halves of the sort.
+std::uint64_t order_step(const Sizes& s) { return (16 + 2 * 12 + 4 + 16) * s.n; }
+
+std::uint64_t insert_step(const Sizes& s) { return vertex_bytes(s) + mesh_bytes(s) + list_bytes(s) + history_bytes(s); }
+
+// Per constraint: input and kept ends, list, parts, hits, keys and sources twice (sort), first, result.
+std::uint64_t clean_step(const Sizes& s) { return insert_step(s) + (8 + 12 + 8 + 24 + 4) * s.m + piece_bytes(s); }
+
+// While walking: flags of edges, crossed lists, parts and starts. A crossed face has at most 3 crossed
+// edges, each shared by two.
+std::uint64_t walk_step(const Sizes& s) {
+  return insert_step(s) + (8 + 4 + 4 + 8) * s.m + piece_bytes(s) + 4 * s.edges + (4 + 6) * s.crossed_faces;
+}
+
+// After the last walk the history is gone; chains hold 16 bytes an entry, minima 8/15 of an entry,
+// and the table 12 bytes a slot, 3/2 slots an entry, 3 - 1/2 entries a crossed face at most.
+std::uint64_t stitch_step(const Sizes& s) {
+  return walk_step(s) - history_bytes(s) - 4 * s.edges + 17 * (s.crossed_faces + 4 * s.m) + 24 * (s.crossed_faces / 4 + 1) +
+         45 * s.crossed_faces;
+}
+
+// Keys and face references with the other halves of their sort; then the result and positions.
+std::uint64_t output_step(const Sizes& s) {
+  const std::uint64_t sorting = 24 * s.faces, gathered = (12 + 12 + 1 + 4 + 4) * s.faces;
+  return vertex_bytes(s) + mesh_bytes(s) + piece_bytes(s) + std::max(sorting, gathered);
+}
+
+}  // namespace
+
+std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
+  const std::uint64_t faces = 2 * n + 1;
+  const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
+  return constant_bytes +
+         std::max({order_step(s), insert_step(s), clean_step(s), walk_step(s), m == 0 ? 0 : stitch_step(s), output_step(s)});
+}
+
+}  // namespace gcdt

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// A hash of everything a result holds but its statistics: equal results, equal hashes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <gcdt/gcdt.hpp>
+
+namespace gcdt::test {
+
+/// FNV-1a, 64 bits, over the numbers' bytes, least significant first, whatever the machine's order.
+class Hash {
+ public:
+  template <class Integer>
+  void add(Integer value) {
+    for (std::size_t i = 0; i < sizeof(value); ++i) {
+      state_ ^= static_cast<std::uint64_t>(value) >> (8 * i) & 0xff;
+      state_ *= 0x100000001b3u;
+    }
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(static_cast<std::uint64_t>(values.size()));
+    for (const T& value : values) add(value);
+  }
+  template <class T, std::size_t N>
+  void add(const std::array<T, N>& values) {
+    for (const T& value : values) add(value);
+  }
+  std::uint64_t value() const { return state_; }
+
+ private:
+  std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+inline std::uint64_t resultHash(const Triangulation& result) {
+  Hash hash;
+  hash.add(result.triangles);
+  hash.add(result.neighbours);
+  hash.add(result.constrained);
+  hash.add(result.representative);
+  hash.add(result.pieces);
+  hash.add(result.source_offsets);
+  hash.add(result.sources);
+  hash.add(result.dropped);
+  return hash.value();
+}
+
+}  // namespace gcdt::test
