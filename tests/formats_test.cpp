@@ -308,6 +308,8 @@ TEST_CASE("a number that does not exist in an ele or neigh file is a failed chec
        "3: the grid cannot be read from this comment", Exit::input},
       {"1 3 0\n1 1 2 3\n", "1 3\n1 -1 -1 2\n", "2: neighbour 2 does not exist", Exit::check},
       {"1 3 0\n1 1 2 3\n", "1 3\n1 -1 -1 -2\n", "2: neighbour -2 does not exist", Exit::check},
+      {"2 3 0\n9223372036854775807 1 2 3\n-9223372036854775808 1 3 4\n", "2 3\n1 -1 -1 -1\n2 -1 -1 -1\n",
+       "2: triangle 1 does not exist in the .ele beside", Exit::check},
       {"1 3 0\n1 1 2 3\n", "1 3\n7 -1 -1 -1\n", "2: triangle 7 does not exist in the .ele beside", Exit::check},
       {"1 3 0\n1 1 2 3\n", "2 3\n1 -1 -1 -1\n2 -1 -1 -1\n", "1: 2 triangles here, but 1 in the .ele beside",
        Exit::check},

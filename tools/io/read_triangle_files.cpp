@@ -150,8 +150,7 @@ class RowNumbers {
   std::size_t size() const { return numbers_.size(); }
   /// To be called after the last append.
   void index() {
-    for (std::size_t i = 0; i < numbers_.size() && in_order_; ++i)
-      in_order_ = numbers_[i] == numbers_[0] + static_cast<std::int64_t>(i);
+    for (std::size_t i = 0; i < numbers_.size() && in_order_; ++i) in_order_ = after_first(numbers_[i]) == i;
     if (in_order_) return;
     for (std::size_t i = 0; i < numbers_.size(); ++i) rows_.emplace(numbers_[i], i);
   }
@@ -161,12 +160,16 @@ class RowNumbers {
       const auto found = rows_.find(number);
       return found == rows_.end() ? std::nullopt : std::optional(found->second);
     }
-    if (numbers_.empty() || number < numbers_[0] || number - numbers_[0] >= static_cast<std::int64_t>(size()))
-      return std::nullopt;
-    return static_cast<std::size_t>(number - numbers_[0]);
+    if (numbers_.empty() || after_first(number) >= size()) return std::nullopt;
+    return static_cast<std::size_t>(after_first(number));
   }
 
  private:
+  /// The distance from the first number, in wrapping arithmetic: any number may stand in a file.
+  std::uint64_t after_first(std::int64_t number) const {
+    return static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(numbers_[0]);
+  }
+
   std::vector<std::int64_t> numbers_;
   bool in_order_ = true;
   std::unordered_map<std::int64_t, std::size_t> rows_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <sstream>
 #include <type_traits>
 
@@ -14,13 +15,24 @@ namespace gcdt::io {
 
 namespace {
 
+/// A number as another type; out of that type's range, or not a number, it is the least of the type.
+template <class To, class From>
+To narrowed(From value) {
+  if constexpr (std::is_floating_point_v<From> && std::is_integral_v<To>) {
+    constexpr double low = static_cast<double>(std::numeric_limits<To>::min());
+    constexpr double high = static_cast<double>(std::numeric_limits<To>::max());
+    if (!(value >= low && value < high)) return std::numeric_limits<To>::min();
+  }
+  return static_cast<To>(value);
+}
+
 template <class To, class From>
 std::vector<To> converted(const std::string& bytes, std::size_t skip) {
   std::vector<To> values((bytes.size() - skip) / sizeof(From));
   for (std::size_t i = 0; i < values.size(); ++i) {
     From value;
     std::memcpy(&value, bytes.data() + skip + i * sizeof value, sizeof value);
-    values[i] = static_cast<To>(value);
+    values[i] = narrowed<To>(value);
   }
   return values;
 }
@@ -70,7 +82,8 @@ class VtuReader {
   std::vector<To> ascii(pugi::xml_node array) const {
     std::vector<To> values;
     std::istringstream in(array.text().get());
-    for (To value; in >> value;) values.push_back(value);
+    using Read = std::conditional_t<sizeof(To) == 1, int, To>;  // a byte would be read as a letter
+    for (Read value; in >> value;) values.push_back(narrowed<To>(value));
     if (!in.eof()) fail(array, "an array holds something that is not a number");
     return values;
   }

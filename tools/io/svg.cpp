@@ -13,6 +13,8 @@ constexpr double longer_side = 1e5;  // units of the canvas; a unit is 1e-5 of t
 constexpr double margin = 0.02;      // of the longer side, all around
 constexpr int shown_pixels = 1200;   // of the longer side, where nothing else asks for a size
 
+constexpr double thinnest = 12, thickest = 200;  // of the strokes of unconstrained edges
+
 using Edge = std::array<std::uint32_t, 2>;
 using Place = std::array<std::int32_t, 2>;
 
@@ -89,6 +91,22 @@ class Strokes {
   std::vector<bool> used_;
 };
 
+/// The width of thin strokes: a tenth of the median edge, so that dense parts are not blotted out by
+/// strokes that would suit sparse ones, within bounds that can still be seen and still be called thin.
+double thin_stroke(const Canvas& canvas, const std::vector<Edge>& some, const std::vector<Edge>& others) {
+  std::vector<double> squares;
+  for (const auto* edges : {&some, &others})
+    for (const Edge& e : *edges) {
+      const auto &a = canvas.places[e[0]], &b = canvas.places[e[1]];
+      const double x = a[0] - b[0], y = a[1] - b[1];
+      squares.push_back(x * x + y * y);
+    }
+  if (squares.empty()) return thickest;
+  const auto median = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), median, squares.end());
+  return std::clamp(std::sqrt(*median) / 10, thinnest, thickest);
+}
+
 void draw_edges(OutputFile& file, const Canvas& canvas, std::vector<Edge> edges, const char* colour, double stroke) {
   if (edges.empty()) return;
   file.print("<path stroke=\"{}\" stroke-width=\"{:.0f}\" d=\"", colour, stroke);
@@ -107,23 +125,21 @@ void draw_dots(OutputFile& file, const Canvas& canvas, double stroke) {
 
 void write_svg(OutputFile& file, const Result& result) {
   const Canvas canvas(result.input.vertices);
+  std::vector<Edge> unconstrained;
+  for_each_edge(result.mesh, [&](std::uint32_t a, std::uint32_t b, bool constrained) {
+    if (!constrained) unconstrained.push_back({a, b});
+  });
+  const double thin = thin_stroke(canvas, unconstrained, result.mesh.pieces), bold = 4 * thin;
   const double border = margin * longer_side;
   const double width = canvas.width + 2 * border, height = canvas.height + 2 * border;
   const double pixels = shown_pixels / std::max(width, height);
-  // Strokes are thin against the length of edges in a mesh of evenly spread vertices.
-  const double spacing = longer_side / std::sqrt(static_cast<double>(result.input.vertices.size()) + 1);
-  const double thin = std::clamp(spacing * 0.04, 10.0, 200.0), bold = 4 * thin;
   file.print(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"{:.0f} {:.0f} {:.0f} "
       "{:.0f}\">\n",
       std::ceil(width * pixels), std::ceil(height * pixels), -border, -border, std::ceil(width), std::ceil(height));
   file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", -border, -border);
   file.print("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
-  std::vector<Edge> unconstrained;
-  for_each_edge(result.mesh, [&](std::uint32_t a, std::uint32_t b, bool constrained) {
-    if (!constrained) unconstrained.push_back({a, b});
-  });
-  draw_edges(file, canvas, std::move(unconstrained), "#8aa", thin);
+  draw_edges(file, canvas, std::move(unconstrained), "#577", thin);
   draw_edges(file, canvas, result.mesh.pieces, "#103", bold);
   if (result.mesh.triangles.empty()) draw_dots(file, canvas, 2 * bold);
   file.print("</g>\n</svg>\n");
