@@ -71,8 +71,10 @@ GCDT_INLINE uint find_piece(global const Levels* levels, uint pieces, global con
       wanted = upper;
       if (found == wanted) return middle;
     }
-    if (found < wanted) low = middle + 1u;
-    else high = middle;
+    if (found < wanted)
+      low = middle + 1u;
+    else
+      high = middle;
   }
   return GCDT_NONE;
 }
@@ -82,17 +84,21 @@ GCDT_INLINE uint find_piece(global const Levels* levels, uint pieces, global con
 // Writes only notes in report.
 // atomic_min decides, in any order the same.
 // After this kernel, if nothing is noted, all corners are vertices and all triangles counter-clockwise.
-kernel void check_corners(const uint count, const uint n, global const int2* points, global const uint* corners, global CheckReport* report) {
+kernel void check_corners(const uint count, const uint n, global const int2* points, global const uint* corners,
+                          global CheckReport* report) {
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
     const uint3 c = vload3(t, corners);
-    if (max(max(c.x, c.y), c.z) >= n) note(report, GCDT_CHECK_CORNER, t);
-    else if (gcdt_orient2d_finite(vertex_at(points, c.x), vertex_at(points, c.y), vertex_at(points, c.z)) <= 0) note(report, GCDT_CHECK_ORIENT, t);
+    if (max(max(c.x, c.y), c.z) >= n)
+      note(report, GCDT_CHECK_CORNER, t);
+    else if (gcdt_orient2d_finite(vertex_at(points, c.x), vertex_at(points, c.y), vertex_at(points, c.z)) <= 0)
+      note(report, GCDT_CHECK_ORIENT, t);
   }
 }
 
 // Checks the link of half edge h, from a to b, to triangle u < count. Returns the corner of u across
 // from the edge, 3 if u does not have it.
-GCDT_INLINE uint check_link(uint h, uint u, uint a, uint b, uint flagged, global const uint* corners, global const int* neighbours, global const uchar* constrained, global CheckReport* report) {
+GCDT_INLINE uint check_link(uint h, uint u, uint a, uint b, uint flagged, global const uint* corners,
+                            global const int* neighbours, global const uchar* constrained, global CheckReport* report) {
   const uint j = corner_across(corners, u, a, b);
   if (j == 3u) {
     note(report, GCDT_CHECK_REVERSED, h);
@@ -104,9 +110,12 @@ GCDT_INLINE uint check_link(uint h, uint u, uint a, uint b, uint flagged, global
 }
 
 // Checks contract 4 on half edge h, the diagonal from a to b between its corner p and vertex q across.
-GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint a, uint q, uint b, global CheckReport* report) {
-  const Vertex vp = vertex_at(points, p), va = vertex_at(points, a), vq = vertex_at(points, q), vb = vertex_at(points, b);
-  if (gcdt_must_flip(va, vq, vb, vp)) note(report, gcdt_incircle_finite(va, vb, vp, vq) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
+GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint a, uint q, uint b,
+                                global CheckReport* report) {
+  const Vertex vp = vertex_at(points, p), va = vertex_at(points, a), vq = vertex_at(points, q),
+               vb = vertex_at(points, b);
+  if (gcdt_must_flip(va, vq, vb, vp))
+    note(report, gcdt_incircle_finite(va, vb, vp, vq) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
 }
 
 // One work-item per triangle t.
@@ -116,7 +125,10 @@ GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint 
 // atomic_cmpxchg lets one edge have the word; the vertex is noted if there is another, whichever won.
 // atomic_min and atomic_add decide the rest, in any order the same.
 // After this kernel, if neither link nor fork is noted, the boundary is a set of chains.
-kernel void check_edges(const uint count, global const Levels* levels, global const int2* points, global const uint* corners, global const int* neighbours, global const uchar* constrained, const uint pieces, global const uint2* ends, global uint* next, global uint* previous, global CheckReport* report) {
+kernel void check_edges(const uint count, global const Levels* levels, global const int2* points,
+                        global const uint* corners, global const int* neighbours, global const uchar* constrained,
+                        const uint pieces, global const uint2* ends, global uint* next, global uint* previous,
+                        global CheckReport* report) {
   if (noted(report, GCDT_CHECK_ORIENT)) return;
   uint constrained_edges = 0;
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
@@ -156,7 +168,8 @@ kernel void check_edges(const uint count, global const Levels* levels, global co
 // Writes notes, hull_vertices and least_corners.
 // atomic_min and atomic_add decide, in any order the same.
 // After this kernel, if nothing is noted, least_corners is the number of turns of the boundary's chains.
-kernel void check_boundary(const uint count, global const int2* points, global const uint* next, global const uint* previous, global CheckReport* report) {
+kernel void check_boundary(const uint count, global const int2* points, global const uint* next,
+                           global const uint* previous, global CheckReport* report) {
   if (noted(report, GCDT_CHECK_FORK)) return;
   uint hull_vertices = 0, least_corners = 0;
   for (uint v = get_global_id(0); v < count; v += get_global_size(0)) {
@@ -206,7 +219,9 @@ kernel void mark_used(const uint count, global const uint* corners, global uint*
 // Writes marks of pieces: 1: is an edge, 2: is flagged.
 // atomic_or decides, in any order the same.
 // After this kernel a piece that is a flagged edge has mark 3.
-kernel void mark_pieces(const uint count, global const Levels* levels, global const uint* corners, global const uchar* constrained, const uint pieces, global const uint2* ends, global uint* marks) {
+kernel void mark_pieces(const uint count, global const Levels* levels, global const uint* corners,
+                        global const uchar* constrained, const uint pieces, global const uint2* ends,
+                        global uint* marks) {
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
     uint3 c = vload3(t, corners);
     for (uint k = 0; k < 3; ++k, c = c.yzx) {
@@ -221,7 +236,8 @@ kernel void mark_pieces(const uint count, global const Levels* levels, global co
 // Writes notes: number i under kind `kind` + marks[i] if marks[i] < wanted.
 // atomic_min decides, in any order the same.
 // After this kernel the first vertex that is no corner, or the first pieces with mark 0 and 1, are noted.
-kernel void find_unmarked(const uint count, const uint wanted, const uint kind, global const uint* marks, global CheckReport* report) {
+kernel void find_unmarked(const uint count, const uint wanted, const uint kind, global const uint* marks,
+                          global CheckReport* report) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0))
     if (marks[i] < wanted) note(report, kind + marks[i], i);
 }

@@ -44,7 +44,8 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = ends[c];
       Walk w;
-      uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      uint event =
+          walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
         if (event == WALK_HIT) {

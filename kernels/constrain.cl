@@ -65,7 +65,8 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
 
 // One work-item per face. Flags crossed faces. No race: its own word.
 kernel void constrain_crossed_faces(uint faces, global uint4* corners, global uint* flags) {
-  for (uint t = get_global_id(0); t < faces; t += get_global_size(0)) flags[t] = *claim_word(corners, t) != 0u ? 1u : 0u;
+  for (uint t = get_global_id(0); t < faces; t += get_global_size(0))
+    flags[t] = *claim_word(corners, t) != 0u ? 1u : 0u;
 }
 
 // One work-item per edge. Flags crossed edges; a crossed edge that is a piece means that two pieces
@@ -117,14 +118,15 @@ kernel void constrain_count(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, NE
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = walk_ends(ends[c]);
       Walk w;
-      uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      uint event =
+          walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
       while (event == WALK_CROSS) {
         left += owns_left(&w, near, c) ? 1u : 0u;
         right += owns_right(&w, near, c) ? 1u : 0u;
         const uint word = *claim_word(mesh.corners, w.face);
         if (w.third_side != 0 && word >= FACE_HEXAGON)
-          reduce_piece(far + 3u * (word - FACE_HEXAGON) + cut_corner(&w), c, &w, w.third_side > 0 ? w.right : w.left, 1u,
-                       mesh, ends, counters);
+          reduce_piece(far + 3u * (word - FACE_HEXAGON) + cut_corner(&w), c, &w, w.third_side > 0 ? w.right : w.left,
+                       1u, mesh, ends, counters);
         event = walk_cross(&w, mesh);
       }
     }
@@ -254,7 +256,8 @@ static uint not_larger_after(global const ulong* distances, global const ulong* 
                              uint i, ulong d) {
   uint l = 0, at = i + 1u;
   for (;;) {
-    const uint group_end = min(layers->length[l], (at + GCDT_MINIMA_RADIX - 1u) / GCDT_MINIMA_RADIX * GCDT_MINIMA_RADIX);
+    const uint group_end =
+        min(layers->length[l], (at + GCDT_MINIMA_RADIX - 1u) / GCDT_MINIMA_RADIX * GCDT_MINIMA_RADIX);
     while (at < group_end && layer_value(distances, minima, layers, l, at) > d) ++at;
     if (at < group_end) break;
     if (l + 1u == layers->count) return layers->length[0] - 1u;

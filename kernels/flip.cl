@@ -47,8 +47,10 @@ static bool is_illegal(Mesh mesh, uint near, uint far) {
 static void flip_edge(Mesh mesh, uint e, uint ticket, private uint* around) {
   const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
   const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
-  const uint4 ct = rotate_to(mesh.corners[t], GCDT_REF_CORNER(ref0)), st = rotate_to(mesh.sides[t], GCDT_REF_CORNER(ref0));
-  const uint4 cu = rotate_to(mesh.corners[u], GCDT_REF_CORNER(ref1)), su = rotate_to(mesh.sides[u], GCDT_REF_CORNER(ref1));
+  const uint4 ct = rotate_to(mesh.corners[t], GCDT_REF_CORNER(ref0)),
+              st = rotate_to(mesh.sides[t], GCDT_REF_CORNER(ref0));
+  const uint4 cu = rotate_to(mesh.corners[u], GCDT_REF_CORNER(ref1)),
+              su = rotate_to(mesh.sides[u], GCDT_REF_CORNER(ref1));
   mesh.corners[t] = (uint4)(ct.x, ct.y, cu.x, ticket);
   mesh.corners[u] = (uint4)(cu.x, ct.z, ct.x, ticket);
   mesh.sides[t] = (uint4)(su.y, GCDT_SIDE(e, 0u), st.z, 0u);

@@ -44,9 +44,9 @@ typedef struct History {
   global uint* shape;            // per vertex of the level
 } History;
 
-#define GCDT_HISTORY_PARAMETERS                                                                 \
-  uint begin, uint end, global uint4 *top_corners, global uint4 *top_neighbours,                \
-      global uint *vertex_face, global uint4 *nodes, global uint *shape
+#define GCDT_HISTORY_PARAMETERS                                                                            \
+  uint begin, uint end, global uint4 *top_corners, global uint4 *top_neighbours, global uint *vertex_face, \
+      global uint4 *nodes, global uint *shape
 
 static inline History make_history(GCDT_HISTORY_PARAMETERS) {
   History h;
@@ -118,7 +118,8 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
 
 // From a face of the top layer that holds the germ down to the leaf that does: a face of the mesh as it
 // is after the level's last split and before any flip. Ends: each step goes one node deeper.
-static inline uint descend_history(global const int2* points, uint n, History h, Germ g, uint top, private uint* steps) {
+static inline uint descend_history(global const int2* points, uint n, History h, Germ g, uint top,
+                                   private uint* steps) {
   uint4 c = h.top_corners[top];
   uint ref = c.w;
   while ((ref & 3u) != HISTORY_LEAF) {

@@ -185,8 +185,7 @@ static void split_edge(Mesh mesh, History h, Round r, uint v, uint e) {
   split_side(mesh, v, u, GCDT_REF_CORNER(ref1), slot2, GCDT_SIDE(far_half, 1u), GCDT_SIDE(e, 1u), new_edge(v, 2u));
   h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(slot1, HISTORY_LEAF),
                                  HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(slot2, HISTORY_LEAF));
-  h.shape[v - h.begin] =
-      (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
+  h.shape[v - h.begin] = (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
 }
 
 // Splits if v owns what it voted for. The node's depth (of its side 0 if it has two) is reported; the

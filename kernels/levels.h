@@ -77,7 +77,8 @@ inline Levels make_levels(u32 n, u32 coarsest) {
   Levels levels = {};
   levels.n = n;
   levels.count = 1;
-  for (u64 stride = 1; levels.count < GCDT_MAX_LEVELS && (n + stride - 1) / stride > coarsest; stride *= GCDT_LEVEL_RATIO)
+  for (u64 stride = 1; levels.count < GCDT_MAX_LEVELS && (n + stride - 1) / stride > coarsest;
+       stride *= GCDT_LEVEL_RATIO)
     ++levels.count;
   u32 stride = 1;
   levels.begin[levels.count] = n;

@@ -45,7 +45,8 @@ kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows
 //   written, `limit` + 1 if one of them cannot be written with `limit`.
 // A row has one work-item.
 // After this kernel the folded table holds the number of decimals of the whole input.
-kernel void count_decimals(uint n, uint type, global const ulong* coordinates, int limit, uint rows, global ulong* maxima) {
+kernel void count_decimals(uint n, uint type, global const ulong* coordinates, int limit, uint rows,
+                           global ulong* maxima) {
   for (uint row = get_global_id(0); row < rows; row += get_global_size(0)) {
     // If d decimals suffice, d + 1 do: it is enough to raise the number where it does not.
     int digits = 0;
@@ -65,7 +66,8 @@ kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uin
   for (uint i = get_global_id(0); i < folded_rows * columns; i += get_global_size(0)) {
     const uint column = i % columns;
     ulong most = 0;
-    for (uint row = i / columns; row < rows; row += folded_rows) most = max(most, maxima[(size_t)row * columns + column]);
+    for (uint row = i / columns; row < rows; row += folded_rows)
+      most = max(most, maxima[(size_t)row * columns + column]);
     folded[i] = most;
   }
 }
@@ -76,8 +78,8 @@ kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uin
 //   outside the grid (0: none; else the keys are void).
 // A row has one work-item, and a vertex belongs to one row.
 // After this kernel a stable sort of the keys gives the order along the curve.
-kernel void quantise(uint n, uint type, global const ulong* coordinates, global const Scale* scale, uint rows, global ulong* keys,
-                     global uint* values, global ulong* maxima) {
+kernel void quantise(uint n, uint type, global const ulong* coordinates, global const Scale* scale, uint rows,
+                     global ulong* keys, global uint* values, global ulong* maxima) {
   for (uint row = get_global_id(0); row < rows; row += get_global_size(0)) {
     ulong move = 0, outside = 0;
     for (uint v = row; v < n; v += rows) {
@@ -98,8 +100,8 @@ kernel void quantise(uint n, uint type, global const ulong* coordinates, global 
 //   values[v] as `quantise` does.
 // A vertex has one work-item.
 // After this kernel a stable sort of the keys gives the order along the curve.
-kernel void quantise_decimals(uint n, uint type, global const ulong* coordinates, global const Decimals* decimals, global ulong* keys,
-                              global uint* values) {
+kernel void quantise_decimals(uint n, uint type, global const ulong* coordinates, global const Decimals* decimals,
+                              global ulong* keys, global uint* values) {
   for (uint v = get_global_id(0); v < n; v += get_global_size(0)) {
     uint grid[2];
     for (uint axis = 0; axis < 2; ++axis) {
@@ -126,7 +128,8 @@ kernel void mark_first(uint n, global const ulong* keys, global uint* first) {
 // After this kernel the vertices are numbered; as the sort was stable, vertex_input is the least input
 // number at the grid point.
 kernel void number_vertices(uint n, global const Levels* levels, global const ulong* keys, global const uint* values,
-                            global const uint* before, global int2* points, global uint* vertex_input, global uint* input_vertex) {
+                            global const uint* before, global int2* points, global uint* vertex_input,
+                            global uint* input_vertex) {
   for (uint i = get_global_id(0); i < n; i += get_global_size(0)) {
     const uint rank = before[i + 1] - 1;
     const uint v = gcdt_vertex_of_rank(levels, levels->count - 1, rank);

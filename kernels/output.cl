@@ -17,7 +17,8 @@ GCDT_INLINE uint3 rotated(uint4 v, uint first) { return first == 0 ? v.xyz : fir
 // corner, rank of the second), `bits` bits each. Every directed edge is in one face, so these keys are
 // distinct. A face with a symbolic corner has the key of all ones, above every other: a rank is at most
 // n - 1 < 2^bits - 1.
-kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* corners, global ulong* keys, global uint* refs, global uint* triangles) {
+kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* corners,
+                      global ulong* keys, global uint* refs, global uint* triangles) {
   const uint n = levels->n;
   uint finite = 0;
   for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
@@ -25,7 +26,8 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
     ulong key = ((ulong)1 << (2u * bits)) - 1u;
     uint first = 0;
     if (max(max(c.x, c.y), c.z) < n) {
-      const uint4 ranks = (uint4)(gcdt_rank_of_vertex(levels, c.x), gcdt_rank_of_vertex(levels, c.y), gcdt_rank_of_vertex(levels, c.z), 0u);
+      const uint4 ranks = (uint4)(gcdt_rank_of_vertex(levels, c.x), gcdt_rank_of_vertex(levels, c.y),
+                                  gcdt_rank_of_vertex(levels, c.z), 0u);
       first = least_corner(ranks.x, ranks.y, ranks.z);
       const uint3 r = rotated(ranks, first);
       key = ((ulong)r.x << bits) | r.y;
@@ -43,7 +45,8 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
 // Every face stands in refs once: every word has one writer.
 // After this kernel positions[f] is the number of face f in canonical order, -1 for symbolic faces.
 kernel void place_faces(const uint count, const uint triangles, global const uint* refs, global int* positions) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
+    positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
 }
 
 // One work-item per triangle, in canonical order.
@@ -52,14 +55,21 @@ kernel void place_faces(const uint count, const uint triangles, global const uin
 // Words 3i .. 3i+2 and byte i have one writer.
 // After this kernel corner 0 has the least rank, neighbour k is across from corner k, -1 where the face
 // across is symbolic, and bit k of constrained tells of the same edge.
-kernel void gather_triangles(const uint count, global const uint4* corners, global const uint4* sides, global const uint* edge_faces, global const uint* edge_marks, global const uint* refs, global const int* positions, global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
+kernel void gather_triangles(const uint count, global const uint4* corners, global const uint4* sides,
+                             global const uint* edge_faces, global const uint* edge_marks, global const uint* refs,
+                             global const int* positions, global uint* out_corners, global int* out_neighbours,
+                             global uchar* out_constrained) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
     vstore3(rotated(corners[f], first), i, out_corners);
     const uint3 s = rotated(sides[f], first);
     const uint3 across = (uint3)(edge_faces[s.x ^ 1u], edge_faces[s.y ^ 1u], edge_faces[s.z ^ 1u]);
-    vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)], positions[GCDT_REF_FACE(across.z)]), i, out_neighbours);
-    const uint3 marks = (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) & GCDT_MARK_CONSTRAINED;
+    vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)],
+                   positions[GCDT_REF_FACE(across.z)]),
+            i, out_neighbours);
+    const uint3 marks =
+        (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) &
+        GCDT_MARK_CONSTRAINED;
     out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);
   }
 }
@@ -78,6 +88,8 @@ kernel void number_corners(const uint count, global const uint* vertex_input, gl
 // Writes representatives[i].
 // Word i has one writer.
 // After this kernel representatives[i] is the input number that stands for input point i.
-kernel void number_representatives(const uint count, global const uint* vertex_input, global const uint* input_vertex, global uint* representatives) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) representatives[i] = vertex_input[input_vertex[i]];
+kernel void number_representatives(const uint count, global const uint* vertex_input, global const uint* input_vertex,
+                                   global uint* representatives) {
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
+    representatives[i] = vertex_input[input_vertex[i]];
 }

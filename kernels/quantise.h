@@ -89,7 +89,8 @@ GCDT_INLINE u64 gcdt_double_of_int(u32 bits) {
 GCDT_INLINE u64 gcdt_coordinate(GCDT_GLOBAL const u64* coordinates, u32 type, u32 index) {
   if (type == GCDT_COORDINATES_FLOAT64) return gcdt_without_negative_zero(coordinates[index]);
   const u32 bits = (u32)(coordinates[index >> 1] >> (32u * (index & 1u)));
-  return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float(bits) : gcdt_double_of_int(bits));
+  return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float(bits)
+                                                                     : gcdt_double_of_int(bits));
 }
 
 // ---- Grids whose cell is a power of two or given --------------------------------------------------
@@ -124,7 +125,7 @@ typedef struct Scale {
   u64 cell_low, cell_high;  // T
   i32 offset;               // -k - w: a mantissa's exponent q stands at window bit q + offset
   u32 origin_fits[2];
-  u32 power_of_two;         // T = 2^108
+  u32 power_of_two;  // T = 2^108
 } Scale;
 
 typedef struct Quantised {
@@ -248,10 +249,29 @@ GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i3
 #define GCDT_MAX_DECIMALS 22
 #define GCDT_NUMERATOR_OVERFLOW 0x8000000000000000ul
 
-GCDT_CONSTANT_TABLE u64 gcdt_powers_of_five[GCDT_MAX_DECIMALS + 1] = {
-    1ul, 5ul, 25ul, 125ul, 625ul, 3125ul, 15625ul, 78125ul, 390625ul, 1953125ul, 9765625ul, 48828125ul, 244140625ul,
-    1220703125ul, 6103515625ul, 30517578125ul, 152587890625ul, 762939453125ul, 3814697265625ul, 19073486328125ul,
-    95367431640625ul, 476837158203125ul, 2384185791015625ul};
+GCDT_CONSTANT_TABLE u64 gcdt_powers_of_five[GCDT_MAX_DECIMALS + 1] = {1ul,
+                                                                      5ul,
+                                                                      25ul,
+                                                                      125ul,
+                                                                      625ul,
+                                                                      3125ul,
+                                                                      15625ul,
+                                                                      78125ul,
+                                                                      390625ul,
+                                                                      1953125ul,
+                                                                      9765625ul,
+                                                                      48828125ul,
+                                                                      244140625ul,
+                                                                      1220703125ul,
+                                                                      6103515625ul,
+                                                                      30517578125ul,
+                                                                      152587890625ul,
+                                                                      762939453125ul,
+                                                                      3814697265625ul,
+                                                                      19073486328125ul,
+                                                                      95367431640625ul,
+                                                                      476837158203125ul,
+                                                                      2384185791015625ul};
 
 // X = (S(x) - least) * step, S(x) = the numerator of x in units of 10^-digits.
 typedef struct Decimals {
@@ -292,7 +312,8 @@ GCDT_INLINE u32 gcdt_decimal(u64 bits, i32 d, u64* numerator) {
   const u32 upper = above_high == 0 && above != 0 && above < GCDT_HIDDEN_BIT && (above << 1) < five;
   if (!lower && !upper) return 0;
   const u64 floor_low = gcdt_limb(low, high, -s), floor_high = gcdt_limb(low, high, -s - 64);
-  const u32 nearer = gcdt_below(above, above_high, below, below_high) || (above == below && above_high == below_high && (floor_low & 1));
+  const u32 nearer = gcdt_below(above, above_high, below, below_high) ||
+                     (above == below && above_high == below_high && (floor_low & 1));
   const u32 up = upper && (nearer || !lower);
   const u32 overflow = floor_high != 0 || floor_low >= GCDT_NUMERATOR_OVERFLOW - up;
   *numerator = overflow ? GCDT_NUMERATOR_OVERFLOW : floor_low + up;
@@ -319,13 +340,15 @@ GCDT_INLINE i64 gcdt_decimal_numerator(u64 bits, i32 digits) {
   // 10^(digits - d) in two factors: 5^22 and 2^22 each times a number below 2^63 stays below 2^128.
   const u64 five = gcdt_powers_of_five[digits - d];
   const u64 scaled = numerator * five;
-  if (gcdt_mul_high(numerator, five) != 0 || gcdt_bit_length(scaled) + (digits - d) > 63) return (i64)GCDT_NUMERATOR_OVERFLOW;
+  if (gcdt_mul_high(numerator, five) != 0 || gcdt_bit_length(scaled) + (digits - d) > 63)
+    return (i64)GCDT_NUMERATOR_OVERFLOW;
   const i64 value = (i64)(scaled << (digits - d));
   return (bits & GCDT_SIGN_BIT) ? -value : value;
 }
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Scale) == 10 * sizeof(u64) + 3 * sizeof(u64) + 4 * sizeof(u32), "Scale has the same layout on host and device");
+static_assert(sizeof(Scale) == 10 * sizeof(u64) + 3 * sizeof(u64) + 4 * sizeof(u32),
+              "Scale has the same layout on host and device");
 static_assert(sizeof(Decimals) == 4 * sizeof(u64), "Decimals has the same layout on host and device");
 }  // namespace gcdt::device
 #endif

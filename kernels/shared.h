@@ -39,7 +39,7 @@ typedef std::uint64_t u64;
 // (L1 in kernels/README.md).
 #define GCDT_FACE_REF(face, corner) (((u32)(face) << 2) | (u32)(corner))
 #define GCDT_REF_FACE(ref) ((ref) >> 2)
-#define GCDT_REF_CORNER(ref) ((ref) & 3u)
+#define GCDT_REF_CORNER(ref) ((ref)&3u)
 #define GCDT_SIDE(edge, side) (((u32)(edge) << 1) | (u32)(side))
 #define GCDT_SIDE_EDGE(code) ((code) >> 1)
 
@@ -51,23 +51,23 @@ GCDT_INLINE u32 gcdt_edge_count(u32 n) { return 3u * n + 3u; }
 #define GCDT_MARK_QUEUED 2u       // stands in the list of edges to be tested next
 
 // ---- Failure bits (Counters.failed) ---------------------------------------------------------------
-#define GCDT_FAILED_WALK 1u        // a walk did not find what must be there
-#define GCDT_FAILED_CROSSING 2u    // two constraints cross (comparator or a crossed constrained edge)
-#define GCDT_FAILED_COUNT 4u       // crossed triangles and new triangles differ in number
-#define GCDT_FAILED_MATCH 8u       // an edge of a new triangle has no partner
-#define GCDT_FAILED_MISSING 16u    // a constraint is not an edge after enforcement
-#define GCDT_FAILED_HIT 32u        // a vertex inside a piece: cleaning should have split there
+#define GCDT_FAILED_WALK 1u      // a walk did not find what must be there
+#define GCDT_FAILED_CROSSING 2u  // two constraints cross (comparator or a crossed constrained edge)
+#define GCDT_FAILED_COUNT 4u     // crossed triangles and new triangles differ in number
+#define GCDT_FAILED_MATCH 8u     // an edge of a new triangle has no partner
+#define GCDT_FAILED_MISSING 16u  // a constraint is not an edge after enforcement
+#define GCDT_FAILED_HIT 32u      // a vertex inside a piece: cleaning should have split there
 
 // Everything the device reports to the host; zeroed at the start of a phase.
 typedef struct Counters {
   u32 failed;
   u32 history_depth;
   u32 edge_splits;
-  u32 pending;        // vertices or walkers not done after a round
-  u32 list_test[3];   // lengths of the flip phase's lists, by round modulo 3 and 2
+  u32 pending;       // vertices or walkers not done after a round
+  u32 list_test[3];  // lengths of the flip phase's lists, by round modulo 3 and 2
   u32 list_flip[2];
-  u32 list_insert[2]; // lengths of the insert phase's lists, by round modulo 2
-  u32 rounds;         // rounds done inside one work-group
+  u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2
+  u32 rounds;          // rounds done inside one work-group
   u32 flips_low, flips_high;
   u32 steps_low, steps_high;  // triangles visited by point location
   u32 pairs_low, pairs_high;  // crossed (triangle, constraint) pairs
@@ -84,7 +84,7 @@ typedef struct Counters {
 #define GCDT_MINIMA_LAYERS 8
 
 typedef struct MinimaLayers {
-  u32 count;                  // layers, the distances themselves included
+  u32 count;                       // layers, the distances themselves included
   u32 begin[GCDT_MINIMA_LAYERS];   // where layer l starts in `minima`; layer 0 is the chain
   u32 length[GCDT_MINIMA_LAYERS];  // entries of layer l
 } MinimaLayers;

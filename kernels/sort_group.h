@@ -16,7 +16,8 @@
 // Reads: keys. Writes: table, all digits of the part.
 // A part has one owner, and each digit's row is added up by one of its work-items.
 // After: table[d * parts + p] counts the keys of part p with digit d.
-kernel void sort_count_group(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys, global u32* table) {
+kernel void sort_count_group(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys,
+                             global u32* table) {
   local u32 counts[GCDT_GROUP_DIGITS * GCDT_SORT_LANES];
   const u32 lane = get_local_id(0), lanes = min((u32)get_local_size(0), GCDT_SORT_LANES);
   for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
@@ -43,7 +44,8 @@ kernel void sort_count_group(u32 count, u32 span, u32 parts, u32 shift, u32 mask
 GCDT_INLINE ulong4 packed_one(u32 digit) {
   const u32 component = digit / 4;
   const u64 one = (u64)1 << (digit % 4 * 16);
-  return (ulong4)(component == 0 ? one : 0, component == 1 ? one : 0, component == 2 ? one : 0, component == 3 ? one : 0);
+  return (ulong4)(component == 0 ? one : 0, component == 1 ? one : 0, component == 2 ? one : 0,
+                  component == 3 ? one : 0);
 }
 GCDT_INLINE u32 packed_count(ulong4 counts, u32 digit) {
   const u32 component = digit / 4;
@@ -61,7 +63,8 @@ GCDT_INLINE u32 packed_count(ulong4 counts, u32 digit) {
 // The scanned table gives each (digit, part) its own range; in a tile ranks are a permutation.
 // After: the pairs are in order of the digit; equal digits keep their order.
 kernel void sort_move_group(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys_in,
-                            global const u32* values_in, global const u32* table, global KEY* keys_out, global u32* values_out) {
+                            global const u32* values_in, global const u32* table, global KEY* keys_out,
+                            global u32* values_out) {
   local KEY keys[GCDT_TILE_SLOT(GCDT_SORT_LANES * GCDT_SORT_WIDTH)];
   local ushort key_of_rank[GCDT_SORT_LANES * GCDT_SORT_WIDTH];
   local ulong4 counts[GCDT_SORT_LANES];

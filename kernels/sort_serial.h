@@ -12,7 +12,8 @@
 // Reads: keys. Writes: table, all digits of the part.
 // A part has one owner.
 // After: table[d * parts + p] counts the keys of part p with digit d.
-kernel void sort_count_serial(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys, global u32* table) {
+kernel void sort_count_serial(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys,
+                              global u32* table) {
   if (get_local_id(0) != 0) return;
   for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
     const u32 begin = part * span, end = min(begin + span, count);
@@ -28,7 +29,8 @@ kernel void sort_count_serial(u32 count, u32 span, u32 parts, u32 shift, u32 mas
 // The scanned table gives each (digit, part) its own range, and `next` steps through it.
 // After: the pairs are in order of the digit; equal digits keep their order.
 kernel void sort_move_serial(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys_in,
-                             global const u32* values_in, global const u32* table, global KEY* keys_out, global u32* values_out) {
+                             global const u32* values_in, global const u32* table, global KEY* keys_out,
+                             global u32* values_out) {
   if (get_local_id(0) != 0) return;
   for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
     const u32 begin = part * span, end = min(begin + span, count);

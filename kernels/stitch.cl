@@ -117,11 +117,13 @@ kernel void stitch_match(uint count, uint second, uint free_edges, global const 
 // its own. That proves the mesh: the 3C sides of C triangles then are distinct, and as many as wait in
 // the table, so every direction met its reverse; counter-clockwise triangles whose edges pair up
 // cover what the crossed ones covered, once. No race: only the failure bits are written.
-kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAMETERS, volatile global Counters* counters) {
+kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAMETERS,
+                         volatile global Counters* counters) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
     const uint4 c = corners[t], s = sides[t];
-    bool right = gcdt_orient2d(load_vertex(points, n, c.x), load_vertex(points, n, c.y), load_vertex(points, n, c.z)) > 0;
+    bool right =
+        gcdt_orient2d(load_vertex(points, n, c.x), load_vertex(points, n, c.y), load_vertex(points, n, c.z)) > 0;
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
       right = right && code < 2u * gcdt_edge_count(n) && edge_faces[code] == GCDT_FACE_REF(t, k);

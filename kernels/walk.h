@@ -18,11 +18,11 @@ typedef struct Walk {
   Vertex va, vb;
   u32 k, parts;  // from division point k to k + 1 of `parts`
   u32 face;
-  u32 third;       // corner number: the exit edge is the one opposite it
-  i32 third_side;  // of the line a -> b: 1 left, -1 right, 0 on it, behind
-  u32 code;        // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
-  u32 left, right; // ends of the exit edge
-  u32 hit;         // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
+  u32 third;        // corner number: the exit edge is the one opposite it
+  i32 third_side;   // of the line a -> b: 1 left, -1 right, 0 on it, behind
+  u32 code;         // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
+  u32 left, right;  // ends of the exit edge
+  u32 hit;          // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
 } Walk;
 
 #define GCDT_WALK_PARAMETERS GCDT_LEVELS_POINTER levels, uint level, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS

@@ -45,7 +45,11 @@ static_assert(sizeof kinds / sizeof kinds[0] == GCDT_CHECK_KINDS, "one sentence 
 class Checker {
  public:
   Checker(Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces)
-      : runtime_(runtime), ordered_(ordered), vertices_(vertices), pieces_(pieces), report_(runtime.allocate<CheckReport>("check report", 1)) {
+      : runtime_(runtime),
+        ordered_(ordered),
+        vertices_(vertices),
+        pieces_(pieces),
+        report_(runtime.allocate<CheckReport>("check report", 1)) {
     found_ = {};
     std::fill(std::begin(found_.first), std::end(found_.first), GCDT_NONE);
     runtime_.write(report_, &found_, 1);
@@ -60,16 +64,20 @@ class Checker {
 
   void check_mesh() {
     const cl_uint n = vertices_.n(), count = ordered_.triangles;
-    auto next = runtime_.allocate<cl_uint>("check boundary", n), previous = runtime_.allocate<cl_uint>("check boundary", n);
+    auto next = runtime_.allocate<cl_uint>("check boundary", n),
+         previous = runtime_.allocate<cl_uint>("check boundary", n);
     runtime_.fill<cl_uint>(next, GCDT_NONE, n);
     runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
     runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
-    runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points, ordered_.corners, ordered_.neighbours,
-                    ordered_.constrained, cl_uint{pieces_.count}, pieces_.ends, next, previous, report_);
+    runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points,
+                    ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, pieces_.ends,
+                    next, previous, report_);
     runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
     judge(0, GCDT_CHECK_UNUSED);
     if (found_.least_corners != 1)
-      fail("the boundary has " + std::to_string(found_.least_corners) + " least corners, not 1: it is several polygons or winds more than once", {});
+      fail("the boundary has " + std::to_string(found_.least_corners) +
+               " least corners, not 1: it is several polygons or winds more than once",
+           {});
     if (std::uint64_t{count} + 2 + found_.hull_vertices != std::uint64_t{2} * n) name_unused_vertex();
     judge(GCDT_CHECK_FLAG, GCDT_CHECK_MISSING);
     if (found_.constrained_edges != pieces_.count) name_missing_piece();
@@ -131,17 +139,21 @@ class Checker {
     runtime_.launch("check", "mark_used", over(corners), corners, ordered_.corners, used);
     name_unmarked(n, 1, GCDT_CHECK_UNUSED, used);
     fail(std::to_string(ordered_.triangles) + " triangles do not fit " + std::to_string(n) + " vertices with " +
-             std::to_string(found_.hull_vertices) + " on the hull", {});
+             std::to_string(found_.hull_vertices) + " on the hull",
+         {});
   }
 
   /// All flagged edges are pieces, but fewer than there are.
   [[noreturn]] void name_missing_piece() {
     auto marks = runtime_.allocate<cl_uint>("check pieces", pieces_.count);
     runtime_.fill<cl_uint>(marks, 0, pieces_.count);
-    runtime_.launch("check", "mark_pieces", over(ordered_.triangles), cl_uint{ordered_.triangles}, vertices_.levels_buffer, ordered_.corners,
-                    ordered_.constrained, cl_uint{pieces_.count}, pieces_.ends, marks);
+    runtime_.launch("check", "mark_pieces", over(ordered_.triangles), cl_uint{ordered_.triangles},
+                    vertices_.levels_buffer, ordered_.corners, ordered_.constrained, cl_uint{pieces_.count},
+                    pieces_.ends, marks);
     name_unmarked(pieces_.count, 3, GCDT_CHECK_MISSING, marks);
-    fail(std::to_string(found_.constrained_edges) + " edges are flagged for " + std::to_string(pieces_.count) + " pieces", {});
+    fail(std::to_string(found_.constrained_edges) + " edges are flagged for " + std::to_string(pieces_.count) +
+             " pieces",
+         {});
   }
 
   void name_unmarked(cl_uint count, cl_uint wanted, cl_uint kind, const Buffer<cl_uint>& marks) {
@@ -163,8 +175,10 @@ class Checker {
 
 void check(Runtime& runtime, Primitives&, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces) {
   Checker checker(runtime, ordered, vertices, pieces);
-  if (ordered.triangles == 0) checker.check_empty();
-  else checker.check_mesh();
+  if (ordered.triangles == 0)
+    checker.check_empty();
+  else
+    checker.check_mesh();
 }
 
 }  // namespace gcdt

@@ -13,6 +13,7 @@ namespace gcdt {
 /// points, their order and the pieces as given, and nothing of the mesh. Reads back once, without
 /// fault found. Throws check_failed naming the first fault; indices: the input numbers of the vertices
 /// at fault (a triangle's three, an edge's or piece's two, or one), none where there are no such.
-void check(runtime::Runtime& runtime, Primitives& primitives, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces);
+void check(runtime::Runtime& runtime, Primitives& primitives, const OrderedMesh& ordered, const Vertices& vertices,
+           const Pieces& pieces);
 
 }  // namespace gcdt

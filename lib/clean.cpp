@@ -7,7 +7,11 @@ using runtime::over;
 
 Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints,
                  std::uint32_t inputs)
-    : runtime_(runtime), primitives_(primitives), vertices_(vertices), inputs_(inputs), count_(cl_uint(constraints.size)) {
+    : runtime_(runtime),
+      primitives_(primitives),
+      vertices_(vertices),
+      inputs_(inputs),
+      count_(cl_uint(constraints.size)) {
   static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is uploaded as it is");
   constraints_ = runtime.allocate<cl_uint2>("constraints", count_);
   runtime.write(constraints_, reinterpret_cast<const cl_uint2*>(constraints.data), count_);
@@ -41,14 +45,16 @@ Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
 
 CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
   const Kept kept = keep(wanted);
-  const std::uint64_t selected = wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
+  const std::uint64_t selected =
+      wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
   CleanResult result;
   result.zero_length = selected - kept.count;
   const Parts parts = make_parts(runtime_, primitives_, vertices_, kept.ends, kept.count);
   auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
-    walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity), std::make_tuple(emit, kept.count, parts.capacity),
-                  kept.ends, parts.begins, offsets, hits, counters.buffer());
+    walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity),
+                  std::make_tuple(emit, kept.count, parts.capacity), kept.ends, parts.begins, offsets, hits,
+                  counters.buffer());
   };
   walk(0, offsets);
   primitives_.exclusive_scan(offsets, offsets, parts.capacity);
@@ -62,14 +68,14 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   const unsigned bits = std::max(1u, bit_width(vertices_.n()));
   auto keys = runtime_.allocate<cl_ulong>("keys of pieces", count);
   auto sources = runtime_.allocate<cl_uint>("sources of pieces", count);
-  runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(bits), vertices_.levels_buffer, kept.ends,
-                  parts.begins, offsets, hit_list, kept.list, keys, sources);
+  runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(bits), vertices_.levels_buffer,
+                  kept.ends, parts.begins, offsets, hit_list, kept.list, keys, sources);
   result.pieces = merge(vertices_, std::move(keys), std::move(sources), count, bits);
   return result;
 }
 
-Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources, cl_uint count,
-                      unsigned bits) {
+Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
+                      cl_uint count, unsigned bits) {
   primitives_.sort(keys, sources, count, 2 * bits);
   auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
   runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);

@@ -30,8 +30,8 @@ class Cleaner {
     runtime::Buffer<cl_uint2> ends;  ///< their vertices
   };
   Kept keep(const std::vector<cl_uint>& wanted);
-  Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources, cl_uint count,
-               unsigned bits);
+  Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
+               cl_uint count, unsigned bits);
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;

@@ -13,7 +13,12 @@ class Constraining {
  public:
   Constraining(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
                const WorkLists& lists, PhaseCounters& counters)
-      : runtime_(runtime), primitives_(primitives), walked_(walked), mesh_(walked.mesh), pieces_(pieces), near_(lists),
+      : runtime_(runtime),
+        primitives_(primitives),
+        walked_(walked),
+        mesh_(walked.mesh),
+        pieces_(pieces),
+        near_(lists),
         counters_(counters) {}
 
   // The paper's figure: find all intersected triangles, prune by visibility, retriangulate, fill.
@@ -55,8 +60,8 @@ class Constraining {
     runtime_.fill<cl_uint>(near_.second, GCDT_NONE, mesh_.edges());
     parts_ = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
-    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity), sizes(), mesh_.edge_marks, near_.first,
-                   near_.second, pieces_.ends, parts_.begins, piece_edge_, counters_.buffer());
+    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity), sizes(), mesh_.edge_marks,
+                   near_.first, near_.second, pieces_.ends, parts_.begins, piece_edge_, counters_.buffer());
   }
 
   void list_crossed() {
@@ -66,8 +71,8 @@ class Constraining {
     crossed_faces_ = runtime_.read_one(flags, mesh_.faces());
     crossed_ = runtime_.allocate<cl_uint>("crossed faces", crossed_faces_);
     primitives_.compact_indices(flags, crossed_, mesh_.faces());
-    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_.first,
-                    near_.second, flags, counters_.buffer());
+    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks,
+                    near_.first, near_.second, flags, counters_.buffer());
     primitives_.exclusive_scan(flags, flags, mesh_.edges());
     crossed_edge_count_ = runtime_.read_one(flags, mesh_.edges());
     crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", crossed_edge_count_);
@@ -75,8 +80,8 @@ class Constraining {
   }
 
   void find_hexagons() {
-    runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners, mesh_.sides,
-                    near_.first, near_.second, counters_.buffer());
+    runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners,
+                    mesh_.sides, near_.first, near_.second, counters_.buffer());
     hexagons_ = counters_.read().hexagons;
   }
 
@@ -103,9 +108,10 @@ class Constraining {
     chain_distances_ = runtime_.allocate<cl_ulong>("chain distances", length_);
     chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
-    walked_.launch(runtime_, "constrain", "constrain_chain", over(parts_.capacity), std::make_tuple(pieces_.count, right_begin_),
-                   near_.first, near_.second, pieces_.ends, parts_.begins, left_start_, right_start_, far_, chain_vertex_,
-                   chain_distances_, chain_piece_, hole_place_, counters_.buffer());
+    walked_.launch(runtime_, "constrain", "constrain_chain", over(parts_.capacity),
+                   std::make_tuple(pieces_.count, right_begin_), near_.first, near_.second, pieces_.ends, parts_.begins,
+                   left_start_, right_start_, far_, chain_vertex_, chain_distances_, chain_piece_, hole_place_,
+                   counters_.buffer());
     walked_.history = {};
     make_minima();
   }
@@ -121,8 +127,9 @@ class Constraining {
     }
     minima_ = runtime_.allocate<cl_ulong>("minima", total);
     for (cl_uint l = 1; l < layers_.count; ++l)
-      runtime_.launch("constrain", "constrain_minima", over(layers_.length[l]), layers_.length[l], layers_.length[l - 1],
-                      layers_.begin[l - 1], layers_.begin[l], cl_uint(l == 1), chain_distances_, minima_);
+      runtime_.launch("constrain", "constrain_minima", over(layers_.length[l]), layers_.length[l],
+                      layers_.length[l - 1], layers_.begin[l - 1], layers_.begin[l], cl_uint(l == 1), chain_distances_,
+                      minima_);
     layers_buffer_ = runtime_.allocate<device::MinimaLayers>("minima layers", 1);
     runtime_.write(layers_buffer_, &layers_, 1);
   }
@@ -136,26 +143,26 @@ class Constraining {
     froms_ = runtime_.allocate<cl_uint>("direction origins", capacity_);
     tos_ = runtime_.allocate<cl_uint>("direction ends", capacity_);
     for (const auto* b : {&codes_, &froms_, &tos_}) runtime_.fill<cl_uint>(*b, GCDT_NONE, capacity_);
-    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners, mesh_.sides, near_.first,
-                    capacity_, codes_, froms_, tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners, mesh_.sides,
+                    near_.first, capacity_, codes_, froms_, tos_, counters_.buffer());
   }
 
   void retriangulate() {
-    runtime_.launch("constrain", "constrain_triangles", over(length_), length_, right_begin_, pieces_.count, layers_buffer_,
-                    chain_vertex_, chain_distances_, chain_piece_, minima_, crossed_, mesh_.corners);
-    runtime_.launch("constrain", "constrain_fill", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_), hole_place_,
-                    chain_vertex_, crossed_, mesh_.corners);
+    runtime_.launch("constrain", "constrain_triangles", over(length_), length_, right_begin_, pieces_.count,
+                    layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, minima_, crossed_, mesh_.corners);
+    runtime_.launch("constrain", "constrain_fill", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_),
+                    hole_place_, chain_vertex_, crossed_, mesh_.corners);
   }
 
   void stitch() {
     for (cl_uint second : {0u, 1u})
-      runtime_.launch("stitch", "stitch_match", over(crossed_faces_), crossed_faces_, second, crossed_edge_count_, crossed_,
-                      mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_, froms_,
-                      tos_, counters_.buffer());
-    runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n, walked_.vertices.points,
-                    mesh_.corners, mesh_.sides, mesh_.edge_faces, counters_.buffer());
-    runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_, mesh_.edge_marks,
-                    capacity_, codes_, froms_, tos_, counters_.buffer());
+      runtime_.launch("stitch", "stitch_match", over(crossed_faces_), crossed_faces_, second, crossed_edge_count_,
+                      crossed_, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_,
+                      capacity_, codes_, froms_, tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n,
+                    walked_.vertices.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, counters_.buffer());
+    runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_,
+                    mesh_.edge_marks, capacity_, codes_, froms_, tos_, counters_.buffer());
   }
 
   std::tuple<cl_uint, cl_uint> sizes() const { return {pieces_.count, parts_.capacity}; }
@@ -179,8 +186,8 @@ class Constraining {
 
 }  // namespace
 
-ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
-                          const WorkLists& lists, PhaseCounters& counters) {
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                          const Pieces& pieces, const WorkLists& lists, PhaseCounters& counters) {
   counters.zero();
   if (pieces.count == 0) return {};
   return Constraining(runtime, primitives, walked, pieces, lists, counters).run();

@@ -20,7 +20,7 @@ struct ConstrainResult {
 /// since; afterwards it is proved to be a valid triangulation with every piece as an edge (stitch_prove,
 /// stitch_mark), or `failed` is not 0; so pieces that cross never pass. `lists` are
 /// overwritten; the history is released after the last walk (before `mesh_changed` is set).
-ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
-                          const WorkLists& lists, PhaseCounters& counters);
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                          const Pieces& pieces, const WorkLists& lists, PhaseCounters& counters);
 
 }  // namespace gcdt

@@ -23,8 +23,8 @@ std::vector<cl_uint2> crossing_pieces(runtime::Runtime& runtime, Primitives& pri
   runtime.fill<cl_uint>(filled, 0, faces);
   auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
     walked.launch(runtime, "crossings", "crossings_records", over(parts.capacity),
-                  std::make_tuple(emit, pieces.count, parts.capacity), pieces.ends, parts.begins, starts, filled, records,
-                  counters.buffer());
+                  std::make_tuple(emit, pieces.count, parts.capacity), pieces.ends, parts.begins, starts, filled,
+                  records, counters.buffer());
   };
   collect(0, filled);
   primitives.exclusive_scan(starts, starts, faces);
@@ -35,13 +35,15 @@ std::vector<cl_uint2> crossing_pieces(runtime::Runtime& runtime, Primitives& pri
 
   auto counts = runtime.allocate<cl_uint>("pairs of records", std::size_t(total) + 1);
   auto test = [&](cl_uint emit, const runtime::Buffer<cl_uint2>& pairs) {
-    runtime.launch("crossings", "crossings_pairs", over(total), emit, faces, mesh.n, walked.vertices.points, mesh.corners,
-                   mesh.sides, mesh.edge_faces, pieces.ends, starts, records, counts, pairs, counters.buffer());
+    runtime.launch("crossings", "crossings_pairs", over(total), emit, faces, mesh.n, walked.vertices.points,
+                   mesh.corners, mesh.sides, mesh.edge_faces, pieces.ends, starts, records, counts, pairs,
+                   counters.buffer());
   };
   test(0, pieces.ends);
   const std::uint64_t found = wide(counters.read().pairs_low, counters.last().pairs_high);
   if (found >= 0xFFFFFFFFull)
-    throw Error(Status::out_of_memory, "crossings: " + std::to_string(found) + " pairs of pieces cross, too many to list");
+    throw Error(Status::out_of_memory,
+                "crossings: " + std::to_string(found) + " pairs of pieces cross, too many to list");
   primitives.exclusive_scan(counts, counts, total);
   auto pairs = runtime.allocate<cl_uint2>("crossing pieces", found);
   test(1, pairs);

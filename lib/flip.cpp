@@ -16,8 +16,13 @@ class Flipping {
  public:
   Flipping(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
            PhaseCounters& counters, std::uint32_t vertices_in_mesh)
-      : runtime_(runtime), vertices_(vertices), mesh_(mesh), lists_(lists), counters_(counters),
-        faces_(device::gcdt_face_count(vertices_in_mesh)), edges_(device::gcdt_edge_count(vertices_in_mesh)),
+      : runtime_(runtime),
+        vertices_(vertices),
+        mesh_(mesh),
+        lists_(lists),
+        counters_(counters),
+        faces_(device::gcdt_face_count(vertices_in_mesh)),
+        edges_(device::gcdt_edge_count(vertices_in_mesh)),
         stamps_(edges_) {}
 
   /// Ends: a flip lowers the lifted surface (heights |p|^2, and infinitesimal ones for the tie rule), so an
@@ -49,12 +54,12 @@ class Flipping {
     for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
-      runtime_.launch("flip", "flip_test", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n, vertices_.points,
-                      mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first, lists_.second,
-                      counters_.buffer());
-      runtime_.launch("flip", "flip_propagate", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n, vertices_.points,
-                      mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.second, lists_.first,
-                      counters_.buffer());
+      runtime_.launch("flip", "flip_test", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n,
+                      vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
+                      lists_.second, counters_.buffer());
+      runtime_.launch("flip", "flip_propagate", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n,
+                      vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.second,
+                      lists_.first, counters_.buffer());
     }
     return rounds_per_read;
   }
@@ -63,9 +68,9 @@ class Flipping {
   std::uint32_t rounds_in_one_group() {
     renew_stamps();
     const cl_uint most = std::min(stamps_.left(), one_group_rounds);
-    runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(), most,
-                    mesh_.n, vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
-                    lists_.second, counters_.buffer());
+    runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
+                    most, mesh_.n, vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks,
+                    lists_.first, lists_.second, counters_.buffer());
     return 0;
   }
 

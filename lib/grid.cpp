@@ -33,10 +33,12 @@ double nearest_double(const std::string& text) {
 }
 
 // Cell = 2^k * U / five with U = (units_low, units_high) < 2^116; see quantise.h for the window.
-device::Scale make_scale(std::array<std::uint64_t, 2> origin, std::uint64_t five, std::uint64_t units_low, std::uint64_t units_high, int k) {
+device::Scale make_scale(std::array<std::uint64_t, 2> origin, std::uint64_t five, std::uint64_t units_low,
+                         std::uint64_t units_high, int k) {
   device::Scale scale = {};
   scale.five = five;
-  const int log2_units = (units_high ? 64 + device::gcdt_bit_length(units_high) : device::gcdt_bit_length(units_low)) - 1;
+  const int log2_units =
+      (units_high ? 64 + device::gcdt_bit_length(units_high) : device::gcdt_bit_length(units_low)) - 1;
   const int w = std::min(log2_units - GCDT_UNIT_BITS, -2);
   scale.cell_low = device::gcdt_limb(units_low, units_high, -w);
   scale.cell_high = device::gcdt_limb(units_low, units_high, -w - 64);
@@ -53,7 +55,8 @@ device::Scale make_scale(std::array<std::uint64_t, 2> origin, std::uint64_t five
 int largest_exponent(const Survey& survey) {
   int exponent = GCDT_LEAST_EXPONENT;
   for (int axis = 0; axis < 2; ++axis)
-    exponent = std::max({exponent, device::gcdt_exponent(survey.least[axis]), device::gcdt_exponent(survey.most[axis])});
+    exponent =
+        std::max({exponent, device::gcdt_exponent(survey.least[axis]), device::gcdt_exponent(survey.most[axis])});
   return exponent;
 }
 
@@ -93,7 +96,8 @@ std::optional<DecimalText> parse_decimal(const std::string& text) {
     if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
     long exponent = 0;
     const std::size_t first = at;
-    for (; at < text.size() && is_digit(text[at]); ++at) exponent = std::min(exponent * 10 + (text[at] - '0'), 1000000l);
+    for (; at < text.size() && is_digit(text[at]); ++at)
+      exponent = std::min(exponent * 10 + (text[at] - '0'), 1000000l);
     if (at == first) return std::nullopt;
     result.exponent += negative ? -exponent : exponent;
   }
@@ -174,7 +178,8 @@ std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits) {
   decimals.digits = digits;
   decimals.step = 1;
   int cell_decimals = digits;
-  for (; cell_decimals < GCDT_MAX_DECIMALS && extent * decimals.step * 10 <= GCDT_GRID_LAST; ++cell_decimals) decimals.step *= 10;
+  for (; cell_decimals < GCDT_MAX_DECIMALS && extent * decimals.step * 10 <= GCDT_GRID_LAST; ++cell_decimals)
+    decimals.step *= 10;
   ChosenGrid chosen;
   chosen.decimals = decimals;
   chosen.grid.kind = Grid::Kind::decimal;
@@ -204,7 +209,8 @@ ChosenGrid fixed_grid(const FixedGrid& given) {
     return chosen;
   }
   if (text->digits.size() > 19) bad_cell(given.cell, "has more than 19 significant digits");
-  if (text->exponent < -GCDT_MAX_DECIMALS || text->exponent > GCDT_MAX_DECIMALS) bad_cell(given.cell, "is not a whole number of 10^-22 to 10^22");
+  if (text->exponent < -GCDT_MAX_DECIMALS || text->exponent > GCDT_MAX_DECIMALS)
+    bad_cell(given.cell, "is not a whole number of 10^-22 to 10^22");
   const std::uint64_t units = std::stoull(text->digits);
   const int exponent = static_cast<int>(text->exponent);
   // units 10^exponent = 2^exponent (units 5^exponent), or over 5^-exponent.

@@ -24,7 +24,12 @@ class LevelInsertion {
  public:
   LevelInsertion(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const History& history,
                  const WorkLists& lists, PhaseCounters& counters)
-      : runtime_(runtime), vertices_(vertices), mesh_(mesh), history_(history), lists_(lists), counters_(counters),
+      : runtime_(runtime),
+        vertices_(vertices),
+        mesh_(mesh),
+        history_(history),
+        lists_(lists),
+        counters_(counters),
         stamps_(history.end - history.begin) {}
 
   void locate() {
@@ -32,8 +37,8 @@ class LevelInsertion {
     runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
     launch("insert_freeze", runtime::over(faces), std::tie(faces));
     stamps_.take();
-    launch("insert_locate", over_level(), std::forward_as_tuple(history_.level, stamps_.bits(), vertices_.levels_buffer),
-           list(1), counters_.buffer());
+    launch("insert_locate", over_level(),
+           std::forward_as_tuple(history_.level, stamps_.bits(), vertices_.levels_buffer), list(1), counters_.buffer());
   }
 
   /// Ends: see round_limit.
@@ -125,7 +130,8 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels) {
 }
 
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
-  runtime.launch("insert", "insert_root", runtime::over(1), mesh.n, vertices.points, mesh.corners, mesh.sides, mesh.edge_faces);
+  runtime.launch("insert", "insert_root", runtime::over(1), mesh.n, vertices.points, mesh.corners, mesh.sides,
+                 mesh.edge_faces);
 }
 
 std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, History& history,

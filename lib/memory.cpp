@@ -16,11 +16,13 @@ struct Sizes {
   std::uint64_t n, m, faces, edges, crossed_faces;
 };
 
-std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }             // points, both maps
+std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }              // points, both maps
 std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edges; }  // corners, sides; faces, marks
 std::uint64_t list_bytes(const Sizes& s) { return 8 * s.edges; }
 // Top layer (a quarter of the vertices) and nodes (three quarters); small inputs have one level.
-std::uint64_t history_bytes(const Sizes& s) { return 32 * (s.n / 2 + 3) + 4 * (s.n / 4 + 1) + 20 * (s.n * 3 / 4 + 256); }
+std::uint64_t history_bytes(const Sizes& s) {
+  return 32 * (s.n / 2 + 3) + 4 * (s.n / 4 + 1) + 20 * (s.n * 3 / 4 + 256);
+}
 std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
 
 // Coordinates, Morton codes and numbers, and the other halves of the sort.
@@ -40,8 +42,8 @@ std::uint64_t walk_step(const Sizes& s) {
 // After the last walk the history is gone; chains hold 16 bytes an entry, minima 8/15 of an entry,
 // and the table 12 bytes a slot, 3/2 slots an entry, 3 - 1/2 entries a crossed face at most.
 std::uint64_t stitch_step(const Sizes& s) {
-  return walk_step(s) - history_bytes(s) - 4 * s.edges + 17 * (s.crossed_faces + 4 * s.m) + 24 * (s.crossed_faces / 4 + 1) +
-         45 * s.crossed_faces;
+  return walk_step(s) - history_bytes(s) - 4 * s.edges + 17 * (s.crossed_faces + 4 * s.m) +
+         24 * (s.crossed_faces / 4 + 1) + 45 * s.crossed_faces;
 }
 
 // Keys and face references with the other halves of their sort; then the result and positions.
@@ -55,8 +57,8 @@ std::uint64_t output_step(const Sizes& s) {
 std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
-  return constant_bytes +
-         std::max({order_step(s), insert_step(s), clean_step(s), walk_step(s), m == 0 ? 0 : stitch_step(s), output_step(s)});
+  return constant_bytes + std::max({order_step(s), insert_step(s), clean_step(s), walk_step(s),
+                                    m == 0 ? 0 : stitch_step(s), output_step(s)});
 }
 
 }  // namespace gcdt

@@ -11,9 +11,9 @@ namespace gcdt {
 /// A triangulation of the symbolic triangle with all n finite vertices in it when complete.
 struct Mesh {
   std::uint32_t n = 0;
-  runtime::Buffer<cl_uint4> corners, sides;           ///< 2n+1 faces
-  runtime::Buffer<cl_uint> edge_faces;                ///< 2 (3n+3) face references
-  runtime::Buffer<cl_uint> edge_marks;                ///< 3n+3 words of mark bits
+  runtime::Buffer<cl_uint4> corners, sides;  ///< 2n+1 faces
+  runtime::Buffer<cl_uint> edge_faces;       ///< 2 (3n+3) face references
+  runtime::Buffer<cl_uint> edge_marks;       ///< 3n+3 words of mark bits
 
   std::uint32_t faces() const { return device::gcdt_face_count(n); }
   std::uint32_t edges() const { return device::gcdt_edge_count(n); }
@@ -23,19 +23,19 @@ struct Mesh {
 struct Vertices {
   Grid grid;
   device::Levels levels = {};
-  runtime::Buffer<device::Levels> levels_buffer;      ///< one element
-  runtime::Buffer<cl_int2> points;                    ///< n grid points
-  runtime::Buffer<cl_uint> vertex_input;              ///< n: the representative's input number
-  runtime::Buffer<cl_uint> input_vertex;              ///< one per input point: its vertex
+  runtime::Buffer<device::Levels> levels_buffer;  ///< one element
+  runtime::Buffer<cl_int2> points;                ///< n grid points
+  runtime::Buffer<cl_uint> vertex_input;          ///< n: the representative's input number
+  runtime::Buffer<cl_uint> input_vertex;          ///< one per input point: its vertex
   std::uint32_t n() const { return levels.n; }
 };
 
 /// The constraints after cleaning: distinct pieces, none with a vertex inside.
 struct Pieces {
   std::uint32_t count = 0;
-  runtime::Buffer<cl_uint2> ends;            ///< vertices (lower rank first), sorted by rank
-  runtime::Buffer<cl_uint> source_offsets;   ///< count + 1
-  runtime::Buffer<cl_uint> sources;          ///< input constraints, ascending within a piece
+  runtime::Buffer<cl_uint2> ends;           ///< vertices (lower rank first), sorted by rank
+  runtime::Buffer<cl_uint> source_offsets;  ///< count + 1
+  runtime::Buffer<cl_uint> sources;         ///< input constraints, ascending within a piece
   std::uint32_t source_count = 0;
 };
 

@@ -16,7 +16,8 @@ constexpr std::size_t gpu_group = 128, cpu_group = 64;
 constexpr std::size_t gpu_groups_per_unit = 16, cpu_groups_per_unit = 64;
 }  // namespace
 
-Runtime::Runtime(const cl::Device& device, CallHook hook) : device_(device), hook_(std::move(hook)), info_(describe(device)) {
+Runtime::Runtime(const cl::Device& device, CallHook hook)
+    : device_(device), hook_(std::move(hook)), info_(describe(device)) {
   call("clCreateContext", info_.name.c_str(), [&] {
     cl_int code;
     context_ = cl::Context(device_, nullptr, nullptr, nullptr, &code);
@@ -28,17 +29,19 @@ Runtime::Runtime(const cl::Device& device, CallHook hook) : device_(device), hoo
     return code;
   });
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
-  geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit} : Geometry{cpu_group, units * cpu_groups_per_unit};
+  geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit}
+                           : Geometry{cpu_group, units * cpu_groups_per_unit};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
   self_test();
 }
 
 void Runtime::fail(const char* name, const char* detail, cl_int code) {
-  const bool memory = code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES || code == CL_OUT_OF_HOST_MEMORY ||
-                      code == CL_INVALID_BUFFER_SIZE;
-  throw Error(memory ? Status::out_of_memory : Status::device_failed,
-              std::string(name) + " (" + detail + ") on " + info_.name + " failed with OpenCL code " + std::to_string(code),
-              {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))});
+  const bool memory = code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES ||
+                      code == CL_OUT_OF_HOST_MEMORY || code == CL_INVALID_BUFFER_SIZE;
+  throw Error(
+      memory ? Status::out_of_memory : Status::device_failed,
+      std::string(name) + " (" + detail + ") on " + info_.name + " failed with OpenCL code " + std::to_string(code),
+      {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))});
 }
 
 cl::Program& Runtime::find_program(const char* program) {
@@ -64,14 +67,16 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
     return code;
   });
   call("clGetKernelInfo", kernel, [&] { return k.handle.getInfo(CL_KERNEL_NUM_ARGS, &k.arguments); });
-  call("clGetKernelWorkGroupInfo", kernel, [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
+  call("clGetKernelWorkGroupInfo", kernel,
+       [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
   return kernels_.emplace(key, std::move(k)).first->second;
 }
 
 cl::Buffer Runtime::allocate_bytes(const char* name, std::size_t bytes) {
   if (bytes > info_.largest_buffer_bytes || meter_->now + bytes > info_.memory_bytes)
-    throw Error(Status::out_of_memory, std::string(name) + " needs " + std::to_string(bytes) + " bytes beside " + std::to_string(meter_->now) +
-                                           " in use; " + info_.name + " has " + std::to_string(info_.memory_bytes) + ", at most " +
+    throw Error(Status::out_of_memory, std::string(name) + " needs " + std::to_string(bytes) + " bytes beside " +
+                                           std::to_string(meter_->now) + " in use; " + info_.name + " has " +
+                                           std::to_string(info_.memory_bytes) + ", at most " +
                                            std::to_string(info_.largest_buffer_bytes) + " in one buffer");
   cl::Buffer memory;
   call("clCreateBuffer", name, [&] {
@@ -84,23 +89,28 @@ cl::Buffer Runtime::allocate_bytes(const char* name, std::size_t bytes) {
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  call("clEnqueueWriteBuffer", "", [&] { return clEnqueueWriteBuffer(queue_(), to, CL_TRUE, offset, bytes, from, 0, nullptr, nullptr); });
+  call("clEnqueueWriteBuffer", "",
+       [&] { return clEnqueueWriteBuffer(queue_(), to, CL_TRUE, offset, bytes, from, 0, nullptr, nullptr); });
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
   ++read_backs_;
-  call("clEnqueueReadBuffer", "", [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
+  call("clEnqueueReadBuffer", "",
+       [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
 }
 
-void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes) {
+void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
+                         std::size_t bytes) {
   if (bytes == 0) return;
-  call("clEnqueueFillBuffer", "", [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
+  call("clEnqueueFillBuffer", "",
+       [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
 }
 
 void Runtime::copy_bytes(cl_mem from, cl_mem to, std::size_t bytes) {
   if (bytes == 0) return;
-  call("clEnqueueCopyBuffer", "", [&] { return clEnqueueCopyBuffer(queue_(), from, to, 0, 0, bytes, 0, nullptr, nullptr); });
+  call("clEnqueueCopyBuffer", "",
+       [&] { return clEnqueueCopyBuffer(queue_(), from, to, 0, 0, bytes, 0, nullptr, nullptr); });
 }
 
 void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value) {
@@ -109,14 +119,16 @@ void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t byte
 
 void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   if (arguments != kernel.arguments)
-    throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " + std::to_string(arguments));
+    throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
+                                           std::to_string(arguments));
   const std::size_t local = std::min(geometry_.local, kernel.largest_group);
   const std::size_t wanted = (range.items + local - 1) / local;
   const std::size_t groups = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
   const std::size_t global = groups * local;
   ++launches_;
-  call("clEnqueueNDRangeKernel", kernel.name.c_str(),
-       [&] { return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, nullptr); });
+  call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
+    return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, nullptr);
+  });
 }
 
 void Runtime::finish() {

@@ -32,7 +32,9 @@ Staged stage(runtime::Runtime& runtime, Points points) {
   Staged staged;
   staged.n = static_cast<cl_uint>(points.size());
   const bool wide = points.type() == Points::Type::float64;
-  staged.type = wide ? GCDT_COORDINATES_FLOAT64 : points.type() == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32 : GCDT_COORDINATES_INT32;
+  staged.type = wide                                     ? GCDT_COORDINATES_FLOAT64
+                : points.type() == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32
+                                                         : GCDT_COORDINATES_INT32;
   const std::size_t words = points.size() * (wide ? 2 : 1);
   staged.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
   runtime.write(staged.coordinates, static_cast<const cl_ulong*>(points.data()), words);
@@ -55,7 +57,8 @@ struct Maxima {
     if (rows > rows_read) {
       const cl_uint folded_rows = rows_read;
       auto folded = runtime.allocate<cl_ulong>("folded maxima", rows_read * columns);
-      runtime.launch("order", "fold_maxima", runtime::over(rows_read * columns), rows, columns, table, folded_rows, folded);
+      runtime.launch("order", "fold_maxima", runtime::over(rows_read * columns), rows, columns, table, folded_rows,
+                     folded);
       table = std::move(folded);
       rows = folded_rows;
     }
@@ -68,12 +71,14 @@ struct Maxima {
 
 [[noreturn]] void throw_at(Status status, const char* what, std::uint64_t coordinate) {
   const std::uint64_t vertex = coordinate / 2, axis = coordinate % 2;
-  throw Error(status, std::string(axis == 0 ? "x" : "y") + " of vertex " + std::to_string(vertex) + what, {vertex, axis});
+  throw Error(status, std::string(axis == 0 ? "x" : "y") + " of vertex " + std::to_string(vertex) + what,
+              {vertex, axis});
 }
 
 Survey survey(runtime::Runtime& runtime, const Staged& staged) {
   Maxima maxima(runtime, staged.n, survey_columns);
-  runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows, maxima.table);
+  runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows,
+                 maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
   if (found[5] != 0) throw_at(Status::coordinate_not_finite, " is not a finite number", ~found[5]);
   Survey result;
@@ -89,7 +94,8 @@ std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const Staged
   const cl_int limit = decimals_limit(survey, k);
   if (limit < 0) return std::nullopt;
   Maxima maxima(runtime, staged.n, 1);
-  runtime.launch("order", "count_decimals", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, limit, maxima.rows, maxima.table);
+  runtime.launch("order", "count_decimals", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates,
+                 limit, maxima.rows, maxima.table);
   const int digits = static_cast<int>(maxima.read(runtime)[0]);
   return digits > limit ? std::nullopt : decimal_grid(survey, digits);
 }
@@ -122,14 +128,14 @@ Keys quantise(runtime::Runtime& runtime, const Staged& staged, const ChosenGrid&
   keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
   if (chosen.decimals) {
     const auto decimals = upload(runtime, "decimals", *chosen.decimals);
-    runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates, decimals, keys.codes,
-                   keys.numbers);
+    runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates,
+                   decimals, keys.codes, keys.numbers);
     return keys;
   }
   const auto scale = upload(runtime, "scale", chosen.scale);
   Maxima maxima(runtime, staged.n, quantise_columns);
-  runtime.launch("order", "quantise", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, scale, maxima.rows, keys.codes,
-                 keys.numbers, maxima.table);
+  runtime.launch("order", "quantise", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, scale,
+                 maxima.rows, keys.codes, keys.numbers, maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
   if (found[1] != 0) throw_at(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
   keys.grid.largest_move = move_length(found[0], chosen.scale);
@@ -149,7 +155,8 @@ void set_levels(runtime::Runtime& runtime, Vertices& vertices, std::uint32_t n, 
   vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
 }
 
-OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
+OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid>& fixed,
+                        std::uint32_t coarsest_level) {
   OrderResult result;
   if (fixed) result.vertices.grid = fixed_grid(*fixed).grid;
   result.vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", 0);
@@ -159,10 +166,11 @@ OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid
 
 }  // namespace
 
-OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points, const std::optional<FixedGrid>& fixed,
-                  std::uint32_t coarsest_level) {
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points,
+                  const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
   if (points.size() > max_vertices)
-    throw Error(Status::too_many_vertices, std::to_string(points.size()) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
+    throw Error(Status::too_many_vertices, std::to_string(points.size()) + " vertices; at most " +
+                                               std::to_string(max_vertices) + " can be numbered");
   if (points.size() == 0) return no_vertices(runtime, fixed, coarsest_level);
   const auto n = static_cast<cl_uint>(points.size());
   Keys keys = make_keys(runtime, points, fixed);
@@ -180,8 +188,8 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points poin
   vertices.grid = keys.grid;
   vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
   set_levels(runtime, vertices, distinct, coarsest_level);
-  runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers, before, vertices.points,
-                 vertices.vertex_input, vertices.input_vertex);
+  runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,
+                 before, vertices.points, vertices.vertex_input, vertices.input_vertex);
   return result;
 }
 

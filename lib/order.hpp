@@ -17,7 +17,7 @@ struct OrderResult {
 /// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level
 /// (make_levels(n, coarsest_level)). Throws invalid_argument (a bad fixed grid), coordinate_not_finite and
 /// coordinate_outside_grid (indices {vertex, axis}, the least such vertex), too_many_vertices.
-OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points, const std::optional<FixedGrid>& fixed,
-                  std::uint32_t coarsest_level);
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points,
+                  const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level);
 
 }  // namespace gcdt

@@ -13,12 +13,14 @@ namespace {
 
 /// Enqueues the sort of face references by canonical order, symbolic faces last, and returns the
 /// number of finite ones. The keys are gone on return.
-std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices, Buffer<cl_uint>& refs) {
+std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
+                         Buffer<cl_uint>& refs) {
   const cl_uint bits = bit_width(mesh.n);
   auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
   auto finite = runtime.allocate<cl_uint>("output count", 1);
   runtime.fill<cl_uint>(finite, 0, 1);
-  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners, keys, refs, finite);
+  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners,
+                 keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
   if (triangles != 0) primitives.sort(keys, refs, mesh.faces(), 2 * bits);
   primitives.release();
@@ -47,14 +49,18 @@ void read_triangulation(Runtime& runtime, OrderedMesh& ordered, const Vertices& 
   const cl_uint count = ordered.triangles, inputs = static_cast<cl_uint>(vertices.input_vertex.size());
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
   if (inputs != 0)
-    runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input, vertices.input_vertex, representatives);
-  if (count != 0) runtime.launch("output", "number_corners", over(std::size_t{3} * count), 3 * count, vertices.vertex_input, ordered.corners);
+    runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input,
+                   vertices.input_vertex, representatives);
+  if (count != 0)
+    runtime.launch("output", "number_corners", over(std::size_t{3} * count), 3 * count, vertices.vertex_input,
+                   ordered.corners);
   result.representative.resize(inputs);
   runtime.read(representatives, result.representative.data(), inputs);
   result.triangles.resize(count);
   result.neighbours.resize(count);
   result.constrained.resize(count);
-  static_assert(sizeof result.triangles[0] == 3 * sizeof(cl_uint) && sizeof result.neighbours[0] == 3 * sizeof(cl_int), "arrays are packed");
+  static_assert(sizeof result.triangles[0] == 3 * sizeof(cl_uint) && sizeof result.neighbours[0] == 3 * sizeof(cl_int),
+                "arrays are packed");
   if (count == 0) return;
   runtime.read(ordered.corners, result.triangles[0].data(), std::size_t{3} * count);
   runtime.read(ordered.neighbours, result.neighbours[0].data(), std::size_t{3} * count);

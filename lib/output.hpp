@@ -10,19 +10,21 @@ namespace gcdt {
 /// The finite triangles in canonical order, in device memory: each starts with its corner of least
 /// rank, and they are sorted by the ranks of their first, then second corner.
 struct OrderedMesh {
-  std::uint32_t triangles = 0;               ///< T
-  runtime::Buffer<cl_uint> corners;          ///< 3T vertices, counter-clockwise
-  runtime::Buffer<cl_int> neighbours;        ///< 3T: [3t + k] is across from corner k; -1: none
-  runtime::Buffer<cl_uchar> constrained;     ///< T: bit k tells of the edge across from corner k
+  std::uint32_t triangles = 0;            ///< T
+  runtime::Buffer<cl_uint> corners;       ///< 3T vertices, counter-clockwise
+  runtime::Buffer<cl_int> neighbours;     ///< 3T: [3t + k] is across from corner k; -1: none
+  runtime::Buffer<cl_uchar> constrained;  ///< T: bit k tells of the edge across from corner k
 };
 
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it
 /// needs 24 bytes a face while sorting, then 8; the scratch of `primitives` is released.
-OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices);
+OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
+                            const Vertices& vertices);
 
 /// Replaces the corners of `ordered`, so far vertices, by input numbers, and reads triangles,
 /// neighbours, flags and representatives into `result`. vertices.input_vertex has exactly one element
 /// per input point. Afterwards `ordered` no longer holds vertices, as check() wants them.
-void read_triangulation(runtime::Runtime& runtime, OrderedMesh& ordered, const Vertices& vertices, Triangulation& result);
+void read_triangulation(runtime::Runtime& runtime, OrderedMesh& ordered, const Vertices& vertices,
+                        Triangulation& result);
 
 }  // namespace gcdt

@@ -19,9 +19,15 @@ constexpr std::size_t pairs_in_message = 10;
 
 }  // namespace
 
-Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints, const Options& options)
-    : runtime_(runtime), primitives_(primitives), points_(points), constraints_(constraints), options_(options),
-      ticker_(options.progress), counters_(runtime) {}
+Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
+                   const Options& options)
+    : runtime_(runtime),
+      primitives_(primitives),
+      points_(points),
+      constraints_(constraints),
+      options_(options),
+      ticker_(options.progress),
+      counters_(runtime) {}
 
 template <class Step>
 void Pipeline::timed(double& ms, Step&& step) {
@@ -29,7 +35,8 @@ void Pipeline::timed(double& ms, Step&& step) {
   const auto start = std::chrono::steady_clock::now();
   step();
   runtime_.finish();
-  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() - (runtime_.build_ms() - built);
+  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
+        (runtime_.build_ms() - built);
 }
 
 Triangulation Pipeline::run() {
@@ -114,7 +121,8 @@ void Pipeline::clean(const std::vector<cl_uint>& wanted) {
 }
 
 ConstrainResult Pipeline::enforce() {
-  const ConstrainResult r = constrain(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, lists_, counters_);
+  const ConstrainResult r =
+      constrain(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, lists_, counters_);
   auto& cases = statistics_.cases;
   cases.existing_edges = r.existing_edges;
   cases.pieces_walked = r.walked;
@@ -132,8 +140,9 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
   const std::vector<Constraint> crossings =
       find_crossings(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, counters_);
   if (crossings.empty())
-    throw Error(Status::check_failed, "constrain: the mesh would be invalid though no constraints cross (failure bits " +
-                                          std::to_string(first.failed) + ")");
+    throw Error(Status::check_failed,
+                "constrain: the mesh would be invalid though no constraints cross (failure bits " +
+                    std::to_string(first.failed) + ")");
   statistics_.crossings = crossings.size();
   if (options_.crossing == Crossing::reject) reject(crossings);
   result_.dropped = drop_crossing(crossings);
@@ -144,23 +153,28 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   const ConstrainResult second = enforce();
   if (second.failed)
-    throw Error(Status::check_failed, "constrain: constraints still cross after dropping (failure bits " + std::to_string(second.failed) + ")");
+    throw Error(Status::check_failed, "constrain: constraints still cross after dropping (failure bits " +
+                                          std::to_string(second.failed) + ")");
 }
 
 void Pipeline::reject(const std::vector<Constraint>& crossings) const {
   std::vector<std::uint64_t> indices;
   std::string list;
   auto ends = [&](std::uint32_t c) {
-    return std::to_string(c) + " (" + std::to_string(constraints_[c][0]) + "-" + std::to_string(constraints_[c][1]) + ")";
+    return std::to_string(c) + " (" + std::to_string(constraints_[c][0]) + "-" + std::to_string(constraints_[c][1]) +
+           ")";
   };
   for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i) {
     indices.insert(indices.end(), {crossings[i][0], crossings[i][1]});
     list += (i ? ", " : "") + ends(crossings[i][0]) + " and " + ends(crossings[i][1]);
   }
-  std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") + " of constraints cross: " + list;
+  std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") +
+                        " of constraints cross: " + list;
   if (crossings.size() > pairs_in_message) message += ", ...";
   if (vertices_.grid.kind == Grid::Kind::rounded)
-    message += "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid or drop crossing constraints";
+    message +=
+        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid or drop "
+        "crossing constraints";
   throw Error(Status::constraints_cross, message, indices, crossings.size());
 }
 
@@ -181,7 +195,8 @@ void Pipeline::output() {
     std::vector<cl_uint2> ends(pieces_.count);
     runtime_.read(pieces_.ends, ends.data(), ends.size());
     result_.source_offsets.assign(std::size_t(pieces_.count) + 1, 0);
-    if (pieces_.count > 0) runtime_.read(pieces_.source_offsets, result_.source_offsets.data(), result_.source_offsets.size());
+    if (pieces_.count > 0)
+      runtime_.read(pieces_.source_offsets, result_.source_offsets.data(), result_.source_offsets.size());
     result_.sources.resize(pieces_.source_count);
     runtime_.read(pieces_.sources, result_.sources.data(), result_.sources.size());
     std::vector<cl_uint> inputs(vertices_.n());
@@ -206,7 +221,8 @@ void Pipeline::finish_statistics() {
   s.platform = runtime_.info().platform;
   s.version = version();
   if (s.triangles == 0)
-    s.notes.push_back(vertices_.n() < 3 ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles");
+    s.notes.push_back(vertices_.n() < 3 ? "fewer than three distinct vertices: no triangles"
+                                        : "all vertices lie on one line: no triangles");
 }
 
 }  // namespace gcdt

@@ -12,7 +12,8 @@ namespace gcdt {
 /// One triangulation on one device.
 class Pipeline {
  public:
-  Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints, const Options& options);
+  Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
+           const Options& options);
   /// Throws Error; see Solver::triangulate.
   Triangulation run();
 

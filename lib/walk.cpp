@@ -10,7 +10,9 @@ constexpr cl_uint gpu_pool = 1u << 17, cpu_pool_per_unit = 512;
 constexpr cl_uint gpu_least = 4096, cpu_least = 64;
 }  // namespace
 
-cl_uint part_pool(const DeviceInfo& info) { return info.is_gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, info.compute_units); }
+cl_uint part_pool(const DeviceInfo& info) {
+  return info.is_gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, info.compute_units);
+}
 
 Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
                  const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
@@ -23,7 +25,8 @@ Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Vertic
   runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("length of pieces", 2);
   runtime.fill<cl_uint>(total, 0, 2);
   runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, vertices.points, ends, total);
-  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, root, vertices.points, ends, total, parts.begins);
+  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, root, vertices.points, ends, total,
+                 parts.begins);
   primitives.exclusive_scan(parts.begins, parts.begins, pieces);
   return parts;
 }

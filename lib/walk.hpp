@@ -18,8 +18,8 @@ struct WalkedMesh {
 
   /// Launches a kernel whose arguments are `first`, then GCDT_WALK_PARAMETERS, then `last`.
   template <class First, class... Last>
-  void launch(runtime::Runtime& runtime, const char* program, const char* kernel, runtime::Range range, const First& first,
-              const Last&... last) const {
+  void launch(runtime::Runtime& runtime, const char* program, const char* kernel, runtime::Range range,
+              const First& first, const Last&... last) const {
     std::apply(
         [&](const auto&... f) {
           runtime.launch(program, kernel, range, f..., vertices.levels_buffer, history.level, mesh.n, vertices.points,
@@ -32,7 +32,7 @@ struct WalkedMesh {
 
 /// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
 struct Parts {
-  cl_uint capacity = 0;           ///< parts at most; how many there are stands in begins[pieces]
+  cl_uint capacity = 0;             ///< parts at most; how many there are stands in begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
 Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,

@@ -21,7 +21,8 @@ inline void set_variable(const char* name, const std::string& value) {
 /// A new, empty folder that is the cache for the object's life, and is removed with it.
 class CacheFolder {
  public:
-  CacheFolder() : path_(std::filesystem::temp_directory_path() / ("gcdt-test-" + std::to_string(std::random_device()()))) {
+  CacheFolder()
+      : path_(std::filesystem::temp_directory_path() / ("gcdt-test-" + std::to_string(std::random_device()()))) {
     std::filesystem::create_directories(path_);
     set_variable("GCDT_DISABLE_CACHE", "0");
     set_variable("GCDT_CACHE_DIR", path_.string());

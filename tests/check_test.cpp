@@ -48,7 +48,8 @@ struct HostResult {
       if (neighbour(t, k) >= 0) neighbour(neighbour(t, k), corner_to(neighbour(t, k), t)) = -1;
     if (t != last)
       for (cl_uint k = 0; k < 3; ++k) {
-        if (neighbour(last, k) >= 0) neighbour(neighbour(last, k), corner_to(neighbour(last, k), last)) = static_cast<cl_int>(t);
+        if (neighbour(last, k) >= 0)
+          neighbour(neighbour(last, k), corner_to(neighbour(last, k), last)) = static_cast<cl_int>(t);
         corners[3 * t + k] = corner(last, k);
         neighbour(t, k) = neighbour(last, k);
       }
@@ -85,7 +86,8 @@ HostResult result_of(runtime::Runtime& runtime, const Sample& sample) {
   const Vertices vertices = upload_vertices(runtime, sample);
   const OrderedMesh ordered = order_triangles(runtime, primitives, upload_mesh(runtime, sample, 1), vertices);
   HostResult result;
-  result.corners.resize(3 * ordered.triangles), result.neighbours.resize(3 * ordered.triangles), result.constrained.resize(ordered.triangles);
+  result.corners.resize(3 * ordered.triangles), result.neighbours.resize(3 * ordered.triangles),
+      result.constrained.resize(ordered.triangles);
   runtime.read(ordered.corners, result.corners.data(), result.corners.size());
   runtime.read(ordered.neighbours, result.neighbours.data(), result.neighbours.size());
   runtime.read(ordered.constrained, result.constrained.data(), result.constrained.size());
@@ -93,7 +95,8 @@ HostResult result_of(runtime::Runtime& runtime, const Sample& sample) {
 }
 
 /// What check() says of `result`: its message, or "" if it passes.
-std::string verdict(runtime::Runtime& runtime, const Sample& sample, const HostResult& result, std::vector<std::uint64_t>* indices = nullptr) {
+std::string verdict(runtime::Runtime& runtime, const Sample& sample, const HostResult& result,
+                    std::vector<std::uint64_t>* indices = nullptr) {
   OrderedMesh ordered;
   ordered.triangles = result.triangles();
   ordered.corners = runtime.allocate<cl_uint>("corners", result.corners.size());
@@ -149,12 +152,14 @@ struct Fixture {
   bool convex(cl_uint t, cl_uint k) {
     const auto u = static_cast<cl_uint>(right.neighbour(t, k));
     const cl_uint p = right.corner(t, k), q = right.corner(u, right.corner_to(u, t));
-    return sample.mesh->orient(p, right.corner(t, k + 1), q) > 0 && sample.mesh->orient(p, q, right.corner(t, k + 2)) > 0;
+    return sample.mesh->orient(p, right.corner(t, k + 1), q) > 0 &&
+           sample.mesh->orient(p, q, right.corner(t, k + 2)) > 0;
   }
   int incircle(cl_uint t, cl_uint k) {
     const auto u = static_cast<cl_uint>(right.neighbour(t, k));
     auto at = [&](cl_uint v) { return sample.mesh->vertex(v); };
-    return device::gcdt_incircle(at(right.corner(t, 0)), at(right.corner(t, 1)), at(right.corner(t, 2)), at(right.corner(u, right.corner_to(u, t))));
+    return device::gcdt_incircle(at(right.corner(t, 0)), at(right.corner(t, 1)), at(right.corner(t, 2)),
+                                 at(right.corner(u, right.corner_to(u, t))));
   }
 };
 
@@ -200,14 +205,16 @@ TEST_CASE("a neighbour below -1 is refused") {
 
 TEST_CASE("a hole is refused") {
   Fixture f;
-  const auto [t, k] = find_edge(f.right, [&](cl_uint a, cl_uint) { return f.inner(a, 0) && f.inner(a, 1) && f.inner(a, 2); });
+  const auto [t, k] =
+      find_edge(f.right, [&](cl_uint a, cl_uint) { return f.inner(a, 0) && f.inner(a, 1) && f.inner(a, 2); });
   f.right.remove(t);
   refused(f.sample, f.right, "boundary");
 }
 
 TEST_CASE("a notch in the hull is refused") {
   Fixture f;
-  const auto [t, k] = find_edge(f.right, [&](cl_uint a, cl_uint b) { return !f.inner(a, b) && f.inner(a, b + 1) && f.inner(a, b + 2); });
+  const auto [t, k] = find_edge(
+      f.right, [&](cl_uint a, cl_uint b) { return !f.inner(a, b) && f.inner(a, b + 1) && f.inner(a, b + 2); });
   f.right.remove(t);
   refused(f.sample, f.right, "is a place where the boundary is not convex");
 }
@@ -220,7 +227,8 @@ TEST_CASE("a triangle twice is refused") {
 
 TEST_CASE("a triangle twice and another missing is refused, although count and links agree") {
   Fixture f;
-  const auto [t, k] = find_edge(f.right, [&](cl_uint a, cl_uint b) { return !f.inner(a, b) && f.inner(a, b + 1) && f.inner(a, b + 2); });
+  const auto [t, k] = find_edge(
+      f.right, [&](cl_uint a, cl_uint b) { return !f.inner(a, b) && f.inner(a, b + 1) && f.inner(a, b + 2); });
   f.right.append(t > 10 ? t - 5 : t + 5);
   const cl_uint last = f.right.triangles() - 1;
   for (cl_uint i = 0; i < 3; ++i) f.right.neighbour(last, i) = -1;
@@ -256,21 +264,24 @@ TEST_CASE("a wrong neighbour is refused") {
 
 TEST_CASE("a flip undone is refused") {
   Fixture f;
-  const auto [t, k] = find_edge(f.right, [&](cl_uint a, cl_uint b) { return f.loose(a, b) && f.convex(a, b) && f.incircle(a, b) < 0; });
+  const auto [t, k] =
+      find_edge(f.right, [&](cl_uint a, cl_uint b) { return f.loose(a, b) && f.convex(a, b) && f.incircle(a, b) < 0; });
   f.right.flip(t, k);
   refused(f.sample, f.right, "is not locally Delaunay");
 }
 
 TEST_CASE("a tie decided the other way is refused") {
   Fixture f(make_sample("a grid", grid_points(9, 9), 0));
-  const auto [t, k] = find_edge(f.right, [&](cl_uint a, cl_uint b) { return f.loose(a, b) && f.convex(a, b) && f.incircle(a, b) == 0; });
+  const auto [t, k] = find_edge(
+      f.right, [&](cl_uint a, cl_uint b) { return f.loose(a, b) && f.convex(a, b) && f.incircle(a, b) == 0; });
   f.right.flip(t, k);
   refused(f.sample, f.right, "is the wrong diagonal of four cocircular vertices");
 }
 
 TEST_CASE("wrong flags are refused") {
   Fixture f;
-  const auto constraint = find_edge(f.right, [&](cl_uint t, cl_uint k) { return f.right.flagged(t, k) && f.inner(t, k); });
+  const auto constraint =
+      find_edge(f.right, [&](cl_uint t, cl_uint k) { return f.right.flagged(t, k) && f.inner(t, k); });
   const auto edge = find_edge(f.right, [&](cl_uint t, cl_uint k) { return f.loose(t, k); });
   const auto hull = find_edge(f.right, [&](cl_uint t, cl_uint k) { return !f.inner(t, k) && !f.right.flagged(t, k); });
   HostResult result = f.right;
@@ -307,11 +318,13 @@ TEST_CASE("a constraint that is no edge is refused and named") {
 }
 
 TEST_CASE("a vertex left out is refused and named by its input number, inside and on the hull") {
-  for (const auto& [point, where] : {std::make_pair(Point{50, 50}, "inside"), std::make_pair(Point{300, 100}, "outside")}) {
+  for (const auto& [point, where] :
+       {std::make_pair(Point{50, 50}, "inside"), std::make_pair(Point{300, 100}, "outside")}) {
     std::vector<Point> points = random_points(80, 200, 6);
     points.push_back(point);
     Sample sample = number_points(where, points, 6);
-    const auto v = static_cast<cl_uint>(std::find(sample.points.begin(), sample.points.end(), point) - sample.points.begin());
+    const auto v =
+        static_cast<cl_uint>(std::find(sample.points.begin(), sample.points.end(), point) - sample.points.begin());
     sample.mesh = std::make_unique<SequentialMesh>(sample.points, v);
     const HostResult result = result_of(*runtimes().front(), sample);
     refused(sample, result, "vertex " + std::to_string(sample.vertex_input[v]) + " is not a corner of any triangle");
@@ -327,11 +340,14 @@ TEST_CASE("a boundary that is convex everywhere but winds twice is refused") {
   const double pi = 3.14159265358979323846;
   for (int i = 0; i < 10; ++i) {
     const double radius = i % 2 ? 900000 : 880000, angle = 2 * pi * i / 5;
-    ring.push_back({static_cast<int>(1000000 + radius * std::cos(angle)), static_cast<int>(1000000 + radius * std::sin(angle))});
+    ring.push_back(
+        {static_cast<int>(1000000 + radius * std::cos(angle)), static_cast<int>(1000000 + radius * std::sin(angle))});
     points.push_back(ring.back());
   }
   Sample sample = make_sample("a double fan", points, 0);
-  auto number = [&](const Point& p) { return static_cast<cl_uint>(std::find(sample.points.begin(), sample.points.end(), p) - sample.points.begin()); };
+  auto number = [&](const Point& p) {
+    return static_cast<cl_uint>(std::find(sample.points.begin(), sample.points.end(), p) - sample.points.begin());
+  };
   HostResult result;
   for (int i = 0; i < 10; ++i) {
     result.corners.insert(result.corners.end(), {number(points[0]), number(ring[i]), number(ring[(i + 1) % 10])});
@@ -361,7 +377,8 @@ TEST_CASE("of many offences the same one is named under every launch geometry") 
     for (const HostResult* result : {&f.right, &flags, &turned, &links}) {
       const std::string said = verdict(*runtime, f.sample, *result);
       CHECK(said.empty() == (result == &f.right));
-      for (const runtime::Geometry& geometry : {runtime::Geometry{1, 3}, runtime::Geometry{7, 2}, runtime::Geometry{64, 1}}) {
+      for (const runtime::Geometry& geometry :
+           {runtime::Geometry{1, 3}, runtime::Geometry{7, 2}, runtime::Geometry{64, 1}}) {
         runtime->geometry() = geometry;
         CHECK(verdict(*runtime, f.sample, *result) == said);
       }
@@ -381,7 +398,9 @@ TEST_CASE("every change of one word is refused") {
     if (kind == 0) result.corners[i] = value % (f.sample.n() + 1);
     if (kind == 1) result.neighbours[i] = static_cast<cl_int>(value % (result.triangles() + 1)) - 1;
     if (kind == 2) result.constrained[i / 3] = value % 8;
-    if (result.corners == f.right.corners && result.neighbours == f.right.neighbours && result.constrained == f.right.constrained) continue;
+    if (result.corners == f.right.corners && result.neighbours == f.right.neighbours &&
+        result.constrained == f.right.constrained)
+      continue;
     CAPTURE(kind);
     CAPTURE(i);
     CHECK(verdict(runtime, f.sample, result) != "");

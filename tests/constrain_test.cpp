@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Postconditions of cleaning and of the constrain phase.
-#include "clean.hpp"
 #include "constrain.hpp"
+#include "clean.hpp"
 #include "flip.hpp"
 #include "mesh_fixture.hpp"
 
@@ -60,13 +60,14 @@ std::set<Constraint> expected_pieces(const std::vector<Point>& points, const std
       if (turn(p, q, points[v]) == 0 && t >= 0 && t <= whole) on.push_back({t, v});
     }
     std::sort(on.begin(), on.end());
-    for (std::size_t i = 0; i + 1 < on.size(); ++i) all.insert({std::min(on[i].second, on[i + 1].second), std::max(on[i].second, on[i + 1].second)});
+    for (std::size_t i = 0; i + 1 < on.size(); ++i)
+      all.insert({std::min(on[i].second, on[i + 1].second), std::max(on[i].second, on[i + 1].second)});
   }
   return all;
 }
 
-void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t constraint_count, std::uint64_t seed, std::uint32_t coarsest,
-              Totals& totals) {
+void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t constraint_count, std::uint64_t seed,
+              std::uint32_t coarsest, Totals& totals) {
   Vertices vertices = upload(runtime, points, coarsest);
   const std::uint32_t n = vertices.n();
   Random random{seed};
@@ -84,7 +85,8 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   insert_root(runtime, vertices, mesh);
   for (unsigned level = 0; level < vertices.levels.count; ++level) {
     insert_level(runtime, vertices, mesh, history, lists, counters, level);
-    if (level + 1 < vertices.levels.count) flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1]);
+    if (level + 1 < vertices.levels.count)
+      flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1]);
   }
   const WalkedMesh walked{vertices, mesh, history};
   counters.zero();
@@ -138,7 +140,7 @@ TEST_CASE("constraints become edges, the mesh stays valid, and every case of the
     CHECK(totals.chains > 0);
     CHECK(totals.holes > 0);
     CHECK(totals.symbolic > 0);
-    MESSAGE("hits " << totals.hits << " existing " << totals.existing << " walked " << totals.walked << " chains " << totals.chains
-                    << " holes " << totals.holes << " symbolic " << totals.symbolic);
+    MESSAGE("hits " << totals.hits << " existing " << totals.existing << " walked " << totals.walked << " chains "
+                    << totals.chains << " holes " << totals.holes << " symbolic " << totals.symbolic);
   }
 }

@@ -73,7 +73,9 @@ struct Choice {
   Rational largest_move;
 };
 
-inline Rational cell_of(const Choice& c) { return c.decimal_cell ? power_of_ten(-c.cell_decimals) : power_of_two(c.cell_exponent); }
+inline Rational cell_of(const Choice& c) {
+  return c.decimal_cell ? power_of_ten(-c.cell_decimals) : power_of_two(c.cell_exponent);
+}
 
 /// Points on the grid of that origin and cell, and the largest move.
 inline void place(Choice& c, const Doubles& points, const Rational& cell) {
@@ -95,7 +97,9 @@ struct Decimal {
   Integer n;
 };
 
-inline bool reads_as(const Integer& n, int d, double v) { return std::strtod((n.str() + "e-" + std::to_string(d)).c_str(), nullptr) == v; }
+inline bool reads_as(const Integer& n, int d, double v) {
+  return std::strtod((n.str() + "e-" + std::to_string(d)).c_str(), nullptr) == v;
+}
 
 inline Decimal shortest_decimal(double v) {
   const Integer limit = power(2, 63);
@@ -128,7 +132,8 @@ inline bool choose_decimal(Choice& c, const Doubles& points) {
   const Integer extent = std::max<Integer>(most[0] - least[0], most[1] - least[1]);
   if (extent > last) return false;
   c.decimal_cell = true;
-  for (c.cell_decimals = digits; c.cell_decimals < 22 && extent * power(10, c.cell_decimals + 1 - digits) <= last;) ++c.cell_decimals;
+  for (c.cell_decimals = digits; c.cell_decimals < 22 && extent * power(10, c.cell_decimals + 1 - digits) <= last;)
+    ++c.cell_decimals;
   for (const auto& pair : decimals) {
     std::array<Integer, 2> g;
     for (int axis = 0; axis < 2; ++axis) g[axis] = (pair[axis].n - least[axis]) * power(10, c.cell_decimals - digits);

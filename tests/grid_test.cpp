@@ -42,7 +42,8 @@ bool check_one(double x, const FixedGrid& fixed, const ChosenGrid& chosen, const
   CHECK((got.outside == 0) == inside);
   if (!inside || got.outside) return false;
   CHECK(Integer(got.value) == expected);
-  const Rational move = abs(distance - Rational(expected) * cell), reported = oracle::exact(move_length(got.move, chosen.scale));
+  const Rational move = abs(distance - Rational(expected) * cell),
+                 reported = oracle::exact(move_length(got.move, chosen.scale));
   CHECK((got.move == 0) == (move == 0));
   const Rational slack = std::max<Rational>(move * oracle::power_of_two(-52), cell * oracle::power_of_two(-106));
   CHECK(abs(reported - move) <= std::max<Rational>(slack, oracle::power_of_two(-1074)));
@@ -53,7 +54,9 @@ std::string random_cell(Engine& e) {
   switch (integer(e, 0, 5)) {
     case 0: return "1e" + std::to_string(integer(e, -22, 22));
     case 1: return std::to_string(integer(e, 1, 999)) + "e" + std::to_string(integer(e, -22, 20));
-    case 2: return std::to_string(integer(e, 1, std::numeric_limits<std::int64_t>::max() / 100) * 10 + 1) + "e" + std::to_string(integer(e, -22, 22));
+    case 2:
+      return std::to_string(integer(e, 1, std::numeric_limits<std::int64_t>::max() / 100) * 10 + 1) + "e" +
+             std::to_string(integer(e, -22, 22));
     case 3: return "9223372036854775807e22";
     case 4: return std::to_string(integer(e, 1, 99999)) + "." + std::to_string(integer(e, 0, 99999));
     default: {
@@ -69,7 +72,9 @@ std::string random_cell(Engine& e) {
 TEST_CASE("floats and integers become the bits of the doubles that they are") {
   Engine e(1);
   for (int i = 0; i < 200000; ++i) {
-    const std::uint32_t word = i < 64 ? 1u << (i % 32) : i < 128 ? 0xFFFFFFFFu << (i % 32) : std::uint32_t(e()) >> (e() % 32);
+    const std::uint32_t word = i < 64    ? 1u << (i % 32)
+                               : i < 128 ? 0xFFFFFFFFu << (i % 32)
+                                         : std::uint32_t(e()) >> (e() % 32);
     float f;
     std::memcpy(&f, &word, sizeof f);
     if (!std::isnan(f)) REQUIRE(device::gcdt_double_of_float(word) == bits_of(double(f)));
@@ -150,8 +155,8 @@ TEST_CASE("coordinates of every family on any fixed grid are rounded half to eve
       CAPTURE(name);
       const FixedGrid fixed{i % 3 == 0 ? 0.0 : family(e), 0, random_cell(e)};
       const ChosenGrid chosen = fixed_grid(fixed);
-      const Rational cell =
-          chosen.grid.cell_units == 0 ? oracle::power_of_two(chosen.grid.cell_exponent) : oracle::decimal_number(fixed.cell);
+      const Rational cell = chosen.grid.cell_units == 0 ? oracle::power_of_two(chosen.grid.cell_exponent)
+                                                        : oracle::decimal_number(fixed.cell);
       inside += check_one(family(e), fixed, chosen, cell);
       inside += check_one(fixed.x, fixed, chosen, cell);
       // Near a grid point or a tie, wherever a double is near one.
@@ -186,10 +191,12 @@ TEST_CASE("a cell is read exactly, and a power of two is meant where it is the n
     std::uint64_t units;
     int decimals, exponent;
   };
-  for (const Case& c : {Case{"0.001", 1, 3, 0}, Case{"1e-3", 1, 3, 0}, Case{"+010.0e-04", 1, 3, 0}, Case{"1", 0, 0, 0}, Case{"0.5", 0, 0, -1},
-                        Case{"1024", 0, 0, 10}, Case{"5e-324", 0, 0, -1074}, Case{"9.094947017729282e-13", 0, 0, -40}, Case{"3", 3, 0, 0},
-                        Case{"300", 300, 0, 0}, Case{"1e22", 10000000000000000000u, -3, 0}, Case{"1234567890123456789", 1234567890123456789u, 0, 0},
-                        Case{".1", 1, 1, 0}, Case{"7.", 7, 0, 0}, Case{"2.5E+1", 25, 0, 0}}) {
+  for (const Case& c :
+       {Case{"0.001", 1, 3, 0}, Case{"1e-3", 1, 3, 0}, Case{"+010.0e-04", 1, 3, 0}, Case{"1", 0, 0, 0},
+        Case{"0.5", 0, 0, -1}, Case{"1024", 0, 0, 10}, Case{"5e-324", 0, 0, -1074},
+        Case{"9.094947017729282e-13", 0, 0, -40}, Case{"3", 3, 0, 0}, Case{"300", 300, 0, 0},
+        Case{"1e22", 10000000000000000000u, -3, 0}, Case{"1234567890123456789", 1234567890123456789u, 0, 0},
+        Case{".1", 1, 1, 0}, Case{"7.", 7, 0, 0}, Case{"2.5E+1", 25, 0, 0}}) {
     const Grid grid = fixed_grid({0, 0, c.text}).grid;
     CAPTURE(c.text);
     CHECK(grid.cell_units == c.units);
@@ -201,9 +208,34 @@ TEST_CASE("a cell is read exactly, and a power of two is meant where it is the n
 
 TEST_CASE("a cell or an origin that makes no sense is an invalid argument") {
   const double infinite = std::numeric_limits<double>::infinity();
-  std::vector<FixedGrid> bad{{infinite, 0, "1"}, {0, -infinite, "1"}, {std::numeric_limits<double>::quiet_NaN(), 0, "1"}};
-  for (const char* cell : {"", "0", "-1", "0.0", "0e5", "nan", "inf", "1e400", "1e-400", "1,5", "1 ", " 1", "1e", "1e+", "e5", ".", "+", "0x10", "1.2.3",
-                           "12345678901234567890123", "1e-23", "3e23", "1e99999999999999999999", "1e-99999999999999999999", "--1", "1f"})
+  std::vector<FixedGrid> bad{
+      {infinite, 0, "1"}, {0, -infinite, "1"}, {std::numeric_limits<double>::quiet_NaN(), 0, "1"}};
+  for (const char* cell : {"",
+                           "0",
+                           "-1",
+                           "0.0",
+                           "0e5",
+                           "nan",
+                           "inf",
+                           "1e400",
+                           "1e-400",
+                           "1,5",
+                           "1 ",
+                           " 1",
+                           "1e",
+                           "1e+",
+                           "e5",
+                           ".",
+                           "+",
+                           "0x10",
+                           "1.2.3",
+                           "12345678901234567890123",
+                           "1e-23",
+                           "3e23",
+                           "1e99999999999999999999",
+                           "1e-99999999999999999999",
+                           "--1",
+                           "1f"})
     bad.push_back({0, 0, cell});
   for (const FixedGrid& fixed : bad) {
     CAPTURE(fixed.cell);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Postconditions of the insert and flip phases.
-#include "flip.hpp"
 #include "insert.hpp"
+#include "flip.hpp"
 #include "mesh_fixture.hpp"
 
 using namespace fixture;

@@ -69,7 +69,8 @@ TEST_CASE("the Morton code interleaves x and y and is undone by gathering") {
   for (int i = 0; i < 100000; ++i) {
     const u32 x = u32(e()) >> (1 + i % 31), y = u32(e()) >> 1;
     u64 expected = 0;
-    for (int bit = 0; bit < 31; ++bit) expected |= (u64((x >> bit) & 1) << (2 * bit)) | (u64((y >> bit) & 1) << (2 * bit + 1));
+    for (int bit = 0; bit < 31; ++bit)
+      expected |= (u64((x >> bit) & 1) << (2 * bit)) | (u64((y >> bit) & 1) << (2 * bit + 1));
     REQUIRE(gcdt_morton(x, y) == expected);
     REQUIRE(gcdt_gather_bits(expected) == x);
     REQUIRE(gcdt_gather_bits(expected >> 1) == y);

@@ -79,7 +79,8 @@ struct HostMesh {
   }
 };
 
-inline HostMesh download(runtime::Runtime& runtime, const Mesh& mesh, const std::vector<Point>& points, std::uint32_t vertices_in_mesh) {
+inline HostMesh download(runtime::Runtime& runtime, const Mesh& mesh, const std::vector<Point>& points,
+                         std::uint32_t vertices_in_mesh) {
   HostMesh host;
   host.n = mesh.n;
   host.faces = device::gcdt_face_count(vertices_in_mesh);
@@ -107,12 +108,14 @@ inline std::string invalid_reason(const HostMesh& m, std::uint32_t vertices_in_m
   for (std::uint32_t t = 0; t < m.faces; ++t) {
     const cl_uint* c = m.corners[t].s;
     for (int k = 0; k < 3; ++k) {
-      if (c[k] >= m.n + 3 || (c[k] < m.n && c[k] >= vertices_in_mesh)) return "face " + std::to_string(t) + " has corner " + std::to_string(c[k]);
+      if (c[k] >= m.n + 3 || (c[k] < m.n && c[k] >= vertices_in_mesh))
+        return "face " + std::to_string(t) + " has corner " + std::to_string(c[k]);
       used[c[k]] = 1;
       const cl_uint s = m.sides[t].s[k];
       if (s >= 2 * m.edges) return "face " + std::to_string(t) + " has side code " + std::to_string(s);
       if (side_seen[s]++) return "side " + std::to_string(s) + " is used twice";
-      if (m.edge_faces[s] != GCDT_FACE_REF(t, k)) return "edge side " + std::to_string(s) + " does not refer to its face " + std::to_string(t);
+      if (m.edge_faces[s] != GCDT_FACE_REF(t, k))
+        return "edge side " + std::to_string(s) + " does not refer to its face " + std::to_string(t);
     }
     if (vertices_in_mesh > 0 && !(gcdt_orient2d(m.vertex(c[0]), m.vertex(c[1]), m.vertex(c[2])) > 0))
       return "face " + std::to_string(t) + " is not counter-clockwise";
@@ -122,7 +125,8 @@ inline std::string invalid_reason(const HostMesh& m, std::uint32_t vertices_in_m
     if (r0 == GCDT_NONE || r1 == GCDT_NONE) {
       const cl_uint r = r0 == GCDT_NONE ? r1 : r0;
       const cl_uint* c = m.corners[r >> 2].s;
-      if (c[((r & 3) + 1) % 3] < m.n || c[((r & 3) + 2) % 3] < m.n) return "edge " + std::to_string(e) + " has one side";
+      if (c[((r & 3) + 1) % 3] < m.n || c[((r & 3) + 2) % 3] < m.n)
+        return "edge " + std::to_string(e) + " has one side";
       continue;
     }
     const cl_uint *a = m.corners[r0 >> 2].s, *b = m.corners[r1 >> 2].s;
@@ -142,7 +146,8 @@ inline std::size_t illegal_edges(const HostMesh& m) {
     if (r0 == GCDT_NONE || r1 == GCDT_NONE || (m.marks[e] & GCDT_MARK_CONSTRAINED)) continue;
     const cl_uint *a = m.corners[r0 >> 2].s, *b = m.corners[r1 >> 2].s;
     const cl_uint k = r0 & 3;
-    count += device::gcdt_must_flip(m.vertex(a[(k + 2) % 3]), m.vertex(a[k]), m.vertex(a[(k + 1) % 3]), m.vertex(b[r1 & 3])) != 0;
+    count += device::gcdt_must_flip(m.vertex(a[(k + 2) % 3]), m.vertex(a[k]), m.vertex(a[(k + 1) % 3]),
+                                    m.vertex(b[r1 & 3])) != 0;
   }
   return count;
 }
@@ -181,7 +186,8 @@ inline std::vector<Point> make_points(const std::string& kind, std::uint32_t n, 
   if (kind == "corners") {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::int64_t x = random.below(3), y = random.below(3);
-      p.push_back({std::clamp<std::int64_t>(random.below(2) * s + (random.below(2) ? x : -x), 0, s), std::clamp<std::int64_t>(random.below(2) * s + (random.below(2) ? y : -y), 0, s)});
+      p.push_back({std::clamp<std::int64_t>(random.below(2) * s + (random.below(2) ? x : -x), 0, s),
+                   std::clamp<std::int64_t>(random.below(2) * s + (random.below(2) ? y : -y), 0, s)});
     }
   }
   if (kind == "parabola")

@@ -93,7 +93,8 @@ void check_numbering(const Read& read) {
   for (std::uint32_t rank = 0; rank < n; ++rank) {
     const std::uint32_t id = device::gcdt_vertex_of_rank(&read.levels, read.levels.count - 1, rank);
     REQUIRE(id < n);
-    const std::uint64_t code = device::gcdt_morton(static_cast<cl_uint>(read.points[id].s[0]), static_cast<cl_uint>(read.points[id].s[1]));
+    const std::uint64_t code =
+        device::gcdt_morton(static_cast<cl_uint>(read.points[id].s[0]), static_cast<cl_uint>(read.points[id].s[1]));
     if (rank > 0) CHECK(code > before);
     before = code;
   }
@@ -110,14 +111,16 @@ void check_grid_points(const Read& read, const std::vector<std::array<oracle::In
 
 void check_move(double reported, const oracle::Rational& exact, const oracle::Rational& cell) {
   CHECK((reported == 0) == (exact == 0));
-  const oracle::Rational slack = std::max<oracle::Rational>(exact * oracle::power_of_two(-52), cell * oracle::power_of_two(-106));
+  const oracle::Rational slack =
+      std::max<oracle::Rational>(exact * oracle::power_of_two(-52), cell * oracle::power_of_two(-106));
   CHECK(abs(oracle::exact(reported) - exact) <= std::max<oracle::Rational>(slack, oracle::power_of_two(-1074)));
 }
 
 void check_against_oracle(const Read& read, const Doubles& points) {
   const oracle::Choice expected = oracle::choose(points);
   CHECK(read.grid.kind == expected.kind);
-  for (int axis = 0; axis < 2 && !points.empty(); ++axis) CHECK(oracle::exact(read.grid.origin[axis]) == expected.origin[axis]);
+  for (int axis = 0; axis < 2 && !points.empty(); ++axis)
+    CHECK(oracle::exact(read.grid.origin[axis]) == expected.origin[axis]);
   CHECK(read.grid.cell_units == (expected.decimal_cell ? 1u : 0u));
   if (expected.decimal_cell)
     CHECK(read.grid.cell_decimals == expected.cell_decimals);
@@ -167,15 +170,18 @@ TEST_CASE("all four kinds occur in the families") {
   std::map<std::string, Grid::Kind> kinds;
   Device& device = *devices_under_test()[0];
   for (const auto& [name, family] : families::all) kinds[name] = run(device, draw(e, 200, family, family)).grid.kind;
-  for (const std::string name : {"31-bit integers", "eighths", "integers above 2^53 in a short range", "few denormals", "the last digits of a double"}) {
+  for (const std::string name : {"31-bit integers", "eighths", "integers above 2^53 in a short range", "few denormals",
+                                 "the last digits of a double"}) {
     CAPTURE(name);
     CHECK(kinds[name] == Grid::Kind::binary);
   }
-  for (const std::string name : {"degrees with 6 decimals", "tenths", "powers of two and ten", "a decimal range far from 0", "22 decimals"}) {
+  for (const std::string name :
+       {"degrees with 6 decimals", "tenths", "powers of two and ten", "a decimal range far from 0", "22 decimals"}) {
     CAPTURE(name);
     CHECK(kinds[name] == Grid::Kind::decimal);
   }
-  for (const std::string name : {"degrees with 7 decimals", "UTM metres to the millimetre", "uniform in the unit square", "any bits", "23 decimals"}) {
+  for (const std::string name : {"degrees with 7 decimals", "UTM metres to the millimetre",
+                                 "uniform in the unit square", "any bits", "23 decimals"}) {
     CAPTURE(name);
     CHECK(kinds[name] == Grid::Kind::rounded);
   }
@@ -251,7 +257,8 @@ TEST_CASE("floats and 32-bit integers are taken as the doubles they are") {
 
 TEST_CASE("a fixed grid places points as given, and its report is the caller's grid") {
   Engine e(7);
-  for (const char* cell : {"1", "0.001", "1e-3", "0.5", "7.25", "0.000000476837158203125", "3e2", "1234567890123456789e-18"}) {
+  for (const char* cell :
+       {"1", "0.001", "1e-3", "0.5", "7.25", "0.000000476837158203125", "3e2", "1234567890123456789e-18"}) {
     CAPTURE(cell);
     const FixedGrid fixed{-12.3, 4.5, cell};
     oracle::Choice expected;
@@ -275,7 +282,8 @@ TEST_CASE("a fixed grid places points as given, and its report is the caller's g
 TEST_CASE("a point outside a fixed grid is an error that names the least such vertex, never clipped") {
   for (auto& device : devices_under_test()) {
     Engine e(8);
-    Doubles points = draw(e, 3000, families::all.at("uniform in the unit square"), families::all.at("uniform in the unit square"));
+    Doubles points =
+        draw(e, 3000, families::all.at("uniform in the unit square"), families::all.at("uniform in the unit square"));
     auto expect = [&](const FixedGrid& fixed, std::vector<std::uint64_t> indices) {
       try {
         run(*device, points, fixed);
@@ -312,7 +320,9 @@ TEST_CASE("the least vertex that is not finite is named, x before y") {
       std::vector<std::array<float, 2>> floats;
       for (const auto& p : points) floats.push_back({float(p[0]), float(p[1])});
       for (const Points& view : {Points(points), Points(floats)})
-        for (const std::optional<FixedGrid>& fixed : {std::optional<FixedGrid>(), std::optional<FixedGrid>(FixedGrid{5, 5, "1"})}) try {
+        for (const std::optional<FixedGrid>& fixed :
+             {std::optional<FixedGrid>(), std::optional<FixedGrid>(FixedGrid{5, 5, "1"})})
+          try {
             run(*device, view, fixed);
             FAIL("no error");
           } catch (const Error& error) {
@@ -338,7 +348,8 @@ TEST_CASE("the launch geometry does not matter") {
   for (auto& device : devices_under_test()) {
     const runtime::Geometry before = device->runtime.geometry();
     const Read expected = run(*device, points), expected_rounded = run(*device, rounded);
-    for (const runtime::Geometry& geometry : {runtime::Geometry{1, 1}, runtime::Geometry{7, 3}, runtime::Geometry{64, 1000}}) {
+    for (const runtime::Geometry& geometry :
+         {runtime::Geometry{1, 1}, runtime::Geometry{7, 3}, runtime::Geometry{64, 1000}}) {
       device->runtime.geometry() = geometry;
       check_same(expected, run(*device, points));
       check_same(expected_rounded, run(*device, rounded));
@@ -357,7 +368,8 @@ TEST_CASE("nothing stays allocated but the vertices") {
     const OrderResult result = order(device.runtime, device.primitives, points, {}, coarsest);
     const Vertices& v = result.vertices;
     device.primitives.release();  // the scan's
-    CHECK(device.runtime.meter().now - before == v.points.bytes() + v.vertex_input.bytes() + v.input_vertex.bytes() + v.levels_buffer.bytes());
+    CHECK(device.runtime.meter().now - before ==
+          v.points.bytes() + v.vertex_input.bytes() + v.input_vertex.bytes() + v.levels_buffer.bytes());
   }
   CHECK(device.runtime.meter().now == before);
 }

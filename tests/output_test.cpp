@@ -62,7 +62,9 @@ Triangulation ordered_on(runtime::Runtime& runtime, const Sample& sample, std::u
 
 }  // namespace
 
-TEST_CASE("triangles, neighbours, flags and representatives come out in canonical order on every device, however the mesh is numbered") {
+TEST_CASE(
+    "triangles, neighbours, flags and representatives come out in canonical order on every device, however the mesh is "
+    "numbered") {
   for (const Sample& sample : samples()) {
     const Triangulation expected = canonical(sample);
     for (auto& runtime : runtimes())
@@ -84,7 +86,8 @@ TEST_CASE("the order is the same for every launch geometry") {
   for (auto& runtime : runtimes()) {
     CAPTURE(runtime->info().name);
     const runtime::Geometry usual = runtime->geometry();
-    for (const runtime::Geometry& geometry : {runtime::Geometry{1, 3}, runtime::Geometry{7, 2}, runtime::Geometry{64, 1}}) {
+    for (const runtime::Geometry& geometry :
+         {runtime::Geometry{1, 3}, runtime::Geometry{7, 2}, runtime::Geometry{64, 1}}) {
       runtime->geometry() = geometry;
       const Triangulation result = ordered_on(*runtime, sample, 3);
       CHECK(result.triangles == expected.triangles);
@@ -114,6 +117,7 @@ TEST_CASE("ordering leaves nothing in device memory beside its result, and holds
   const std::uint64_t before = runtime.meter().now;
   runtime.meter().peak = before;
   const OrderedMesh ordered = order_triangles(runtime, primitives, mesh, vertices);
-  CHECK(runtime.meter().now - before == ordered.corners.bytes() + ordered.neighbours.bytes() + ordered.constrained.bytes());
+  CHECK(runtime.meter().now - before ==
+        ordered.corners.bytes() + ordered.neighbours.bytes() + ordered.constrained.bytes());
   CHECK(runtime.meter().peak - before <= std::uint64_t{66} * mesh.faces());
 }

@@ -42,13 +42,17 @@ struct Sample {
   void sort_pieces() {
     for (auto& p : pieces)
       if (rank(p[1]) < rank(p[0])) std::swap(p[0], p[1]);
-    std::sort(pieces.begin(), pieces.end(), [&](auto& a, auto& b) { return std::make_pair(rank(a[0]), rank(a[1])) < std::make_pair(rank(b[0]), rank(b[1])); });
+    std::sort(pieces.begin(), pieces.end(), [&](auto& a, auto& b) {
+      return std::make_pair(rank(a[0]), rank(a[1])) < std::make_pair(rank(b[0]), rank(b[1]));
+    });
   }
 };
 
 /// Numbers the points: along the curve, level by level; inputs are a shuffle with some duplicates.
 inline Sample number_points(std::string name, std::vector<Point> points, std::uint32_t seed) {
-  auto code = [](const Point& p) { return device::gcdt_morton(static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1])); };
+  auto code = [](const Point& p) {
+    return device::gcdt_morton(static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1]));
+  };
   std::sort(points.begin(), points.end(), [&](auto& a, auto& b) { return code(a) < code(b); });
   points.erase(std::unique(points.begin(), points.end()), points.end());
   Sample sample;
@@ -56,13 +60,15 @@ inline Sample number_points(std::string name, std::vector<Point> points, std::ui
   const auto n = static_cast<std::uint32_t>(points.size());
   sample.levels = device::make_levels(n, 8);
   sample.points.resize(n);
-  for (std::uint32_t r = 0; r < n; ++r) sample.points[device::gcdt_vertex_of_rank(&sample.levels, sample.levels.count - 1, r)] = points[r];
+  for (std::uint32_t r = 0; r < n; ++r)
+    sample.points[device::gcdt_vertex_of_rank(&sample.levels, sample.levels.count - 1, r)] = points[r];
   std::mt19937 random(seed);
   for (std::uint32_t v = 0; v < n; ++v)
     for (std::uint32_t copies = random() % 8 == 0 ? 2 : 1; copies > 0; --copies) sample.input_vertex.push_back(v);
   std::shuffle(sample.input_vertex.begin(), sample.input_vertex.end(), random);
   sample.vertex_input.resize(n);
-  for (std::size_t i = sample.input_vertex.size(); i-- > 0;) sample.vertex_input[sample.input_vertex[i]] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = sample.input_vertex.size(); i-- > 0;)
+    sample.vertex_input[sample.input_vertex[i]] = static_cast<std::uint32_t>(i);
   return sample;
 }
 
@@ -76,7 +82,8 @@ inline void triangulate(Sample& sample, std::size_t wanted, std::uint32_t seed) 
     bool fits = a != b;
     for (std::uint32_t v = 0; v < sample.n() && fits; ++v) {
       const Point &p = sample.points[a], &q = sample.points[b], &x = sample.points[v];
-      const auto dot = (std::int64_t{x[0]} - p[0]) * (std::int64_t{x[0]} - q[0]) + (std::int64_t{x[1]} - p[1]) * (std::int64_t{x[1]} - q[1]);
+      const auto dot = (std::int64_t{x[0]} - p[0]) * (std::int64_t{x[0]} - q[0]) +
+                       (std::int64_t{x[1]} - p[1]) * (std::int64_t{x[1]} - q[1]);
       fits = v == a || v == b || mesh.orient(a, b, v) != 0 || dot > 0;
     }
     for (const auto& p : sample.pieces)
@@ -118,17 +125,22 @@ inline std::vector<Sample> samples() {
   all.push_back(make_sample("two vertices", {{5, 7}, {0, 9}}, 1));
   all.push_back(make_sample("a triangle", {{0, 0}, {far, 0}, {0, far}}, 1));
   all.push_back(make_sample("the grid's corners", {{0, 0}, {far, 0}, {0, far}, {far, far}}, 1));
-  all.push_back(make_sample("on one line", [] {
-    std::vector<Point> line;
-    for (std::int32_t i = 0; i < 50; ++i) line.push_back({3 * i, 7 * i});
-    return line;
-  }(), 5));
+  all.push_back(make_sample(
+      "on one line",
+      [] {
+        std::vector<Point> line;
+        for (std::int32_t i = 0; i < 50; ++i) line.push_back({3 * i, 7 * i});
+        return line;
+      }(),
+      5));
   all.push_back(make_sample("one vertex off a line", {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}, {2, 9}}, 2));
   all.push_back(make_sample("a square grid", grid_points(13, 11), 25));
   all.push_back(make_sample("a wide grid", grid_points(20, 3, 1 << 26), 10));
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
-    all.push_back(make_sample("random, full range " + std::to_string(seed), random_points(40u * seed, far, seed), 15 * seed, seed));
-    all.push_back(make_sample("random, crowded " + std::to_string(seed), random_points(60u * seed, 15, seed), 10 * seed, seed));
+    all.push_back(make_sample("random, full range " + std::to_string(seed), random_points(40u * seed, far, seed),
+                              15 * seed, seed));
+    all.push_back(
+        make_sample("random, crowded " + std::to_string(seed), random_points(60u * seed, 15, seed), 10 * seed, seed));
   }
   return all;
 }
@@ -169,7 +181,8 @@ inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::ui
   for (cl_uint e = 0; e < mesh.edges(); ++e) edge_number[e] = e;
   std::shuffle(face_number.begin(), face_number.end(), random);
   std::shuffle(edge_number.begin(), edge_number.end(), random);
-  std::vector<cl_uint4> corners(mesh.faces(), cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}}), sides(mesh.faces(), cl_uint4{});
+  std::vector<cl_uint4> corners(mesh.faces(), cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}}),
+      sides(mesh.faces(), cl_uint4{});
   std::vector<cl_uint> edge_faces(2 * mesh.edges(), GCDT_NONE), edge_marks(mesh.edges(), GCDT_MARK_QUEUED);
   cl_uint edges = 0;
   auto place = [&](cl_uint f, int k, cl_uint side) {

@@ -37,7 +37,8 @@ class SequentialMesh {
     return faces_[f].corners[0] < n() && faces_[f].corners[1] < n() && faces_[f].corners[2] < n();
   }
   device::Vertex vertex(std::uint32_t v) const {
-    return v < n() ? device::gcdt_finite_vertex(points_[v][0], points_[v][1]) : device::gcdt_symbolic_vertex(static_cast<int>(v - n()));
+    return v < n() ? device::gcdt_finite_vertex(points_[v][0], points_[v][1])
+                   : device::gcdt_symbolic_vertex(static_cast<int>(v - n()));
   }
   int orient(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     return device::gcdt_sign64(device::gcdt_orient2d(vertex(a), vertex(b), vertex(c)));
@@ -101,7 +102,8 @@ class SequentialMesh {
   }
   bool must_flip(int f, int k) const {
     if (faces_[f].neighbours[k] < 0 || faces_[f].constrained[k]) return false;
-    return device::gcdt_must_flip(vertex(corner(f, k + 1)), vertex(apex(f, k)), vertex(corner(f, k + 2)), vertex(corner(f, k)));
+    return device::gcdt_must_flip(vertex(corner(f, k + 1)), vertex(apex(f, k)), vertex(corner(f, k + 2)),
+                                  vertex(corner(f, k)));
   }
   /// The two faces at edge k of f form a strictly convex quadrilateral.
   bool convex(int f, int k) const {
@@ -120,7 +122,8 @@ class SequentialMesh {
     for (int k = 0; k < 3; ++k) {
       faces_[f].neighbours[k] = sides[k].neighbour;
       faces_[f].constrained[k] = sides[k].constrained;
-      if (former[k] >= 0 && sides[k].neighbour >= 0) faces_[sides[k].neighbour].neighbours[corner_to(sides[k].neighbour, former[k])] = f;
+      if (former[k] >= 0 && sides[k].neighbour >= 0)
+        faces_[sides[k].neighbour].neighbours[corner_to(sides[k].neighbour, former[k])] = f;
     }
   }
   int add_face() {
@@ -156,8 +159,10 @@ class SequentialMesh {
     int on = -1;
     for (int k = 0; k < 3; ++k)
       if (orient(corner(f, k + 1), corner(f, k + 2), v) == 0) on = k;
-    if (on < 0) split_face(f, v);
-    else split_edge(f, on, v);
+    if (on < 0)
+      split_face(f, v);
+    else
+      split_edge(f, on, v);
     last_ = f;
     while (!suspects_.empty()) {
       const int s = suspects_.back();

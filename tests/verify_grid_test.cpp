@@ -194,32 +194,19 @@ double decimal(std::int64_t units, int decimals) { return nearest_double(Rationa
 /// One coordinate of the family; all coordinates of one input share `shape`.
 double draw(Random& random, int family, std::int64_t shape) {
   switch (family) {
-    case 0:
-      return double(below(random, shape % 5000 + 1));  // integers
-    case 1:
-      return std::ldexp(double(below(random, largest)), int(shape % 2000) - 1070);  // one power of two
-    case 2:
-      return decimal(below(random, 100000) + shape, int(shape % 9));  // few decimals
-    case 3:
-      return decimal(below(random, largest) + shape % 7 * 1000000000000, 7);  // many decimals
-    case 4:
-      return decimal(below(random, 1000), int(shape % 23));  // tiny decimals
-    case 5:
-      return std::uniform_real_distribution<>(-1, 1)(random);  // general doubles
-    case 6:
-      return std::ldexp(std::uniform_real_distribution<>(-1, 1)(random), int(shape % 2090) - 1066);
-    case 7:
-      return any_finite(random);  // all magnitudes
-    case 8:
-      return std::ldexp(double(below(random, 8)), -1074);  // denormals
-    case 9:
-      return std::ldexp(1.0, 51) + double(below(random, 9)) / 4;  // halves of decimals
-    case 10:
-      return float(std::uniform_real_distribution<>(0, 1)(random));  // floats
-    case 11:
-      return std::ldexp(double(below(random, 2 * largest + 2)), -1);  // half a cell
-    default:
-      return std::nextafter(double(shape), below(random, 2) ? HUGE_VAL : -HUGE_VAL);  // neighbours
+    case 0: return double(below(random, shape % 5000 + 1));                               // integers
+    case 1: return std::ldexp(double(below(random, largest)), int(shape % 2000) - 1070);  // one power of two
+    case 2: return decimal(below(random, 100000) + shape, int(shape % 9));                // few decimals
+    case 3: return decimal(below(random, largest) + shape % 7 * 1000000000000, 7);        // many decimals
+    case 4: return decimal(below(random, 1000), int(shape % 23));                         // tiny decimals
+    case 5: return std::uniform_real_distribution<>(-1, 1)(random);                       // general doubles
+    case 6: return std::ldexp(std::uniform_real_distribution<>(-1, 1)(random), int(shape % 2090) - 1066);
+    case 7: return any_finite(random);                                                       // all magnitudes
+    case 8: return std::ldexp(double(below(random, 8)), -1074);                              // denormals
+    case 9: return std::ldexp(1.0, 51) + double(below(random, 9)) / 4;                       // halves of decimals
+    case 10: return float(std::uniform_real_distribution<>(0, 1)(random));                   // floats
+    case 11: return std::ldexp(double(below(random, 2 * largest + 2)), -1);                  // half a cell
+    default: return std::nextafter(double(shape), below(random, 2) ? HUGE_VAL : -HUGE_VAL);  // neighbours
   }
 }
 

@@ -174,20 +174,20 @@ struct Statistics {
     std::uint64_t insert = 0, flip = 0;
   } rounds;
   std::uint64_t flips = 0;
-  std::uint64_t history_depth = 0;    ///< longest path in the history tree of the last level
-  std::uint64_t location_steps = 0;   ///< triangles visited by all point locations together
+  std::uint64_t history_depth = 0;   ///< longest path in the history tree of the last level
+  std::uint64_t location_steps = 0;  ///< triangles visited by all point locations together
   std::uint64_t launches = 0, read_backs = 0;
-  std::uint64_t crossed_pairs = 0;    ///< (triangle, constraint) pairs crossed by the first walk
+  std::uint64_t crossed_pairs = 0;  ///< (triangle, constraint) pairs crossed by the first walk
   std::uint64_t peak_device_bytes = 0;
   std::string device, driver, platform, version;
   /// How often each special case of the algorithm occurred; tests prove by it that cases are reached.
   struct Cases {
-    std::uint64_t edge_splits = 0;        ///< vertices inserted on an edge (state OnEdge)
-    std::uint64_t constraint_hits = 0;    ///< vertices found on the inside of a constraint
-    std::uint64_t existing_edges = 0;     ///< pieces that were edges already
-    std::uint64_t pieces_walked = 0;      ///< pieces that crossed at least one edge
-    std::uint64_t chain_vertices = 0;     ///< triangles made by distance-ordered retriangulation
-    std::uint64_t holes = 0;              ///< triangles made by hole filling (paper 6.5)
+    std::uint64_t edge_splits = 0;              ///< vertices inserted on an edge (state OnEdge)
+    std::uint64_t constraint_hits = 0;          ///< vertices found on the inside of a constraint
+    std::uint64_t existing_edges = 0;           ///< pieces that were edges already
+    std::uint64_t pieces_walked = 0;            ///< pieces that crossed at least one edge
+    std::uint64_t chain_vertices = 0;           ///< triangles made by distance-ordered retriangulation
+    std::uint64_t holes = 0;                    ///< triangles made by hole filling (paper 6.5)
     std::uint64_t symbolic_chain_vertices = 0;  ///< chain vertices that are vertices at infinity
   } cases;
   std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
