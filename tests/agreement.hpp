@@ -24,7 +24,8 @@ inline std::string orderFault(const std::vector<GridPoint>& points, const Triang
     if (z(t[0]) >= z(t[1]) || z(t[0]) >= z(t[2])) return "a triangle does not start with its first vertex in Z-order";
     if (i == 0) continue;
     const auto& before = mesh.triangles[i - 1];
-    if (std::make_pair(z(before[0]), z(before[1])) >= std::make_pair(z(t[0]), z(t[1]))) return "triangles are not in Z-order";
+    if (std::make_pair(z(before[0]), z(before[1])) >= std::make_pair(z(t[0]), z(t[1])))
+      return "triangles are not in Z-order";
   }
   for (std::size_t i = 0; i < mesh.pieces.size(); ++i) {
     const Constraint& p = mesh.pieces[i];
@@ -38,19 +39,23 @@ inline std::string orderFault(const std::vector<GridPoint>& points, const Triang
 inline std::string piecesFault(const std::vector<GridPoint>& points, const Triangulation& mesh,
                                const std::map<Edge, std::vector<std::uint32_t>>& expected) {
   if (mesh.source_offsets.size() != mesh.pieces.size() + 1) return "source_offsets has the wrong length";
-  if (mesh.source_offsets.front() != 0 || mesh.source_offsets.back() != mesh.sources.size()) return "source_offsets has wrong ends";
+  if (mesh.source_offsets.front() != 0 || mesh.source_offsets.back() != mesh.sources.size())
+    return "source_offsets has wrong ends";
   std::map<Edge, std::vector<std::uint32_t>> found;
   for (std::size_t i = 0; i < mesh.pieces.size(); ++i) {
     const Constraint& p = mesh.pieces[i];
-    if (mesh.representative[p[0]] != p[0] || mesh.representative[p[1]] != p[1]) return "a piece ends in a merged vertex";
+    if (mesh.representative[p[0]] != p[0] || mesh.representative[p[1]] != p[1])
+      return "a piece ends in a merged vertex";
     if (mesh.source_offsets[i] > mesh.source_offsets[i + 1]) return "source_offsets decreases";
-    found[edge(points[p[0]], points[p[1]])].assign(mesh.sources.begin() + mesh.source_offsets[i], mesh.sources.begin() + mesh.source_offsets[i + 1]);
+    found[edge(points[p[0]], points[p[1]])].assign(mesh.sources.begin() + mesh.source_offsets[i],
+                                                   mesh.sources.begin() + mesh.source_offsets[i + 1]);
   }
   if (found.size() != mesh.pieces.size()) return "a piece is listed twice";
   return found == expected ? "" : "pieces or their sources differ";
 }
 
-inline std::string statisticsFault(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints, const Triangulation& mesh) {
+inline std::string statisticsFault(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints,
+                                   const Triangulation& mesh) {
   const Statistics& s = mesh.statistics;
   std::uint64_t merged = 0, zero = 0;
   for (std::uint32_t i = 0; i < points.size(); ++i) merged += mesh.representative[i] != i;
@@ -91,11 +96,12 @@ inline Triangles referenceTriangles(const std::vector<GridPoint>& points, std::v
 }  // namespace detail
 
 /// Empty if `mesh` is what the contract says for `points` (on the grid) and `constraints` under `crossing`.
-inline std::string disagreement(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints, const Triangulation& mesh,
-                                Crossing crossing = Crossing::reject) {
+inline std::string disagreement(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints,
+                                const Triangulation& mesh, Crossing crossing = Crossing::reject) {
   using namespace detail;
   if (mesh.representative != representatives(points)) return "representatives differ";
-  const std::vector<std::uint32_t> without = crossing == Crossing::drop ? dropped(points, constraints) : std::vector<std::uint32_t>{};
+  const std::vector<std::uint32_t> without =
+      crossing == Crossing::drop ? dropped(points, constraints) : std::vector<std::uint32_t>{};
   if (mesh.dropped != without) return "the dropped constraints differ";
   const auto expected = pieces(points, constraints, without);
   if (mesh.triangles.size() != triangleCount(points)) return "the number of triangles is not 2n - 2 - h";
@@ -104,7 +110,8 @@ inline std::string disagreement(const std::vector<GridPoint>& points, const std:
       if (v >= points.size() || mesh.representative[v] != v) return "a corner is no representative";
     if (orientation(points[t[0]], points[t[1]], points[t[2]]) <= 0) return "a triangle is not counter-clockwise";
   }
-  for (const std::string& fault : {orderFault(points, mesh), piecesFault(points, mesh, expected), statisticsFault(points, constraints, mesh)})
+  for (const std::string& fault :
+       {orderFault(points, mesh), piecesFault(points, mesh, expected), statisticsFault(points, constraints, mesh)})
     if (!fault.empty()) return fault;
 
   std::vector<Segment> kept;
@@ -114,8 +121,9 @@ inline std::string disagreement(const std::vector<GridPoint>& points, const std:
   if (!edges.wrong.empty()) return "an edge is not locally Delaunay or against the tie rule";
   const Triangles reference = referenceTriangles(points, kept);
   if (mesh.triangles == reference) return {};
-  return edges.decided == classify(points, reference, expected).decided ? "triangles differ from CGAL's in order or at cocircular vertices"
-                                                                        : "edges differ from CGAL's";
+  return edges.decided == classify(points, reference, expected).decided
+             ? "triangles differ from CGAL's in order or at cocircular vertices"
+             : "edges differ from CGAL's";
 }
 
 /// Integer coordinates as grid points from 0 on; the grid's own cell may be finer, which changes nothing.

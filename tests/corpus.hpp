@@ -66,7 +66,8 @@ inline std::vector<CorpusEntry> readManifest(const std::string& folder) {
   const std::vector<std::string> word = words(folder + "/manifest.txt");
   std::vector<CorpusEntry> entries;
   for (std::size_t i = 0; i + 3 < word.size(); i += 4)
-    entries.push_back({word[i], word[i + 1], word[i + 2] == "-" ? -1 : std::atol(word[i + 2].c_str()), std::atol(word[i + 3].c_str())});
+    entries.push_back({word[i], word[i + 1], word[i + 2] == "-" ? -1 : std::atol(word[i + 2].c_str()),
+                       std::atol(word[i + 3].c_str())});
   return entries;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same input gives the same bytes: on PoCL with one and with two threads, in twenty runs each
-// way round, and on Mesa's rusticl. Each setting needs a process of its own: the program result_hash.
+// The same input gives the same bytes: on PoCL in twenty runs, ten with one thread and ten with
+// two, and on Mesa's rusticl. Each setting needs a process of its own: the program result_hash.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -24,16 +24,20 @@ struct Case {
 };
 
 // Small, yet with many conflicts between work-items: ties, long constraints, hubs, holes, duplicates.
-const Case cases[] = {{"uniform", 3000}, {"grid", 1024},  {"clusters", 2000}, {"fan", 2000},     {"hub", 400},
-                      {"spiral", 1000},  {"letters", 2000}, {"random_pslg", 60}, {"random_pslg", 300}, {"lattice_circle", 1000}};
+const Case cases[] = {{"uniform", 3000},    {"grid", 1024},          {"clusters", 2000}, {"fan", 2000},
+                      {"hub", 400},         {"spiral", 1000},        {"letters", 2000},  {"random_pslg", 60},
+                      {"random_pslg", 300}, {"lattice_circle", 1000}};
 
 /// The hashes that result_hash prints, a word each; empty if it failed.
-std::vector<std::string> hashes(const std::string& environment, const std::string& device, const Case& input, int runs) {
-  const std::string command = environment + " '" RESULT_HASH "' '" + device + "' " + input.name + " " + std::to_string(input.size) + " " + std::to_string(runs);
+std::vector<std::string> hashes(const std::string& environment, const std::string& device, const Case& input,
+                                int runs) {
+  const std::string command = environment + " '" RESULT_HASH "' '" + device + "' " + input.name + " " +
+                              std::to_string(input.size) + " " + std::to_string(runs);
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
   std::string output;
-  for (std::array<char, 512> line; std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr;) output += line.data();
+  for (std::array<char, 512> line; std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr;)
+    output += line.data();
   INFO(command);
   CHECK(pclose(pipe) == 0);
   std::vector<std::string> result;

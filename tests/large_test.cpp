@@ -25,7 +25,8 @@ std::vector<Segment> delaunayEdges(const std::vector<Point>& points) {
   const Delaunay delaunay(sites.begin(), sites.end());
   std::vector<Segment> edges;
   for (auto e = delaunay.finite_edges_begin(); e != delaunay.finite_edges_end(); ++e)
-    edges.push_back({e->first->vertex(Delaunay::cw(e->second))->info(), e->first->vertex(Delaunay::ccw(e->second))->info()});
+    edges.push_back(
+        {e->first->vertex(Delaunay::cw(e->second))->info(), e->first->vertex(Delaunay::ccw(e->second))->info()});
   std::sort(edges.begin(), edges.end());
   return edges;
 }
@@ -38,11 +39,15 @@ void check(const char* name, const Workload& work, const Options& options = {}) 
     CHECK(mesh.triangles.size() > work.points.size() / 4);
     const Statistics& s = mesh.statistics;
     static bool headed = false;
-    if (!headed) std::printf("%-18s %9s %8s %6s %9s %7s %7s %10s %10s %9s %9s %7s\n", "input", "n", "m", "depth", "steps/n", "insert", "flip", "flips", "crossed", "core ms", "full ms", "MiB");
+    if (!headed)
+      std::printf("%-18s %9s %8s %6s %9s %7s %7s %10s %10s %9s %9s %7s\n", "input", "n", "m", "depth", "steps/n",
+                  "insert", "flip", "flips", "crossed", "core ms", "full ms", "MiB");
     headed = true;
-    std::printf("%-18s %9zu %8zu %6" PRIu64 " %9.2f %7" PRIu64 " %7" PRIu64 " %10" PRIu64 " %10" PRIu64 " %9.0f %9.0f %7.0f\n", name, work.points.size(),
-                work.constraints.size(), s.history_depth, static_cast<double>(s.location_steps) / static_cast<double>(work.points.size()), s.rounds.insert,
-                s.rounds.flip, s.flips, s.crossed_pairs, s.ms.core, s.ms.full, static_cast<double>(s.peak_device_bytes) / 1048576);
+    std::printf(
+        "%-18s %9zu %8zu %6" PRIu64 " %9.2f %7" PRIu64 " %7" PRIu64 " %10" PRIu64 " %10" PRIu64 " %9.0f %9.0f %7.0f\n",
+        name, work.points.size(), work.constraints.size(), s.history_depth,
+        static_cast<double>(s.location_steps) / static_cast<double>(work.points.size()), s.rounds.insert, s.rounds.flip,
+        s.flips, s.crossed_pairs, s.ms.core, s.ms.full, static_cast<double>(s.peak_device_bytes) / 1048576);
     std::fflush(stdout);
   } catch (const std::exception& error) {
     FAIL_CHECK(error.what());

@@ -28,9 +28,7 @@ using Edge = std::pair<GridPoint, GridPoint>;  ///< ends in (X, Y) order
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-inline Kernel::Point_2 exact(const GridPoint& p) {
-  return {static_cast<double>(p[0]), static_cast<double>(p[1])};
-}
+inline Kernel::Point_2 exact(const GridPoint& p) { return {static_cast<double>(p[0]), static_cast<double>(p[1])}; }
 
 /// 1: c is left of ab, -1: right, 0: on the line.
 inline int orientation(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
@@ -71,7 +69,7 @@ inline std::vector<GridPoint> onGrid(const std::vector<Point>& points, const Gri
   };
   Rational cell = power(2, grid.cell_exponent);
   if (grid.cell_units > 0) cell = power(10, -grid.cell_decimals) * Rational(static_cast<long>(grid.cell_units));
-  const auto rounded = [](const Rational& value) {  // by bisection: needs no numerator
+  const auto rounded = [](const Rational& value) {        // by bisection: needs no numerator
     std::int64_t low = -1, high = std::int64_t{1} << 62;  // low <= value < high
     while (high - low > 1) {
       const std::int64_t middle = low + (high - low) / 2;
@@ -110,7 +108,8 @@ inline std::vector<std::uint32_t> representatives(const std::vector<GridPoint>& 
 /// Contract 3: whether two constraints cross, that is, properly and not at a vertex.
 inline bool cross(const std::vector<GridPoint>& points, const Segment& s, const Segment& t) {
   const GridPoint &a = points[s[0]], &b = points[s[1]], &c = points[t[0]], &d = points[t[1]];
-  if (orientation(a, b, c) * orientation(a, b, d) >= 0 || orientation(c, d, a) * orientation(c, d, b) >= 0) return false;
+  if (orientation(a, b, c) * orientation(a, b, d) >= 0 || orientation(c, d, a) * orientation(c, d, b) >= 0)
+    return false;
   return std::none_of(points.begin(), points.end(),
                       [&](const GridPoint& p) { return orientation(a, b, p) == 0 && orientation(c, d, p) == 0; });
 }
@@ -126,17 +125,20 @@ inline std::vector<std::array<std::uint64_t, 2>> crossings(const std::vector<Gri
 }
 
 /// Contract 3 `drop`: the constraints that cross an earlier kept one, ascending.
-inline std::vector<std::uint32_t> dropped(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints) {
+inline std::vector<std::uint32_t> dropped(const std::vector<GridPoint>& points,
+                                          const std::vector<Segment>& constraints) {
   std::vector<std::uint32_t> kept, result;
   for (std::uint32_t c = 0; c < constraints.size(); ++c) {
-    const bool crosses = std::any_of(kept.begin(), kept.end(), [&](std::uint32_t k) { return cross(points, constraints[c], constraints[k]); });
+    const bool crosses = std::any_of(kept.begin(), kept.end(),
+                                     [&](std::uint32_t k) { return cross(points, constraints[c], constraints[k]); });
     (crosses ? result : kept).push_back(c);
   }
   return result;
 }
 
 /// Contract 3: every piece of the constraints (but those in `without`) with its sources, ascending.
-inline std::map<Edge, std::vector<std::uint32_t>> pieces(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints,
+inline std::map<Edge, std::vector<std::uint32_t>> pieces(const std::vector<GridPoint>& points,
+                                                         const std::vector<Segment>& constraints,
                                                          const std::vector<std::uint32_t>& without = {}) {
   std::map<Edge, std::vector<std::uint32_t>> result;
   for (std::uint32_t c = 0; c < constraints.size(); ++c) {
@@ -164,7 +166,8 @@ inline std::size_t triangleCount(const std::vector<GridPoint>& points) {
       while (chain.size() > 1 && side * orientation(chain[chain.size() - 2], chain.back(), p) < 0) chain.pop_back();
       chain.push_back(p);
     }
-    if (side == 1 && std::all_of(sorted.begin(), sorted.end(), [&](const GridPoint& p) { return orientation(sorted[0], sorted.back(), p) == 0; }))
+    if (side == 1 && std::all_of(sorted.begin(), sorted.end(),
+                                 [&](const GridPoint& p) { return orientation(sorted[0], sorted.back(), p) == 0; }))
       return 0;
     boundary.insert(chain.begin(), chain.end());
   }
@@ -175,7 +178,8 @@ inline std::size_t triangleCount(const std::vector<GridPoint>& points) {
 inline std::uint64_t morton(const GridPoint& p) {
   std::uint64_t code = 0;
   for (int bit = 0; bit < 31; ++bit)
-    code |= static_cast<std::uint64_t>(p[0] >> bit & 1) << (2 * bit) | static_cast<std::uint64_t>(p[1] >> bit & 1) << (2 * bit + 1);
+    code |= static_cast<std::uint64_t>(p[0] >> bit & 1) << (2 * bit) | static_cast<std::uint64_t>(p[1] >> bit & 1)
+                                                                           << (2 * bit + 1);
   return code;
 }
 

@@ -20,7 +20,8 @@ Workload stretched(std::size_t n, std::uint32_t side, std::uint64_t seed) {
   const auto representative = representatives(integers(work.points));
   for (std::uint32_t i = 0; i < n / 3; ++i) {
     if (representative[i] != i) continue;
-    const std::int64_t x = static_cast<std::int64_t>(work.points[i][0]), y = static_cast<std::int64_t>(work.points[i][1]);
+    const std::int64_t x = static_cast<std::int64_t>(work.points[i][0]),
+                       y = static_cast<std::int64_t>(work.points[i][1]);
     subset.push_back({x, 8 * y});
     number.push_back(i);
   }
@@ -36,9 +37,11 @@ Workload cutCorners(std::uint64_t seed) {
   for (std::uint32_t bundle = 0; bundle < 3; ++bundle) {
     const std::uint64_t count = 1 + random.below(4);
     for (std::uint64_t i = 0; i < count; ++i) {  // a chord near (0, 10000), turned by a third of a turn a bundle
-      const double y = 6000 + 700 * static_cast<double>(i) + static_cast<double>(random.below(100)), x = 8200 + static_cast<double>(random.below(1500));
+      const double y = 6000 + 700 * static_cast<double>(i) + static_cast<double>(random.below(100)),
+                   x = 8200 + static_cast<double>(random.below(1500));
       const Point d = direction(bundle * 0x55555555u);
-      for (double side : {-x, x}) work.points.push_back({std::floor(side * d[0] - y * d[1]), std::floor(side * d[1] + y * d[0])});
+      for (double side : {-x, x})
+        work.points.push_back({std::floor(side * d[0] - y * d[1]), std::floor(side * d[1] + y * d[0])});
       const std::uint32_t last = static_cast<std::uint32_t>(work.points.size() - 1);
       work.constraints.push_back({last - 1, last});
     }
@@ -97,9 +100,10 @@ TEST_CASE("hundreds of random inputs give meshes that agree with CGAL, and every
   CHECK(sum.pieces_walked > 0);
   CHECK(sum.chain_vertices > 0);
   CHECK(sum.holes > 0);
-  MESSAGE("edge splits " << sum.edge_splits << ", constraint hits " << sum.constraint_hits << ", existing edges " << sum.existing_edges
-                         << ", pieces walked " << sum.pieces_walked << ", chain vertices " << sum.chain_vertices << ", holes " << sum.holes
-                         << ", symbolic chain vertices " << sum.symbolic_chain_vertices);
+  MESSAGE("edge splits " << sum.edge_splits << ", constraint hits " << sum.constraint_hits << ", existing edges "
+                         << sum.existing_edges << ", pieces walked " << sum.pieces_walked << ", chain vertices "
+                         << sum.chain_vertices << ", holes " << sum.holes << ", symbolic chain vertices "
+                         << sum.symbolic_chain_vertices);
 }
 
 TEST_CASE("drop keeps a constraint exactly if it crosses no earlier kept one") {
@@ -122,7 +126,8 @@ TEST_CASE("drop without crossings is reject") {
     const Workload work = randomPslg(40, 10, 80, seed);
     Options drop;
     drop.crossing = Crossing::drop;
-    const Triangulation a = solver().triangulate(work.points, work.constraints), b = solver().triangulate(work.points, work.constraints, drop);
+    const Triangulation a = solver().triangulate(work.points, work.constraints),
+                        b = solver().triangulate(work.points, work.constraints, drop);
     CHECK(a.triangles == b.triangles);
     CHECK(a.pieces == b.pieces);
     CHECK(b.dropped.empty());
@@ -144,7 +149,8 @@ TEST_CASE("reject names the number of crossing pairs and the first ten of them")
       CHECK(error.status() == Status::constraints_cross);
       CHECK(error.pair_count() == expected.size());
       std::vector<std::uint64_t> first;
-      for (std::size_t i = 0; i < std::min<std::size_t>(10, expected.size()); ++i) first.insert(first.end(), expected[i].begin(), expected[i].end());
+      for (std::size_t i = 0; i < std::min<std::size_t>(10, expected.size()); ++i)
+        first.insert(first.end(), expected[i].begin(), expected[i].end());
       CHECK(error.indices() == first);
       (expected.size() > 10 ? many : few) += 1;
     }

@@ -26,13 +26,34 @@ struct Entry {
 };
 
 const Entry standardList[] = {
-    {"uniform", 3},          {"uniform", 1000},       {"uniform", 100000},    {"uniform", 1000000},
-    {"gaussian", 100000},    {"ring", 100000},        {"clusters", 10000},    {"clusters", 200000},
-    {"grid", 1024},          {"grid", 1048576},       {"lattice_circle", 12288}, {"near_circle", 100000},
-    {"collinear_runs", 8000}, {"line", 1000},         {"line_and_one", 1000}, {"comb", 2000},
-    {"spiral", 100000},      {"star", 1000000},       {"fan", 200000},        {"nested_squares", 4000},
-    {"hub", 2000},           {"two_clusters", 20000}, {"parabola", 40000},    {"letters", 98000},
-    {"letters", 970000},     {"random_pslg", 60},     {"random_pslg", 300},   {"synthetic_cons_1", 1000000},
+    {"uniform", 3},
+    {"uniform", 1000},
+    {"uniform", 100000},
+    {"uniform", 1000000},
+    {"gaussian", 100000},
+    {"ring", 100000},
+    {"clusters", 10000},
+    {"clusters", 200000},
+    {"grid", 1024},
+    {"grid", 1048576},
+    {"lattice_circle", 12288},
+    {"near_circle", 100000},
+    {"collinear_runs", 8000},
+    {"line", 1000},
+    {"line_and_one", 1000},
+    {"comb", 2000},
+    {"spiral", 100000},
+    {"star", 1000000},
+    {"fan", 200000},
+    {"nested_squares", 4000},
+    {"hub", 2000},
+    {"two_clusters", 20000},
+    {"parabola", 40000},
+    {"letters", 98000},
+    {"letters", 970000},
+    {"random_pslg", 60},
+    {"random_pslg", 300},
+    {"synthetic_cons_1", 1000000},
     {"synthetic_cons_6", 1000000},
 };
 
@@ -57,8 +78,8 @@ bool run(gcdt::Solver& solver, const std::string& name, std::size_t size, int ru
   for (int i = 0; i < runs; ++i) {
     const gcdt::Triangulation result = solver.triangulate(work.points, work.constraints);
     const gcdt::Statistics& s = result.statistics;
-    std::printf("%-18s %8zu %016" PRIx64 " core %.1f full %.1f insert %" PRIu64 " flip %" PRIu64 " flips %" PRIu64 "\n", name.c_str(), size,
-                resultHash(result), s.ms.core, s.ms.full, s.rounds.insert, s.rounds.flip, s.flips);
+    std::printf("%-18s %8zu %016" PRIx64 " core %.1f full %.1f insert %" PRIu64 " flip %" PRIu64 " flips %" PRIu64 "\n",
+                name.c_str(), size, resultHash(result), s.ms.core, s.ms.full, s.rounds.insert, s.rounds.flip, s.flips);
     std::fflush(stdout);
   }
   return true;
@@ -76,9 +97,13 @@ int main(int count, char** arguments) try {
     return 2;
   }
   gcdt::Solver solver(arguments[1]);
-  std::fprintf(stderr, "%s (%s, %s)\n", solver.device().name.c_str(), solver.device().platform.c_str(), solver.device().driver.c_str());
+  std::fprintf(stderr, "%s (%s, %s)\n", solver.device().name.c_str(), solver.device().platform.c_str(),
+               solver.device().driver.c_str());
   bool good = true;
-  if (!all) return run(solver, arguments[2], std::strtoull(arguments[3], nullptr, 10), count == 5 ? std::atoi(arguments[4]) : 1) ? 0 : 1;
+  if (!all)
+    return run(solver, arguments[2], std::strtoull(arguments[3], nullptr, 10), count == 5 ? std::atoi(arguments[4]) : 1)
+               ? 0
+               : 1;
   const std::size_t maximum = count == 4 ? std::strtoull(arguments[3], nullptr, 10) : SIZE_MAX;
   for (const Entry& entry : standardList)
     if (entry.size <= maximum) good &= run(solver, entry.name, entry.size, 1);

@@ -19,7 +19,8 @@ inline std::string testDevice() {
   if (const char* chosen = std::getenv("GCDT_TEST_DEVICE")) return chosen;
   const std::vector<DeviceInfo> all = devices();
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (all[i].platform.find("Portable Computing Language") != std::string::npos && all[i].is_cpu) return std::to_string(i);
+    if (all[i].platform.find("Portable Computing Language") != std::string::npos && all[i].is_cpu)
+      return std::to_string(i);
   throw Error(Status::no_device, "the tests need PoCL (Debian and Ubuntu: pocl-opencl-icd)");
 }
 
@@ -38,7 +39,8 @@ inline MeshView view(const Triangulation& mesh) {
 }
 
 /// Empty if the independent checker accepts the mesh, all of it, and it stayed within the memory promised.
-inline std::string fault(Points points, Constraints constraints, const Triangulation& mesh, Crossing crossing = Crossing::reject) {
+inline std::string fault(Points points, Constraints constraints, const Triangulation& mesh,
+                         Crossing crossing = Crossing::reject) {
   if (mesh.neighbours.size() != mesh.triangles.size() || mesh.constrained.size() != mesh.triangles.size())
     return "neighbours or flags do not match the triangles in number";
   const Verification verification = verify(points, constraints, view(mesh), mesh.statistics.grid, crossing);

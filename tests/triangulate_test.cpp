@@ -35,8 +35,9 @@ Error errorOf(Points points, Constraints constraints = {}, const Options& option
 }
 
 bool sameBytes(const Triangulation& a, const Triangulation& b) {
-  return a.triangles == b.triangles && a.neighbours == b.neighbours && a.constrained == b.constrained && a.representative == b.representative &&
-         a.pieces == b.pieces && a.source_offsets == b.source_offsets && a.sources == b.sources && a.dropped == b.dropped;
+  return a.triangles == b.triangles && a.neighbours == b.neighbours && a.constrained == b.constrained &&
+         a.representative == b.representative && a.pieces == b.pieces && a.source_offsets == b.source_offsets &&
+         a.sources == b.sources && a.dropped == b.dropped;
 }
 
 /// Coordinates of every triangle, corner by corner.
@@ -48,9 +49,17 @@ std::vector<std::array<Point, 3>> shape(const Workload& work, const Triangulatio
 
 /// A mixture of what the corpus' ideas are made of, with integer coordinates and no crossings.
 std::vector<Workload> samples() {
-  std::vector<Workload> result{grid(100),          latticeCircle(200),  collinearRuns(80),          comb(50),
-                               nestedSquares(60),  hub(60),             lineAndOne(30),             parabola(60),
-                               randomPslg(40, 8, 80, 1), randomPslg(60, 30, 120, 2), randomPslg(60, 1000, 200, 3)};
+  std::vector<Workload> result{grid(100),
+                               latticeCircle(200),
+                               collinearRuns(80),
+                               comb(50),
+                               nestedSquares(60),
+                               hub(60),
+                               lineAndOne(30),
+                               parabola(60),
+                               randomPslg(40, 8, 80, 1),
+                               randomPslg(60, 30, 120, 2),
+                               randomPslg(60, 1000, 200, 3)};
   return result;
 }
 
@@ -179,7 +188,12 @@ TEST_CASE("a quarter turn and a mirror give the same mesh but for unconstrained 
       Triangles triangles = triangulated(moved(work, map)).triangles;  // numbers are the same, so classify in place
       return classify(points, triangles, constrained);
     };
-    for (const Edges& edges : {edgesAfter([](Point p) { return Point{-p[1], p[0]}; }), edgesAfter([](Point p) { return Point{-p[0], -p[1]}; })}) {
+    for (const Edges& edges : {edgesAfter([](Point p) {
+                                 return Point{-p[1], p[0]};
+                               }),
+                               edgesAfter([](Point p) {
+                                 return Point{-p[0], -p[1]};
+                               })}) {
       CHECK(edges.decided == expected.decided);
       CHECK(edges.tied.size() == expected.tied.size());
     }
@@ -217,7 +231,9 @@ TEST_CASE("-0 counts as 0") {
 }
 
 TEST_CASE("float and int32 vertices give the same bytes as the same numbers as doubles") {
-  for (const Workload& work : {randomPslg(50, 20, 80, 7), moved(grid(49), [](Point p) { return Point{p[0] - 3, p[1] - 3}; })}) {
+  for (const Workload& work : {randomPslg(50, 20, 80, 7), moved(grid(49), [](Point p) {
+                                 return Point{p[0] - 3, p[1] - 3};
+                               })}) {
     std::vector<std::array<float, 2>> floats;
     std::vector<std::array<std::int32_t, 2>> ints;
     for (const Point& p : work.points) {
@@ -232,7 +248,8 @@ TEST_CASE("float and int32 vertices give the same bytes as the same numbers as d
   Workload work;
   Random random(8);
   for (int i = 0; i < 200; ++i) {
-    fine.push_back({static_cast<float>(random.below(1 << 24)) * 0x1p-24f, static_cast<float>(random.below(1 << 24)) * 0x1p-24f});
+    fine.push_back(
+        {static_cast<float>(random.below(1 << 24)) * 0x1p-24f, static_cast<float>(random.below(1 << 24)) * 0x1p-24f});
     work.points.push_back({fine.back()[0], fine.back()[1]});
   }
   CHECK(sameBytes(solver().triangulate(fine), triangulated(work)));
@@ -240,7 +257,8 @@ TEST_CASE("float and int32 vertices give the same bytes as the same numbers as d
 
 TEST_CASE("the extremes of int32 are exact") {
   const std::int32_t low = std::numeric_limits<std::int32_t>::min(), high = -1;  // an extent of 2^31 - 1
-  const std::vector<std::array<std::int32_t, 2>> points{{low, low}, {high, low}, {high, high}, {low, high}, {low + 1, low + 1}};
+  const std::vector<std::array<std::int32_t, 2>> points{
+      {low, low}, {high, low}, {high, high}, {low, high}, {low + 1, low + 1}};
   const std::vector<Constraint> constraints{{0, 2}};
   const Triangulation mesh = solver().triangulate(points, constraints);
   CHECK(fault(points, constraints, mesh) == "");
@@ -249,7 +267,8 @@ TEST_CASE("the extremes of int32 are exact") {
 }
 
 TEST_CASE("the grid of the result is the one the host chooses") {
-  for (const char* name : {"grid_5x5", "decimals", "huge_values", "huge_extent", "denormals", "mixed_scales", "huge_offset"}) {
+  for (const char* name :
+       {"grid_5x5", "decimals", "huge_values", "huge_extent", "denormals", "mixed_scales", "huge_offset"}) {
     const Workload work = readPoly(folder + "/" + name + ".poly");
     CAPTURE(name);
     const Grid found = triangulated(work).statistics.grid, expected = choose_grid(work.points);
@@ -267,7 +286,8 @@ TEST_CASE("the grid of the result is the one the host chooses") {
 }
 
 TEST_CASE("a coordinate that is not finite is reported with vertex and axis") {
-  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()})
+  for (const double bad :
+       {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()})
     for (const std::uint64_t vertex : {0, 7, 99})
       for (const std::uint64_t axis : {0, 1}) {
         Workload work = grid(100);
@@ -345,5 +365,6 @@ TEST_CASE("the progress callback sees the share grow to at most one and can canc
 TEST_CASE("the device's own check changes no byte") {
   Options options;
   options.check = false;
-  for (const Workload& work : samples()) CHECK(sameBytes(solver().triangulate(work.points, work.constraints, options), triangulated(work)));
+  for (const Workload& work : samples())
+    CHECK(sameBytes(solver().triangulate(work.points, work.constraints, options), triangulated(work)));
 }

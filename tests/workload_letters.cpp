@@ -51,7 +51,8 @@ std::vector<Outline> word(int steps) {
   letter({c});
   letter({d, dHole});
   letter({{{42, 0}, {58, 0}, {58, 84}, {100, 84}, {100, 100}, {0, 100}, {0, 84}, {42, 84}}});
-  letter({{{0, 0}, {16, 0}, {16, 70}, {84, 0}, {100, 0}, {100, 100}, {84, 100}, {84, 25}, {16, 95}, {16, 100}, {0, 100}}});
+  letter(
+      {{{0, 0}, {16, 0}, {16, 70}, {84, 0}, {100, 0}, {100, 100}, {84, 100}, {84, 25}, {16, 95}, {16, 100}, {0, 100}}});
   letter({o, oHole});
   letter({{{40, 0}, {60, 0}, {60, 65}, {40, 65}}, {{38, 76}, {62, 78}, {60, 100}, {41, 99}}});
   return all;
@@ -76,7 +77,8 @@ struct Detail {
 
 class Scene {
  public:
-  explicit Scene(std::size_t target) : target_(target), scale_(std::min(1.5, std::sqrt(97000.0 / static_cast<double>(target)))) {}
+  explicit Scene(std::size_t target)
+      : target_(target), scale_(std::min(1.5, std::sqrt(97000.0 / static_cast<double>(target)))) {}
 
   Workload make() {
     double y = 0;

@@ -119,9 +119,7 @@ Workload grid(std::size_t n) {
 
 Workload latticeCircle(std::size_t n) {
   using Complex = std::array<std::int64_t, 2>;
-  const auto times = [](Complex a, Complex b) {
-    return Complex{a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]};
-  };
+  const auto times = [](Complex a, Complex b) { return Complex{a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]}; };
   struct Prime {  // p = a^2 + b^2 = (a + ib)(a - ib); every choice of factors gives a point of the same norm
     Complex factor;
     int exponent;
@@ -194,7 +192,8 @@ Workload line(std::size_t n) {
 
 Workload lineAndOne(std::size_t n) {
   Workload work = line(n - 1);
-  work.points.insert(work.points.begin() + work.points.size() / 2, {static_cast<double>(n / 3), 3.0 * static_cast<double>(n)});
+  work.points.insert(work.points.begin() + work.points.size() / 2,
+                     {static_cast<double>(n / 3), 3.0 * static_cast<double>(n)});
   return {work.points, {}};
 }
 

@@ -25,7 +25,9 @@ std::size_t properCrossings(const Workload& work) {
   std::size_t count = 0;
   CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& s, const Box& t) {
     const Segment c = work.constraints[s.info()], d = work.constraints[t.info()];
-    const auto side = [&](const Segment& of, std::uint32_t p) { return static_cast<int>(CGAL::orientation(at(of[0]), at(of[1]), at(p))); };
+    const auto side = [&](const Segment& of, std::uint32_t p) {
+      return static_cast<int>(CGAL::orientation(at(of[0]), at(of[1]), at(p)));
+    };
     count += side(c, d[0]) * side(c, d[1]) < 0 && side(d, c[0]) * side(d, c[1]) < 0;
   });
   return count;
@@ -67,8 +69,10 @@ TEST_CASE("the generators make about as many vertices as asked for") {
       const std::size_t made = workload(name, n).points.size();
       CAPTURE(name);
       CHECK(made >= n * 9 / 10);
-      if (name != "letters") CHECK(made <= n);  // it ends with a whole word: up to 20,000 more when dense
-      else CHECK(made <= n + 40000);
+      if (name != "letters")
+        CHECK(made <= n);  // it ends with a whole word: up to 20,000 more when dense
+      else
+        CHECK(made <= n + 40000);
     }
 }
 
