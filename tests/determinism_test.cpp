@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same input gives the same bytes: on PoCL with one and with two threads, in twenty runs each
-// way round, and on Mesa's rusticl. Each setting needs a process of its own: the program result_hash.
+// The same input gives the same bytes: on PoCL in twenty runs, ten with one thread and ten with
+// two, and on Mesa's rusticl. Each setting needs a process of its own: the program result_hash.
 #include <doctest/doctest.h>
 
 #include <array>
