@@ -29,7 +29,7 @@ class Flipping {
   /// edge flipped away never returns and there are at most (n+3)(n+2)/2 flips; a round with an illegal
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
-  FlipResult run(const Ticker& ticker) {
+  FlipResult run(Ticker& ticker) {
     clear_claims(runtime_, mesh_, faces_);
     runtime_.launch("flip", "flip_seed", runtime::over(edges_), edges_, lists_.first, counters_.buffer());
     const std::uint64_t limit = 1024 + 64ull * edges_;
@@ -93,7 +93,7 @@ class Flipping {
 }  // namespace
 
 FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                PhaseCounters& counters, std::uint32_t vertices_in_mesh, const Ticker& ticker) {
+                PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
   counters.zero();
   return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh).run(ticker);
 }

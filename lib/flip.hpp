@@ -13,6 +13,6 @@ struct FlipResult {
 /// Makes the mesh of the first `vertices_in_mesh` finite vertices (constrained) Delaunay with the tie rule.
 /// The mesh must be valid. Throws round_limit.
 FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                PhaseCounters& counters, std::uint32_t vertices_in_mesh, const Ticker& ticker = {});
+                PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
 
 }  // namespace gcdt

@@ -42,7 +42,7 @@ class LevelInsertion {
   }
 
   /// Ends: see round_limit.
-  std::uint64_t finish(const Ticker& ticker) {
+  std::uint64_t finish(Ticker& ticker) {
     std::uint32_t remaining = history_.end - history_.begin;
     while (remaining > 0) {
       if (remaining <= one_group_vertices)
@@ -135,7 +135,7 @@ void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh
 }
 
 std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, History& history,
-                           const WorkLists& lists, PhaseCounters& counters, unsigned level, const Ticker& ticker) {
+                           const WorkLists& lists, PhaseCounters& counters, unsigned level, Ticker& ticker) {
   history.level = level;
   history.begin = vertices.levels.begin[level];
   history.end = vertices.levels.begin[level + 1];

@@ -25,6 +25,6 @@ void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh
 /// points in it. Adds to counters: edge_splits, steps, history_depth. Returns the number of rounds.
 /// Throws round_limit.
 std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, History& history,
-                           const WorkLists& lists, PhaseCounters& counters, unsigned level, const Ticker& ticker = {});
+                           const WorkLists& lists, PhaseCounters& counters, unsigned level, Ticker& ticker);
 
 }  // namespace gcdt

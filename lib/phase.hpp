@@ -63,18 +63,24 @@ class PhaseCounters {
   device::Counters host_ = {};
 };
 
-/// Called between rounds; throws Status::cancelled if the caller wants to stop.
+/// Tells the caller between rounds how far the whole call has come, and throws Status::cancelled if it
+/// wants to stop. Each step has a window of the whole; the share told never falls.
 class Ticker {
  public:
   Ticker() = default;
   explicit Ticker(const Progress& progress) : progress_(&progress) {}
-  void tick(const char* phase, double done) const {
-    if (progress_ && *progress_ && !(*progress_)(phase, done))
+  /// The step's ticks go from `begin` to `end` of the whole from now on.
+  void enter(double begin, double end) { begin_ = begin, end_ = end; }
+  /// `done`: the share of the step, in [0, 1].
+  void tick(const char* phase, double done) {
+    told_ = std::max(told_, begin_ + (end_ - begin_) * std::min(done, 1.0));
+    if (progress_ && *progress_ && !(*progress_)(phase, told_))
       throw Error(Status::cancelled, std::string("cancelled during ") + phase);
   }
 
  private:
   const Progress* progress_ = nullptr;
+  double begin_ = 0, end_ = 1, told_ = 0;
 };
 
 inline std::uint64_t wide(std::uint32_t low, std::uint32_t high) { return low | std::uint64_t(high) << 32; }

@@ -17,6 +17,10 @@ constexpr std::uint32_t coarsest_level = 256;
 
 constexpr std::size_t pairs_in_message = 10;
 
+// What the steps take of a call with as many constraints as vertices, roughly, added up: only progress
+// is told by it.
+constexpr double order_share = 0.1, insert_share = 0.5, constrain_share = 0.75, flip_share = 0.9;
+
 }  // namespace
 
 Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
@@ -47,15 +51,20 @@ Triangulation Pipeline::run() {
   const double built = runtime_.build_ms();
   auto& ms = statistics_.ms;
   timed(ms.order, [&] {
+    ticker_.enter(0, order_share);
     ticker_.tick("order", 0);
     OrderResult ordered = order(runtime_, primitives_, points_, options_.grid, coarsest_level);
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
     primitives_.release();
   });
+  ticker_.enter(order_share, insert_share);
   timed(ms.insert, [&] { insert(); });
+  ticker_.enter(insert_share, constrain_share);
   timed(ms.constrain, [&] { constrain_all(); });
+  ticker_.enter(constrain_share, flip_share);
   timed(ms.flip, [&] { flip_all(); });
+  ticker_.enter(flip_share, 1);
   output();
   ms.core = ms.insert + ms.constrain - clean_ms_ + ms.flip;
   ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output;

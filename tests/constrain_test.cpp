@@ -81,12 +81,13 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   const WorkLists lists = make_work_lists(runtime, n);
   History history = make_history(runtime, vertices.levels);
   PhaseCounters counters(runtime);
+  Ticker ticker;
   Primitives primitives(runtime);
   insert_root(runtime, vertices, mesh);
   for (unsigned level = 0; level < vertices.levels.count; ++level) {
-    insert_level(runtime, vertices, mesh, history, lists, counters, level);
+    insert_level(runtime, vertices, mesh, history, lists, counters, level, ticker);
     if (level + 1 < vertices.levels.count)
-      flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1]);
+      flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
   }
   const WalkedMesh walked{vertices, mesh, history};
   counters.zero();
@@ -104,7 +105,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   const HostMesh after = download(runtime, mesh, points, n);
   CHECK(invalid_reason(after, n) == "");
   CHECK(marked_edges(after) == expected);
-  flip(runtime, vertices, mesh, lists, counters, n);
+  flip(runtime, vertices, mesh, lists, counters, n, ticker);
   const HostMesh flipped = download(runtime, mesh, points, n);
   CHECK(invalid_reason(flipped, n) == "");
   CHECK(illegal_edges(flipped) == 0);

@@ -19,13 +19,14 @@ Run triangulate(runtime::Runtime& runtime, std::vector<Point> points, std::uint3
   const WorkLists lists = make_work_lists(runtime, vertices.n());
   History history = make_history(runtime, vertices.levels);
   PhaseCounters counters(runtime);
+  Ticker ticker;
   insert_root(runtime, vertices, mesh);
   Run run;
   for (unsigned level = 0; level < vertices.levels.count; ++level) {
     const std::uint32_t now = vertices.levels.begin[level + 1];
-    run.insert_rounds += insert_level(runtime, vertices, mesh, history, lists, counters, level);
+    run.insert_rounds += insert_level(runtime, vertices, mesh, history, lists, counters, level, ticker);
     CHECK(invalid_reason(download(runtime, mesh, points, now), now) == "");
-    const FlipResult flipped = flip(runtime, vertices, mesh, lists, counters, now);
+    const FlipResult flipped = flip(runtime, vertices, mesh, lists, counters, now, ticker);
     run.flip_rounds += flipped.rounds;
     run.flips += flipped.flips;
     const HostMesh after = download(runtime, mesh, points, now);
