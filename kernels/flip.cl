@@ -12,6 +12,7 @@
 // change of either is made here too, and puts it back), or is put into the list. An edge that is legal
 // against a face owned elsewhere goes into the list as well: two work-items that change its two
 // faces at the same time may each see the other's old face, both find it legal, and both be wrong.
+#include "append.h"
 #include "mesh.h"
 
 #ifndef GCDT_FLIP_WORKLIST
@@ -24,6 +25,13 @@
 typedef struct Claim {
   u32 stamp, bits;
 } Claim;
+
+static inline Claim make_claim(uint stamp, uint bits) {
+  Claim c;
+  c.stamp = stamp;
+  c.bits = bits;
+  return c;
+}
 
 static inline bool claimed_now(uint word, Claim c) { return (word >> c.bits) == c.stamp; }
 
@@ -68,8 +76,8 @@ static void flip_edge(Mesh mesh, uint e, uint ticket, private uint* around) {
 }
 
 // Puts e into the list once: the mark bit decides by atomic_or.
-static void queue_edge(uint e, volatile global uint* edge_marks, global uint* list, volatile global uint* length) {
-  if (!(atomic_or(edge_marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED)) list[atomic_inc(length)] = e;
+static void queue_edge(uint e, volatile global uint* edge_marks, Appender queue) {
+  if (!(atomic_or(edge_marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED)) append(queue, e);
 }
 
 // Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is
@@ -80,8 +88,7 @@ static bool try_lock(Mesh mesh, uint face, uint ticket, Claim c) {
   return !claimed_now(old, c) && atomic_cmpxchg(word, old, ticket) == old;
 }
 
-static void test_and_claim(Mesh mesh, global uint* edge_marks, Claim c, uint e, global uint* illegal,
-                           volatile global uint* illegal_length) {
+static void test_and_claim(Mesh mesh, global uint* edge_marks, Claim c, uint e, Appender illegal) {
   const uint marks = edge_marks[e];
   edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
   if (marks & GCDT_MARK_CONSTRAINED) return;
@@ -90,13 +97,13 @@ static void test_and_claim(Mesh mesh, global uint* edge_marks, Claim c, uint e, 
   const uint ticket = make_ticket(c.stamp, c.bits, e);
   atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(near)), ticket);
   atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(far)), ticket);
-  illegal[atomic_inc(illegal_length)] = e;
+  append(illegal, e);
 }
 
 // Flips e, which owns both its faces under `ticket`, and what follows from it. Ends: every pass takes
 // an edge from the worklist, and edges are added only by flips, at most GCDT_FLIP_CHAIN.
 static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Claim c, uint e, uint ticket,
-                               global uint* list, volatile global uint* length) {
+                               Appender queue) {
   uint work[GCDT_FLIP_WORKLIST];
   uint around[4];
   uint size = 0, flips = 1;
@@ -107,7 +114,7 @@ static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Clai
     const uint edge = GCDT_SIDE_EDGE(code);
     if (edge_marks[edge] & GCDT_MARK_CONSTRAINED) continue;
     if (flips == GCDT_FLIP_CHAIN) {
-      queue_edge(edge, edge_marks, list, length);
+      queue_edge(edge, edge_marks, queue);
       continue;
     }
     const uint near = mesh.edge_faces[code], far = mesh.edge_faces[code ^ 1u];
@@ -117,7 +124,7 @@ static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Clai
     const bool illegal = is_illegal(mesh, near, far);
     if (owned && !illegal) continue;
     if (!illegal || (!owned && !try_lock(mesh, face, ticket, c))) {
-      queue_edge(edge, edge_marks, list, length);
+      queue_edge(edge, edge_marks, queue);
       continue;
     }
     flip_edge(mesh, edge, ticket, around);
@@ -126,20 +133,41 @@ static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Clai
       if (size < GCDT_FLIP_WORKLIST)
         work[size++] = around[i];
       else
-        queue_edge(GCDT_SIDE_EDGE(around[i]), edge_marks, list, length);
+        queue_edge(GCDT_SIDE_EDGE(around[i]), edge_marks, queue);
     }
   }
   return flips;
 }
 
-static uint flip_if_won(Mesh mesh, volatile global uint* edge_marks, Claim c, uint e, global uint* list,
-                        volatile global uint* length) {
+static uint flip_if_won(Mesh mesh, volatile global uint* edge_marks, Claim c, uint e, Appender queue) {
   const uint ticket = make_ticket(c.stamp, c.bits, e);
   const uint t = GCDT_REF_FACE(mesh.edge_faces[2u * e]), u = GCDT_REF_FACE(mesh.edge_faces[2u * e + 1u]);
   if (*claim_word(mesh.corners, t) == ticket && *claim_word(mesh.corners, u) == ticket)
-    return flip_and_propagate(mesh, edge_marks, c, e, ticket, list, length);
-  queue_edge(e, edge_marks, list, length);
+    return flip_and_propagate(mesh, edge_marks, c, e, ticket, queue);
+  queue_edge(e, edge_marks, queue);
   return 0;
+}
+
+static void test_tiles(Mesh mesh, global uint* edge_marks, Claim c, global const uint* list, uint count,
+                       Appender illegal) {
+  FOR_EACH_TILE(tile, count) {
+    const uint i = tile + get_local_id(0);
+    if (i < count) test_and_claim(mesh, edge_marks, c, list[i], illegal);
+    append_flush(illegal, APPEND_CAPACITY / 2u);
+  }
+  append_flush(illegal, 0u);
+}
+
+static uint flip_tiles(Mesh mesh, volatile global uint* edge_marks, Claim c, global const uint* illegal, uint count,
+                       Appender queue) {
+  uint flips = 0;
+  FOR_EACH_TILE(tile, count) {
+    const uint i = tile + get_local_id(0);
+    if (i < count) flips += flip_if_won(mesh, edge_marks, c, illegal[i], queue);
+    append_flush(queue, APPEND_CAPACITY / 2u);
+  }
+  append_flush(queue, 0u);
+  return flips;
 }
 
 // One work-item per edge of the mesh so far. Writes the list of all edges; work-item 0 its length.
@@ -157,38 +185,35 @@ kernel void flip_seed(uint edges, global uint* list, volatile global Counters* c
 
 // One work-item per edge in list_test[round % 3]. Reads the mesh, which nobody changes in this launch.
 // Writes the edge's own mark word (an edge stands in the list once), the claim words of its faces
-// (atomic_max: the greatest ticket wins whatever the order) and the list of illegal edges (atomic
-// counter; its order is free). Work-item 0 empties the list that this round's flips will fill.
-// After: an illegal edge owns its two faces, or one of them has a better claim.
+// (atomic_max: the greatest ticket wins whatever the order) and the list of illegal edges (append.h).
+// Work-item 0 empties the list that this round's flips will fill. After: an illegal edge owns its two
+// faces, or one of them has a better claim.
 kernel void flip_test(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                       global const uint* list, global uint* illegal, volatile global Counters* counters) {
+  DECLARE_APPENDER(found);
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  Claim c;
-  c.stamp = stamp;
-  c.bits = bits;
+  const Claim c = make_claim(stamp, bits);
+  const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
   const uint count = counters->list_test[round % 3u];
   if (get_global_id(0) == 0) counters->list_test[(round + 1u) % 3u] = 0u;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    test_and_claim(mesh, edge_marks, c, list[i], illegal, &counters->list_flip[round & 1u]);
+  test_tiles(mesh, edge_marks, c, list, count, a);
 }
 
 // One work-item per illegal edge. Writes words of faces that it owns: claimed in flip_test (both), or
 // taken by try_lock; never given back in this launch, so no word has two owners (L1). A stale read
 // of a face that it does not own is harmless: if the face changed in this launch it is locked and the
-// try-lock fails; if not, the read is right. Mark words and the list by atomics. Work-item 0 empties the
-// list of illegal edges of the next round. After: every flip was of an illegal edge, and list_test
-// of the next round holds every edge that may be illegal.
+// try-lock fails; if not, the read is right. Mark words by atomics, the list by append.h. Work-item 0
+// empties the list of illegal edges of the next round. After: every flip was of an illegal edge, and
+// list_test of the next round holds every edge that may be illegal.
 kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                            global const uint* illegal, global uint* list, volatile global Counters* counters) {
+  DECLARE_APPENDER(queued);
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  Claim c;
-  c.stamp = stamp;
-  c.bits = bits;
+  const Claim c = make_claim(stamp, bits);
+  const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
   const uint count = counters->list_flip[round & 1u];
   if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
-  uint flips = 0;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    flips += flip_if_won(mesh, edge_marks, c, illegal[i], list, &counters->list_test[(round + 1u) % 3u]);
+  const uint flips = flip_tiles(mesh, edge_marks, c, illegal, count, a);
   add_wide(&counters->flips_low, &counters->flips_high, flips);
 }
 
@@ -197,6 +222,7 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
 // rounds. After: list_test of the next round holds what is left; counters->rounds the rounds done.
 kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                         global uint* list, global uint* illegal, volatile global Counters* counters) {
+  DECLARE_APPENDER(gathered);
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   uint flips = 0, done = 0;
   for (;;) {
@@ -204,17 +230,16 @@ kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_
     const uint tests = counters->list_test[now % 3u];
     barrier(CLK_GLOBAL_MEM_FENCE);
     if (tests == 0u || done == most) break;
-    Claim c;
-    c.stamp = stamp + done;
-    c.bits = bits;
+    const Claim c = make_claim(stamp + done, bits);
     if (get_local_id(0) == 0) counters->list_test[(now + 1u) % 3u] = 0u;
-    for (uint i = get_local_id(0); i < tests; i += get_local_size(0))
-      test_and_claim(mesh, edge_marks, c, list[i], illegal, &counters->list_flip[now & 1u]);
+    const Appender found = make_appender(gathered_items, gathered_gathered, illegal, &counters->list_flip[now & 1u]);
+    test_tiles(mesh, edge_marks, c, list, tests, found);
     barrier(CLK_GLOBAL_MEM_FENCE);
     const uint count = counters->list_flip[now & 1u];
     if (get_local_id(0) == 0) counters->list_flip[(now + 1u) & 1u] = 0u;
-    for (uint i = get_local_id(0); i < count; i += get_local_size(0))
-      flips += flip_if_won(mesh, edge_marks, c, illegal[i], list, &counters->list_test[(now + 1u) % 3u]);
+    const Appender queue =
+        make_appender(gathered_items, gathered_gathered, list, &counters->list_test[(now + 1u) % 3u]);
+    flips += flip_tiles(mesh, edge_marks, c, illegal, count, queue);
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }

@@ -5,6 +5,7 @@
 // children of what was split and votes for its face, or for both faces of its edge; winners split.
 // One round is two kernels, or one pass of insert_rounds, which does whole rounds inside one
 // work-group; both run the same functions.
+#include "append.h"
 #include "history.h"
 
 // Until a vertex is inserted its record in `nodes` holds (location, depth, -, -).
@@ -276,20 +277,26 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   add_wide(&counters->steps_low, &counters->steps_high, steps);
 }
 
+static void vote_tiles(Mesh mesh, History h, Round r, global const uint* list, uint count, Appender left) {
+  FOR_EACH_TILE(tile, count) {
+    const uint i = tile + get_local_id(0);
+    if (i < count && relocate_and_vote(mesh, h, r, list[i])) append(left, list[i]);
+    append_flush(left, APPEND_CAPACITY / 2u);
+  }
+  append_flush(left, 0u);
+}
+
 // One work-item per vertex in the list of the round before. Reads the mesh; writes its own record and
-// appends itself to this round's list if still not inserted (atomic counter: the list's order is
-// free, no later result depends on it); votes by atomic_max. After: list_insert[number & 1] counts the
-// vertices left and every one of them has voted.
+// appends itself to this round's list if still not inserted (append.h: the list's order is free, no
+// later result depends on it); votes by atomic_max. After: list_insert[number & 1] counts the vertices
+// left and every one of them has voted.
 kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                         global const uint* list_before, global uint* list, volatile global Counters* counters) {
+  DECLARE_APPENDER(left);
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
-  const Round r = make_round(number, stamp, bits);
-  const uint count = counters->list_insert[(number & 1u) ^ 1u];
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint v = list_before[i];
-    if (relocate_and_vote(mesh, h, r, v)) list[atomic_inc(&counters->list_insert[number & 1u])] = v;
-  }
+  const Appender a = make_appender(left_items, left_gathered, list, &counters->list_insert[number & 1u]);
+  vote_tiles(mesh, h, make_round(number, stamp, bits), list_before, counters->list_insert[(number & 1u) ^ 1u], a);
 }
 
 // One work-item per vertex in the list. Reads the votes; a winner writes its faces, its three new
@@ -312,6 +319,7 @@ kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETER
 // the next round's parity counts the vertices left, counters->rounds the rounds done.
 kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                           global uint* list_even, global uint* list_odd, volatile global Counters* counters) {
+  DECLARE_APPENDER(left);
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
   uint done = 0;
@@ -326,11 +334,8 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_ME
     if (get_local_id(0) == 0) counters->list_insert[now ^ 1u] = 0u;
     for (uint i = get_local_id(0); i < count; i += get_local_size(0)) split_if_won(mesh, h, r, list[i], counters);
     barrier(CLK_GLOBAL_MEM_FENCE);
-    const Round following = make_round(r.number + 1u, r.stamp + 1u, bits);
-    for (uint i = get_local_id(0); i < count; i += get_local_size(0)) {
-      const uint v = list[i];
-      if (relocate_and_vote(mesh, h, following, v)) list_next[atomic_inc(&counters->list_insert[now ^ 1u])] = v;
-    }
+    const Appender a = make_appender(left_items, left_gathered, list_next, &counters->list_insert[now ^ 1u]);
+    vote_tiles(mesh, h, make_round(r.number + 1u, r.stamp + 1u, bits), list, count, a);
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }

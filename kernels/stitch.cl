@@ -5,6 +5,7 @@
 // Entries: every directed edge u -> v of a crossed face that is not crossed itself (it stays, and its
 // side waits for the new triangle that has it), and for every new edge {u, v}, u < v, the direction
 // v -> u, whose triangle comes second.
+#include "append.h"
 #include "mesh.h"
 
 typedef struct Table {
@@ -77,38 +78,87 @@ kernel void stitch_keep(uint count, global const uint* crossed, global const uin
   }
 }
 
-// One work-item per new triangle. `second` = 0: its directions u -> v with u < v; `second` = 1: those with
-// u > v, in a later launch. A direction in the table takes the side that waits there; otherwise, in the
-// first launch, it makes a new edge in the slot of a crossed one and enters the other direction.
-// Writes its own face's side words, the side found (each direction occurs once among the new
-// triangles of a valid mesh, checked at the end), and new edges by atomic counter (any numbering does).
-kernel void stitch_match(uint count, uint second, uint free_edges, global const uint* crossed,
-                         global const uint4* corners, global uint4* sides, global uint* edge_faces,
-                         global uint* edge_marks, global const uint* crossed_edges, TABLE_PARAMETERS,
-                         volatile global Counters* counters) {
+static inline bool in_second(uint u, uint v) { return u > v; }
+
+// Joins side k of new triangle t to the side code, which waits for it.
+static inline void join(uint t, uint k, uint code, global uint4* sides, global uint* edge_faces) {
+  ((global uint*)(sides + t))[k] = code;
+  edge_faces[code] = GCDT_FACE_REF(t, k);
+}
+
+// One work-item per new triangle: its directions u -> v with u < v. A direction in the table takes the
+// side that waits there; otherwise it makes a new edge in the slot of a crossed one and enters the other
+// direction. A work-group takes slots for all its new edges at once (any numbering does). Writes its own
+// face's side words, the sides found (each direction occurs once among the new triangles of a valid mesh,
+// which stitch_prove checks), and new edges' words. After: all directions u < v are joined.
+kernel void stitch_first(uint count, uint free_edges, global const uint* crossed, global const uint4* corners,
+                         global uint4* sides, global uint* edge_faces, global uint* edge_marks,
+                         global const uint* crossed_edges, TABLE_PARAMETERS, volatile global Counters* counters) {
+  local uint wanted[2];  // new edges of the tile; number of the first
+  const Table table = make_table(capacity, codes, froms, tos);
+  FOR_EACH_TILE(tile, count) {
+    const uint i = tile + get_local_id(0);
+    if (get_local_id(0) == 0) wanted[0] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint found[3] = {0u, 0u, 0u}, mine = 0, place = 0;
+    if (i < count) {
+      const uint4 c = corners[crossed[i]];
+      for (uint k = 0; k < 3u; ++k) {
+        const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
+        if (in_second(u, v)) continue;
+        found[k] = find_direction(table, u, v);
+        mine += found[k] == GCDT_NONE ? 1u : 0u;
+      }
+      place = atomic_add(wanted, mine);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) wanted[1] = atomic_add(&counters->new_edges, wanted[0]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (i < count) {
+      const uint t = crossed[i];
+      const uint4 c = corners[t];
+      uint number = wanted[1] + place;
+      for (uint k = 0; k < 3u; ++k) {
+        const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
+        if (in_second(u, v)) continue;
+        uint code = found[k];
+        if (code == GCDT_NONE) {
+          if (number >= free_edges) {
+            ((global uint*)(sides + t))[k] = GCDT_NONE;
+            atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+            continue;
+          }
+          const uint e = crossed_edges[number++];
+          code = GCDT_SIDE(e, 0u);
+          edge_marks[e] = 0u;
+          edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
+          if (!insert_direction(table, v, u, GCDT_SIDE(e, 1u))) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+        }
+        join(t, k, code, sides, edge_faces);
+      }
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
+}
+
+// One work-item per new triangle, after stitch_first: its directions u -> v with u > v, all of which are in
+// the table now. Writes as there.
+kernel void stitch_second(uint count, global const uint* crossed, global const uint4* corners, global uint4* sides,
+                          global uint* edge_faces, TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, codes, froms, tos);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
     const uint4 c = corners[t];
     for (uint k = 0; k < 3u; ++k) {
       const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
-      if ((u > v) != (second != 0u)) continue;
-      uint code = find_direction(table, u, v);
+      if (!in_second(u, v)) continue;
+      const uint code = find_direction(table, u, v);
       if (code == GCDT_NONE) {
-        const uint number = second ? free_edges : atomic_inc(&counters->new_edges);
-        if (number >= free_edges) {
-          ((global uint*)(sides + t))[k] = GCDT_NONE;
-          atomic_or(&counters->failed, GCDT_FAILED_MATCH);
-          continue;
-        }
-        const uint e = crossed_edges[number];
-        code = GCDT_SIDE(e, 0u);
-        edge_marks[e] = 0u;
-        edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
-        if (!insert_direction(table, v, u, GCDT_SIDE(e, 1u))) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+        ((global uint*)(sides + t))[k] = GCDT_NONE;
+        atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+      } else {
+        join(t, k, code, sides, edge_faces);
       }
-      ((global uint*)(sides + t))[k] = code;
-      edge_faces[code] = GCDT_FACE_REF(t, k);
     }
   }
 }

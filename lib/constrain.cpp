@@ -155,10 +155,11 @@ class Constraining {
   }
 
   void stitch() {
-    for (cl_uint second : {0u, 1u})
-      runtime_.launch("stitch", "stitch_match", over(crossed_faces_), crossed_faces_, second, crossed_edge_count_,
-                      crossed_, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_,
-                      capacity_, codes_, froms_, tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, crossed_edge_count_, crossed_,
+                    mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_,
+                    froms_, tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners,
+                    mesh_.sides, mesh_.edge_faces, capacity_, codes_, froms_, tos_, counters_.buffer());
     runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n,
                     walked_.vertices.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, counters_.buffer());
     runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_,

@@ -12,6 +12,8 @@ namespace {
 // A work-group of 128 keeps occupancy on GPUs with kernels of 64 or more registers; on CPUs a group
 // is a loop of one thread, and 64 items amortise its start.
 constexpr std::size_t gpu_group = 128, cpu_group = 64;
+// The group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels' registers.
+constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 16, cpu_groups_per_unit = 64;
 }  // namespace
@@ -29,8 +31,8 @@ Runtime::Runtime(const cl::Device& device, CallHook hook)
     return code;
   });
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
-  geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit}
-                           : Geometry{cpu_group, units * cpu_groups_per_unit};
+  geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit, gpu_single_group}
+                           : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
   self_test();
 }
@@ -121,7 +123,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   if (arguments != kernel.arguments)
     throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
                                            std::to_string(arguments));
-  const std::size_t local = std::min(geometry_.local, kernel.largest_group);
+  const std::size_t group = range.one_group && geometry_.single > 0 ? geometry_.single : geometry_.local;
+  const std::size_t local = std::min(group, kernel.largest_group);
   const std::size_t wanted = (range.items + local - 1) / local;
   const std::size_t groups = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
   const std::size_t global = groups * local;

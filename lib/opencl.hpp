@@ -83,6 +83,7 @@ inline Range one_group() { return {1, true}; }
 struct Geometry {
   std::size_t local = 0;       ///< work-items of a group
   std::size_t max_groups = 0;  ///< groups of a launch at most
+  std::size_t single = 0;      ///< work-items of a group that is alone (Range::one_group); 0: as `local`
 };
 
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.

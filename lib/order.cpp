@@ -11,7 +11,7 @@ namespace gcdt {
 namespace {
 
 // Rows that are read back of a table of maxima; the rest is folded on the device.
-constexpr std::size_t rows_read = 64;
+constexpr cl_uint rows_read = 64;
 constexpr cl_uint survey_columns = 6, quantise_columns = 2;
 constexpr unsigned morton_bits = 62;
 
@@ -54,11 +54,12 @@ struct Maxima {
 
   /// The maximum of each column. Blocks.
   std::vector<cl_ulong> read(runtime::Runtime& runtime) {
-    if (rows > rows_read) {
-      const cl_uint folded_rows = rows_read;
-      auto folded = runtime.allocate<cl_ulong>("folded maxima", rows_read * columns);
-      runtime.launch("order", "fold_maxima", runtime::over(rows_read * columns), rows, columns, table, folded_rows,
-                     folded);
+    // Ends: each pass leaves a 64th of the rows.
+    while (rows > rows_read) {
+      const cl_uint folded_rows = std::max<cl_uint>(rows_read, rows / rows_read);
+      auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
+      runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
+                     folded_rows, folded);
       table = std::move(folded);
       rows = folded_rows;
     }
