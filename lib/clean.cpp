@@ -5,17 +5,21 @@ namespace gcdt {
 
 using runtime::over;
 
-Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints,
-                 std::uint32_t inputs)
+runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constraints) {
+  static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is copied as it is");
+  auto staged = runtime.allocate<cl_uint2>("constraints", constraints.size);
+  runtime.write(staged, reinterpret_cast<const cl_uint2*>(constraints.data), constraints.size);
+  return staged;
+}
+
+Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                 const runtime::Buffer<cl_uint2>& constraints, std::uint32_t inputs)
     : runtime_(runtime),
       primitives_(primitives),
       vertices_(vertices),
       inputs_(inputs),
-      count_(cl_uint(constraints.size)) {
-  static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is uploaded as it is");
-  constraints_ = runtime.allocate<cl_uint2>("constraints", count_);
-  runtime.write(constraints_, reinterpret_cast<const cl_uint2*>(constraints.data), count_);
-}
+      count_(cl_uint(constraints.size())),
+      constraints_(constraints) {}
 
 Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
   const cl_uint all = wanted.empty();

@@ -12,15 +12,19 @@ struct CleanResult {
   std::uint64_t hits = 0;         ///< vertices found inside constraints, once per constraint
 };
 
-/// Uploads and checks the constraints once; clean() may then be called with different selections.
+/// Copies constraints from host memory.
+runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constraints);
+
+/// clean() may be called several times with different selections of the same constraints.
 class Cleaner {
  public:
-  /// Throws index_out_of_range for the first constraint with an end >= inputs.
-  Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints,
-          std::uint32_t inputs);
+  /// `constraints`: pairs of input points, to stay where they are as long as this object.
+  Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+          const runtime::Buffer<cl_uint2>& constraints, std::uint32_t inputs);
 
   /// The pieces of the constraints c with wanted[c] != 0 (empty: of all), split at all vertices on them.
   /// `walked` is the mesh with all vertices, not flipped since. Adds to counters: steps.
+  /// Throws index_out_of_range for the first constraint with an end that is no input point.
   CleanResult clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters);
 
  private:
@@ -38,7 +42,7 @@ class Cleaner {
   const Vertices& vertices_;
   std::uint32_t inputs_ = 0;
   cl_uint count_ = 0;
-  runtime::Buffer<cl_uint2> constraints_;
+  const runtime::Buffer<cl_uint2>& constraints_;
 };
 
 }  // namespace gcdt

@@ -12,7 +12,6 @@ namespace gcdt {
 
 namespace runtime {
 
-namespace {
 // The library needs a compiler and OpenCL 1.2 ("OpenCL 1.2 ..."); a device that cannot even tell is
 // left out, and hides no other.
 bool usable(const cl::Device& device) {
@@ -29,7 +28,6 @@ bool usable(const cl::Device& device) {
     return false;
   return major > 1 || (major == 1 && minor >= 2);
 }
-}  // namespace
 
 std::vector<cl::Device> all_devices() {
   // These calls return codes, they do not throw: no driver at all, or a platform that fails, only
@@ -72,17 +70,10 @@ DeviceInfo describe(const cl::Device& device) {
   return info;
 }
 
-}  // namespace runtime
-
-std::vector<DeviceInfo> devices() {
-  std::vector<DeviceInfo> all;
-  for (const auto& device : runtime::all_devices()) all.push_back(runtime::describe(device));
-  return all;
-}
-
-std::size_t select_device(const std::string& spec, bool* ambiguous) {
+std::size_t choose_device(const std::string& spec, bool* ambiguous) {
   if (ambiguous) *ambiguous = false;
-  const std::vector<DeviceInfo> all = devices();
+  std::vector<DeviceInfo> all;
+  for (const auto& device : all_devices()) all.push_back(describe(device));
   if (all.empty())
     throw Error(Status::no_device,
                 "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a "
@@ -128,5 +119,7 @@ std::size_t select_device(const std::string& spec, bool* ambiguous) {
   }
   return *found;
 }
+
+}  // namespace runtime
 
 }  // namespace gcdt

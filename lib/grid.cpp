@@ -126,9 +126,9 @@ void set_decimal_cell(Grid& grid, std::uint64_t units, int decimals) {
 
 }  // namespace
 
-double Grid::cell() const {
-  if (cell_units == 0) return std::ldexp(1.0, cell_exponent);
-  return nearest_double(std::to_string(cell_units) + "e" + std::to_string(-cell_decimals));
+double cell_edge(std::uint64_t units, int decimals, int exponent) {
+  if (units == 0) return std::ldexp(1.0, exponent);
+  return nearest_double(std::to_string(units) + "e" + std::to_string(-decimals));
 }
 
 // |v| < 2^(q + 53) for q = largest_exponent, so the extent is below 2^(q + 54) and k = q + 24 fits. Ends: the

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include <gcdt/gcdt.hpp>
+#include <gcdt/types.hpp>
 
 #include "quantise.h"
 
@@ -24,6 +24,9 @@ struct ChosenGrid {
   device::Scale scale = {};
   std::optional<device::Decimals> decimals;
 };
+
+/// The double nearest to the edge of a cell; see Grid.
+double cell_edge(std::uint64_t units, int decimals, int exponent);
 
 /// The least k >= -1074 with round_half_even(extent / 2^k) <= 2^31 - 1 on both axes; 0 if both extents are 0.
 /// Not finer than 2^-1074, so that every cell is a double.

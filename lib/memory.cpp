@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// required_bytes: the device bytes of each step, added up from what its source allocates.
+// gcdt_required_bytes: the device bytes of each step, added up from what its source allocates.
 #include <algorithm>
 
 #include "mesh.hpp"
@@ -54,7 +54,7 @@ std::uint64_t output_step(const Sizes& s) {
 
 }  // namespace
 
-std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
+std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
   return constant_bytes + std::max({order_step(s), insert_step(s), clean_step(s), walk_step(s),

@@ -16,15 +16,19 @@ constexpr std::size_t gpu_group = 128, cpu_group = 64;
 constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 16, cpu_groups_per_unit = 64;
+constexpr std::size_t least_alignment = 128;
 }  // namespace
 
-Runtime::Runtime(const cl::Device& device, CallHook hook)
-    : device_(device), hook_(std::move(hook)), info_(describe(device)) {
-  call("clCreateContext", info_.name.c_str(), [&] {
-    cl_int code;
-    context_ = cl::Context(device_, nullptr, nullptr, nullptr, &code);
-    return code;
-  });
+Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
+
+Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log)
+    : device_(device), hook_(std::move(hook)), info_(describe(device)), context_(context), log_(std::move(log)) {
+  if (!context_())
+    call("clCreateContext", info_.name.c_str(), [&] {
+      cl_int code;
+      context_ = cl::Context(device_, nullptr, nullptr, nullptr, &code);
+      return code;
+    });
   call("clCreateCommandQueue", info_.name.c_str(), [&] {
     cl_int code;
     queue_ = cl::CommandQueue(context_, device_, cl::QueueProperties::None, &code);
@@ -34,16 +38,18 @@ Runtime::Runtime(const cl::Device& device, CallHook hook)
   geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit, gpu_single_group}
                            : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
+  // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
+  alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
   self_test();
 }
 
-void Runtime::fail(const char* name, const char* detail, cl_int code) {
+void Runtime::fail(const char* name, const char* detail, cl_int code) const {
   const bool memory = code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES ||
                       code == CL_OUT_OF_HOST_MEMORY || code == CL_INVALID_BUFFER_SIZE;
   throw Error(
       memory ? Status::out_of_memory : Status::device_failed,
       std::string(name) + " (" + detail + ") on " + info_.name + " failed with OpenCL code " + std::to_string(code),
-      {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))});
+      {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))}, 0, code);
 }
 
 cl::Program& Runtime::find_program(const char* program) {
@@ -51,7 +57,9 @@ cl::Program& Runtime::find_program(const char* program) {
   if (found == programs_.end()) {
     const auto start = std::chrono::steady_clock::now();
     found = programs_.emplace(program, build_program(*this, program)).first;
-    build_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    build_ms_ += ms;
+    log(GCDT_LOG_INFORMATION, "built " + std::string(program) + " in " + std::to_string(ms) + " ms");
   }
   return found->second;
 }
@@ -74,21 +82,6 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   return kernels_.emplace(key, std::move(k)).first->second;
 }
 
-cl::Buffer Runtime::allocate_bytes(const char* name, std::size_t bytes) {
-  if (bytes > info_.largest_buffer_bytes || meter_->now + bytes > info_.memory_bytes)
-    throw Error(Status::out_of_memory, std::string(name) + " needs " + std::to_string(bytes) + " bytes beside " +
-                                           std::to_string(meter_->now) + " in use; " + info_.name + " has " +
-                                           std::to_string(info_.memory_bytes) + ", at most " +
-                                           std::to_string(info_.largest_buffer_bytes) + " in one buffer");
-  cl::Buffer memory;
-  call("clCreateBuffer", name, [&] {
-    cl_int code;
-    memory = cl::Buffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
-    return code;
-  });
-  return memory;
-}
-
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
   call("clEnqueueWriteBuffer", "",
@@ -109,10 +102,10 @@ void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_byt
        [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
 }
 
-void Runtime::copy_bytes(cl_mem from, cl_mem to, std::size_t bytes) {
+void Runtime::copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t bytes) {
   if (bytes == 0) return;
   call("clEnqueueCopyBuffer", "",
-       [&] { return clEnqueueCopyBuffer(queue_(), from, to, 0, 0, bytes, 0, nullptr, nullptr); });
+       [&] { return clEnqueueCopyBuffer(queue_(), from, to, from_offset, 0, bytes, 0, nullptr, nullptr); });
 }
 
 void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value) {

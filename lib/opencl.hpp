@@ -4,13 +4,6 @@
 // where launches are timed and counted.
 #pragma once
 
-#ifndef CL_TARGET_OPENCL_VERSION
-#define CL_TARGET_OPENCL_VERSION 120
-#endif
-#define CL_HPP_TARGET_OPENCL_VERSION 120
-#define CL_HPP_MINIMUM_OPENCL_VERSION 120
-#include <CL/opencl.hpp>
-
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -20,54 +13,43 @@
 #include <utility>
 #include <vector>
 
-#include <gcdt/gcdt.hpp>
+#include <gcdt/types.hpp>
+
+#include "device_memory.hpp"
 
 namespace gcdt::runtime {
 
-class Runtime;
-
-/// Device bytes in use now and at the peak; buffers hold it so that they may outlive a Runtime's move.
-struct MemoryMeter {
-  std::uint64_t now = 0, peak = 0;
-  void add(std::uint64_t bytes) { peak = std::max(peak, now += bytes); }
-  void remove(std::uint64_t bytes) { now -= bytes; }
-};
-
-/// `size` elements of T in device memory, released with the object. Never empty on the device:
+/// `size` elements of T in device memory, handed back with the object. Never empty on the device:
 /// a size of 0 holds one element, so that kernels always get a valid pointer.
 template <class T>
 class Buffer {
  public:
   Buffer() = default;
+  /// The caller's memory, which is retained, not counted, and nobody's to hand out again.
+  Buffer(const cl::Buffer& theirs, std::size_t size) : theirs_(theirs), size_(size) {}
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
     Buffer moved(std::move(other));
     swap(moved);
     return *this;
   }
-  ~Buffer() {
-    if (meter_) meter_->remove(bytes());
-  }
 
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return std::max<std::size_t>(size_, 1) * sizeof(T); }
-  bool allocated() const { return meter_ != nullptr; }
-  cl_mem handle() const { return memory_(); }
+  bool allocated() const { return handle() != nullptr; }
+  cl_mem handle() const { return block_.handle() ? block_.handle() : theirs_(); }
 
  private:
   friend class Runtime;
-  Buffer(cl::Buffer memory, std::size_t size, std::shared_ptr<MemoryMeter> meter)
-      : memory_(std::move(memory)), size_(size), meter_(std::move(meter)) {
-    meter_->add(bytes());
-  }
+  Buffer(DeviceMemory::Block block, std::size_t size) : block_(std::move(block)), size_(size) {}
   void swap(Buffer& other) {
-    std::swap(memory_, other.memory_);
+    std::swap(block_, other.block_);
+    std::swap(theirs_, other.theirs_);
     std::swap(size_, other.size_);
-    std::swap(meter_, other.meter_);
   }
-  cl::Buffer memory_;
+  DeviceMemory::Block block_;
+  cl::Buffer theirs_;
   std::size_t size_ = 0;
-  std::shared_ptr<MemoryMeter> meter_;
 };
 
 /// How many work-items a launch wants. Kernels loop with the global size as stride, so any launch
@@ -95,11 +77,15 @@ struct CallHook {
   std::function<void(std::string& source)> edit;
 };
 
+using Log = std::function<void(int level, const char* message)>;
+
 class Runtime {
  public:
   /// Makes a context and an in-order queue on `device`, and makes sure that it computes rightly
   /// (lib/selftest.cpp). Throws device_failed, naming what is wrong.
   explicit Runtime(const cl::Device& device, CallHook hook = {});
+  /// The same on `device` of a context that is there, with a private in-order queue; a null context: a new one.
+  Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log);
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
 
@@ -112,7 +98,7 @@ class Runtime {
   template <class T>
   Buffer<T> allocate(const char* name, std::size_t count) {
     const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
-    return Buffer<T>(allocate_bytes(name, bytes), count, meter_);
+    return Buffer<T>(memory_->take(*this, name, bytes), count);
   }
   /// Makes `buffer` hold at least `count` elements; contents are lost if it grows.
   template <class T>
@@ -143,8 +129,8 @@ class Runtime {
     fill_bytes(buffer.handle(), &value, sizeof(T), offset * sizeof(T), count * sizeof(T));
   }
   template <class T>
-  void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count) {
-    copy_bytes(from.handle(), to.handle(), count * sizeof(T));
+  void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count, std::size_t from_offset = 0) {
+    copy_bytes(from.handle(), from_offset * sizeof(T), to.handle(), count * sizeof(T));
   }
 
   /// Enqueues `kernel` of `program`. Buffers are passed as they are, scalars by value with the
@@ -158,12 +144,24 @@ class Runtime {
   }
 
   void finish();
+  /// The same without an exception.
+  cl_int try_finish() { return clFinish(queue_()); }
+  /// Reads bytes into host memory and waits for it.
+  void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   void flush();
 
   std::uint64_t launches() const { return launches_; }
   std::uint64_t read_backs() const { return read_backs_; }
   double build_ms() const { return build_ms_; }
-  MemoryMeter& meter() { return *meter_; }
+  DeviceMemory& memory() { return *memory_; }
+  /// Replaces where memory comes from; nothing may be in use.
+  void use_memory(std::shared_ptr<DeviceMemory> memory) { memory_ = std::move(memory); }
+  MemoryMeter& meter() { return memory_->meter(); }
+  /// Sub-buffers begin at multiples of so many bytes.
+  std::size_t alignment() const { return alignment_; }
+  void log(int level, const std::string& message) const {
+    if (log_) log_(level, message.c_str());
+  }
   Geometry& geometry() { return geometry_; }
   /// Options that every program is built with; part of the cache key.
   std::string build_options() const;
@@ -185,6 +183,8 @@ class Runtime {
     const cl_int code = hook_.before ? hook_.before(name, detail) : CL_SUCCESS;
     return code == CL_SUCCESS ? f() : code;
   }
+  /// Throws for an error code of the OpenCL call `name`.
+  [[noreturn]] void fail(const char* name, const char* detail, cl_int code) const;
 
  private:
   struct Kernel {
@@ -195,14 +195,11 @@ class Runtime {
   };
 
   void self_test();
-  [[noreturn]] void fail(const char* name, const char* detail, cl_int code);
   Kernel& find_kernel(const char* program, const char* kernel);
   cl::Program& find_program(const char* program);
-  cl::Buffer allocate_bytes(const char* name, std::size_t bytes);
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
-  void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
-  void copy_bytes(cl_mem from, cl_mem to, std::size_t bytes);
+  void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
   void enqueue(Kernel& kernel, Range range, cl_uint arguments);
 
@@ -221,7 +218,9 @@ class Runtime {
   DeviceInfo info_;
   cl::Context context_;
   cl::CommandQueue queue_;
-  std::shared_ptr<MemoryMeter> meter_ = std::make_shared<MemoryMeter>();
+  Log log_;
+  std::size_t alignment_ = 0;
+  std::shared_ptr<DeviceMemory> memory_ = std::make_shared<DeviceMemory>(SlabSource{});
   Geometry geometry_;
   std::map<std::string, cl::Program> programs_;
   std::map<std::pair<std::string, std::string>, Kernel> kernels_;
@@ -236,7 +235,13 @@ cl::Program build_program(Runtime& runtime, const char* name);
 /// What `device` is and has.
 DeviceInfo describe(const cl::Device& device);
 
-/// All devices of all platforms, in the order of gcdt::devices().
+/// Whether `device` has a compiler and OpenCL 1.2.
+bool usable(const cl::Device& device);
+
+/// All usable devices of all platforms, in the order of gcdt_device_get.
 std::vector<cl::Device> all_devices();
+
+/// See gcdt_device_select; `ambiguous` may be null.
+std::size_t choose_device(const std::string& spec, bool* ambiguous);
 
 }  // namespace gcdt::runtime

@@ -15,31 +15,12 @@ constexpr cl_uint rows_read = 64;
 constexpr cl_uint survey_columns = 6, quantise_columns = 2;
 constexpr unsigned morton_bits = 62;
 
-/// The input in device memory, as the caller has it.
-struct Staged {
-  cl_uint n = 0, type = 0;
-  runtime::Buffer<cl_ulong> coordinates;
-};
-
 /// Every vertex's Morton code and number.
 struct Keys {
   Grid grid;
   runtime::Buffer<cl_ulong> codes;
   runtime::Buffer<cl_uint> numbers;
 };
-
-Staged stage(runtime::Runtime& runtime, Points points) {
-  Staged staged;
-  staged.n = static_cast<cl_uint>(points.size());
-  const bool wide = points.type() == Points::Type::float64;
-  staged.type = wide                                     ? GCDT_COORDINATES_FLOAT64
-                : points.type() == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32
-                                                         : GCDT_COORDINATES_INT32;
-  const std::size_t words = points.size() * (wide ? 2 : 1);
-  staged.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
-  runtime.write(staged.coordinates, static_cast<const cl_ulong*>(points.data()), words);
-  return staged;
-}
 
 /// A table of maxima, one row for each work-item that the device runs at once.
 struct Maxima {
@@ -76,7 +57,7 @@ struct Maxima {
               {vertex, axis});
 }
 
-Survey survey(runtime::Runtime& runtime, const Staged& staged) {
+Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
   Maxima maxima(runtime, staged.n, survey_columns);
   runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows,
                  maxima.table);
@@ -91,7 +72,8 @@ Survey survey(runtime::Runtime& runtime, const Staged& staged) {
   return result;
 }
 
-std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const Staged& staged, const Survey& survey, int k) {
+std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const InputPoints& staged, const Survey& survey,
+                                         int k) {
   const cl_int limit = decimals_limit(survey, k);
   if (limit < 0) return std::nullopt;
   Maxima maxima(runtime, staged.n, 1);
@@ -103,7 +85,7 @@ std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const Staged
 
 // In the contract's order: binary, decimal, rounded. A given grid is read first, as an error in it is the
 // caller's; the survey is made for it, too, since it finds what is not finite.
-ChosenGrid choose_grid(runtime::Runtime& runtime, const Staged& staged, const std::optional<FixedGrid>& fixed) {
+ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, const std::optional<FixedGrid>& fixed) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
   const Survey found = survey(runtime, staged);
@@ -122,7 +104,7 @@ runtime::Buffer<T> upload(runtime::Runtime& runtime, const char* name, const T& 
   return buffer;
 }
 
-Keys quantise(runtime::Runtime& runtime, const Staged& staged, const ChosenGrid& chosen) {
+Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
   Keys keys;
   keys.grid = chosen.grid;
   keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
@@ -143,12 +125,6 @@ Keys quantise(runtime::Runtime& runtime, const Staged& staged, const ChosenGrid&
   return keys;
 }
 
-/// The staged input lives no longer than this call.
-Keys make_keys(runtime::Runtime& runtime, Points points, const std::optional<FixedGrid>& fixed) {
-  const Staged staged = stage(runtime, points);
-  return quantise(runtime, staged, choose_grid(runtime, staged, fixed));
-}
-
 void set_levels(runtime::Runtime& runtime, Vertices& vertices, std::uint32_t n, std::uint32_t coarsest_level) {
   vertices.levels = device::make_levels(n, coarsest_level);
   vertices.levels_buffer = upload(runtime, "levels", vertices.levels);
@@ -167,14 +143,30 @@ OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid
 
 }  // namespace
 
-OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points,
+cl_uint coordinates_type(Points::Type type) {
+  return type == Points::Type::float64   ? GCDT_COORDINATES_FLOAT64
+         : type == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32
+                                         : GCDT_COORDINATES_INT32;
+}
+
+std::size_t words_per_vertex(Points::Type type) { return type == Points::Type::float64 ? 2 : 1; }
+
+InputPoints stage(runtime::Runtime& runtime, Points points) {
+  InputPoints staged;
+  staged.n = static_cast<cl_uint>(points.size());
+  staged.type = coordinates_type(points.type());
+  const std::size_t words = points.size() * words_per_vertex(points.type());
+  staged.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
+  runtime.write(staged.coordinates, static_cast<const cl_ulong*>(points.data()), words);
+  return staged;
+}
+
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
                   const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
-  if (points.size() > max_vertices)
-    throw Error(Status::too_many_vertices, std::to_string(points.size()) + " vertices; at most " +
-                                               std::to_string(max_vertices) + " can be numbered");
-  if (points.size() == 0) return no_vertices(runtime, fixed, coarsest_level);
-  const auto n = static_cast<cl_uint>(points.size());
-  Keys keys = make_keys(runtime, points, fixed);
+  const cl_uint n = points.n;
+  if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
+  Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
+  points = {};
   primitives.sort(keys.codes, keys.numbers, n, morton_bits);
   primitives.release();
 

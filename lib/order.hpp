@@ -9,6 +9,19 @@
 
 namespace gcdt {
 
+/// The input vertices in device memory: pairs of numbers of one type (GCDT_COORDINATES_..., quantise.h).
+struct InputPoints {
+  cl_uint n = 0, type = 0;
+  runtime::Buffer<cl_ulong> coordinates;
+};
+
+/// GCDT_COORDINATES_... of a type, and the words of 8 bytes that a vertex takes.
+cl_uint coordinates_type(Points::Type type);
+std::size_t words_per_vertex(Points::Type type);
+
+/// Copies points from host memory.
+InputPoints stage(runtime::Runtime& runtime, Points points);
+
 struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives
@@ -16,8 +29,9 @@ struct OrderResult {
 
 /// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level
 /// (make_levels(n, coarsest_level)). Throws invalid_argument (a bad fixed grid), coordinate_not_finite and
-/// coordinate_outside_grid (indices {vertex, axis}, the least such vertex), too_many_vertices.
-OrderResult order(runtime::Runtime& runtime, Primitives& primitives, Points points,
+/// coordinate_outside_grid (indices {vertex, axis}, the least such vertex). `points`, at most max_vertices, are
+/// released as soon as their keys are made.
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
                   const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level);
 
 }  // namespace gcdt

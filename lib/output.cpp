@@ -27,12 +27,26 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   return triangles;
 }
 
+/// The same without an order: finite faces by number, each with its first corner.
+std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, Buffer<cl_uint>& refs) {
+  auto before = runtime.allocate<cl_uint>("output finite faces", std::size_t{mesh.faces()} + 1);
+  runtime.launch("select", "select_finite", over(mesh.faces()), mesh.faces(), mesh.n, mesh.corners, before);
+  primitives.exclusive_scan(before, before, mesh.faces());
+  const std::uint32_t triangles = runtime.read_one(before, mesh.faces());
+  runtime.launch("select", "select_refs", over(mesh.faces()), mesh.faces(), before, refs);
+  primitives.release();
+  return triangles;
+}
+
 }  // namespace
 
-OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices) {
+OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
+                            bool canonical) {
   OrderedMesh ordered;
   auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
-  if (mesh.n >= 3) ordered.triangles = sort_faces(runtime, primitives, mesh, vertices, refs);
+  if (mesh.n >= 3)
+    ordered.triangles = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs)
+                                  : select_faces(runtime, primitives, mesh, refs);
   const cl_uint count = ordered.triangles;
   ordered.corners = runtime.allocate<cl_uint>("output corners", std::size_t{3} * count);
   ordered.neighbours = runtime.allocate<cl_int>("output neighbours", std::size_t{3} * count);
@@ -45,7 +59,7 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   return ordered;
 }
 
-void read_triangulation(Runtime& runtime, OrderedMesh& ordered, const Vertices& vertices, Triangulation& result) {
+Buffer<cl_uint> number_by_input(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered) {
   const cl_uint count = ordered.triangles, inputs = static_cast<cl_uint>(vertices.input_vertex.size());
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
   if (inputs != 0)
@@ -54,17 +68,12 @@ void read_triangulation(Runtime& runtime, OrderedMesh& ordered, const Vertices& 
   if (count != 0)
     runtime.launch("output", "number_corners", over(std::size_t{3} * count), 3 * count, vertices.vertex_input,
                    ordered.corners);
-  result.representative.resize(inputs);
-  runtime.read(representatives, result.representative.data(), inputs);
-  result.triangles.resize(count);
-  result.neighbours.resize(count);
-  result.constrained.resize(count);
-  static_assert(sizeof result.triangles[0] == 3 * sizeof(cl_uint) && sizeof result.neighbours[0] == 3 * sizeof(cl_int),
-                "arrays are packed");
-  if (count == 0) return;
-  runtime.read(ordered.corners, result.triangles[0].data(), std::size_t{3} * count);
-  runtime.read(ordered.neighbours, result.neighbours[0].data(), std::size_t{3} * count);
-  runtime.read(ordered.constrained, result.constrained.data(), count);
+  return representatives;
+}
+
+void number_by_input(Runtime& runtime, const Vertices& vertices, Pieces& pieces) {
+  const cl_uint ends = 2 * pieces.count;
+  if (ends != 0) runtime.launch("output", "number_corners", over(ends), ends, vertices.vertex_input, pieces.ends);
 }
 
 }  // namespace gcdt

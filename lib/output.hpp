@@ -18,13 +18,16 @@ struct OrderedMesh {
 
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it
 /// needs 24 bytes a face while sorting, then 8; the scratch of `primitives` is released.
+/// Not `canonical`: in any order, with any corner first; cheaper, 12 bytes a face.
 OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
-                            const Vertices& vertices);
+                            const Vertices& vertices, bool canonical = true);
 
-/// Replaces the corners of `ordered`, so far vertices, by input numbers, and reads triangles,
-/// neighbours, flags and representatives into `result`. vertices.input_vertex has exactly one element
-/// per input point. Afterwards `ordered` no longer holds vertices, as check() wants them.
-void read_triangulation(runtime::Runtime& runtime, OrderedMesh& ordered, const Vertices& vertices,
-                        Triangulation& result);
+/// Replaces the corners of `ordered`, so far vertices, by input numbers, and returns the representative of
+/// each input point. vertices.input_vertex has exactly one element per input point. Afterwards `ordered` no
+/// longer holds vertices, as check() wants them.
+runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);
+
+/// Replaces the ends of pieces by input numbers.
+void number_by_input(runtime::Runtime& runtime, const Vertices& vertices, Pieces& pieces);
 
 }  // namespace gcdt

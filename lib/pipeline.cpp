@@ -5,7 +5,6 @@
 
 #include "check.hpp"
 #include "crossings.hpp"
-#include "output.hpp"
 
 namespace gcdt {
 
@@ -23,12 +22,11 @@ constexpr double order_share = 0.1, insert_share = 0.5, constrain_share = 0.75, 
 
 }  // namespace
 
-Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
-                   const Options& options)
+Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSource source, const Options& options)
     : runtime_(runtime),
       primitives_(primitives),
-      points_(points),
-      constraints_(constraints),
+      source_(std::move(source)),
+      in_use_before_(runtime.meter().now),
       options_(options),
       ticker_(options.progress),
       counters_(runtime) {}
@@ -43,17 +41,42 @@ void Pipeline::timed(double& ms, Step&& step) {
         (runtime_.build_ms() - built);
 }
 
-Triangulation Pipeline::run() {
-  if (constraints_.size >= (1ull << 31))
-    throw Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(constraints_.size));
-  runtime_.meter().peak = runtime_.meter().now;
+DeviceTriangulation Pipeline::run() {
+  if (source_.n > max_vertices)
+    throw Error(Status::too_many_vertices,
+                std::to_string(source_.n) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
+  if (source_.m > GCDT_MAX_CONSTRAINTS)
+    throw Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(source_.m));
+  try {
+    run_steps();
+  } catch (const Error& error) {
+    if (error.status() == Status::workspace_too_small) ask_for_workspace(error);
+    throw;
+  }
+  return std::move(result_);
+}
+
+// What was missing may not be all that is: the formula knows the later steps, once the pairs are counted.
+void Pipeline::ask_for_workspace(const Error& error) const {
+  const device::Counters& c = counters_.last();
+  const std::uint64_t pairs = std::max(statistics_.crossed_pairs, wide(c.pairs_low, c.pairs_high));
+  const std::uint64_t needed = std::max(error.indices().at(0), device_bytes_needed(source_.n, source_.m, pairs));
+  throw Error(Status::workspace_too_small, std::string(error.what()) + ", and should have " + std::to_string(needed),
+              {needed});
+}
+
+void Pipeline::run_steps() {
+  runtime_.memory().reserve(runtime_, device_bytes_needed(source_.n, source_.m, 0));
+  runtime_.meter().restart_peaks();
   const std::uint64_t launches = runtime_.launches(), reads = runtime_.read_backs();
   const double built = runtime_.build_ms();
   auto& ms = statistics_.ms;
   timed(ms.order, [&] {
     ticker_.enter(0, order_share);
     ticker_.tick("order", 0);
-    OrderResult ordered = order(runtime_, primitives_, points_, options_.grid, coarsest_level);
+    DeviceInput input = source_.load();
+    constraints_ = std::move(input.constraints);
+    OrderResult ordered = order(runtime_, primitives_, std::move(input.points), options_.grid, coarsest_level);
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
     primitives_.release();
@@ -72,7 +95,6 @@ Triangulation Pipeline::run() {
   statistics_.launches = runtime_.launches() - launches;
   statistics_.read_backs = runtime_.read_backs() - reads;
   finish_statistics();
-  return std::move(result_);
 }
 
 // Level by level: insert, then flip, so that each level goes into a Delaunay mesh (paper, section 8). The
@@ -103,17 +125,21 @@ void Pipeline::count_flips(const FlipResult& flipped) {
 
 void Pipeline::constrain_all() {
   pieces_ = {};
-  if (constraints_.size == 0) {
+  if (source_.m == 0) {
     pieces_.ends = runtime_.allocate<cl_uint2>("pieces", 0);
+    pieces_.source_offsets = runtime_.allocate<cl_uint>("source offsets", 1);
+    pieces_.sources = runtime_.allocate<cl_uint>("sources of pieces", 0);
+    runtime_.fill<cl_uint>(pieces_.source_offsets, 0, 1);
     return;
   }
   ticker_.tick("constrain", 0);
-  cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, constraints_, std::uint32_t(points_.size()));
+  cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, constraints_, std::uint32_t(source_.n));
   timed(clean_ms_, [&] { clean({}); });
   ticker_.tick("constrain", 0.3);
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
   cleaner_.reset();
+  constraints_ = {};
 }
 
 void Pipeline::clean(const std::vector<cl_uint>& wanted) {
@@ -154,10 +180,12 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
                     std::to_string(first.failed) + ")");
   statistics_.crossings = crossings.size();
   if (options_.crossing == Crossing::reject) reject(crossings);
-  result_.dropped = drop_crossing(crossings);
-  statistics_.constraints_dropped = result_.dropped.size();
-  std::vector<cl_uint> wanted(constraints_.size, 1);
-  for (const std::uint32_t d : result_.dropped) wanted[d] = 0;
+  const std::vector<std::uint32_t> dropped = drop_crossing(crossings);
+  statistics_.constraints_dropped = dropped.size();
+  result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", dropped.size());
+  runtime_.write(result_.dropped, dropped.data(), dropped.size());
+  std::vector<cl_uint> wanted(source_.m, 1);
+  for (const std::uint32_t d : dropped) wanted[d] = 0;
   timed(clean_ms_, [&] { clean(wanted); });
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   const ConstrainResult second = enforce();
@@ -166,12 +194,14 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
                                           std::to_string(second.failed) + ")");
 }
 
-void Pipeline::reject(const std::vector<Constraint>& crossings) const {
+void Pipeline::reject(const std::vector<Constraint>& crossings) {
   std::vector<std::uint64_t> indices;
   std::string list;
+  auto one = runtime_.allocate<cl_uint2>("ends of a constraint", 1);  // the host may not read the caller's buffer
   auto ends = [&](std::uint32_t c) {
-    return std::to_string(c) + " (" + std::to_string(constraints_[c][0]) + "-" + std::to_string(constraints_[c][1]) +
-           ")";
+    runtime_.copy(constraints_, one, 1, c);
+    const cl_uint2 e = runtime_.read_one(one);
+    return std::to_string(c) + " (" + std::to_string(e.s[0]) + "-" + std::to_string(e.s[1]) + ")";
   };
   for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i) {
     indices.insert(indices.end(), {crossings[i][0], crossings[i][1]});
@@ -196,42 +226,36 @@ void Pipeline::output() {
     ticker_.tick("output", 0);
     history_ = {};
     lists_ = {};
-    ordered = order_triangles(runtime_, primitives_, mesh_, vertices_);
+    ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, options_.canonical);
     mesh_ = {};
   });
   if (options_.check) timed(ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
   timed(ms.output, [&] {
-    std::vector<cl_uint2> ends(pieces_.count);
-    runtime_.read(pieces_.ends, ends.data(), ends.size());
-    result_.source_offsets.assign(std::size_t(pieces_.count) + 1, 0);
-    if (pieces_.count > 0)
-      runtime_.read(pieces_.source_offsets, result_.source_offsets.data(), result_.source_offsets.size());
-    result_.sources.resize(pieces_.source_count);
-    runtime_.read(pieces_.sources, result_.sources.data(), result_.sources.size());
-    std::vector<cl_uint> inputs(vertices_.n());
-    if (!ends.empty()) runtime_.read(vertices_.vertex_input, inputs.data(), inputs.size());
-    result_.pieces.reserve(ends.size());
-    for (const cl_uint2& e : ends) result_.pieces.push_back({inputs[e.s[0]], inputs[e.s[1]]});
-    read_triangulation(runtime_, ordered, vertices_, result_);
+    result_.representatives = number_by_input(runtime_, vertices_, ordered);
+    number_by_input(runtime_, vertices_, pieces_);
+    if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
+    result_.mesh = std::move(ordered);
   });
 }
 
 void Pipeline::finish_statistics() {
   Statistics& s = statistics_;
-  s.n = points_.size();
-  s.m = constraints_.size;
+  s.n = source_.n;
+  s.m = source_.m;
   s.constraints_pieces = pieces_.count;
   s.constraints_overlapping = pieces_.source_count - pieces_.count;
-  s.triangles = result_.triangles.size();
+  s.triangles = result_.mesh.triangles;
   s.grid = vertices_.grid;
-  s.peak_device_bytes = runtime_.meter().peak;
+  s.peak_device_bytes = runtime_.meter().peak - in_use_before_;
+  s.held_device_bytes = runtime_.meter().held_peak;
   s.device = runtime_.info().name;
   s.driver = runtime_.info().driver;
   s.platform = runtime_.info().platform;
-  s.version = version();
+  s.version = GCDT_VERSION;
   if (s.triangles == 0)
     s.notes.push_back(vertices_.n() < 3 ? "fewer than three distinct vertices: no triangles"
                                         : "all vertices lie on one line: no triangles");
+  result_.pieces = std::move(pieces_);
 }
 
 }  // namespace gcdt

@@ -6,25 +6,48 @@
 #include "constrain.hpp"
 #include "flip.hpp"
 #include "order.hpp"
+#include "output.hpp"
 
 namespace gcdt {
+
+/// The input in device memory, where the pipeline finds all input.
+struct DeviceInput {
+  InputPoints points;
+  runtime::Buffer<cl_uint2> constraints;  ///< pairs of input points
+};
+
+/// Where the input comes from. `load` is called once, as part of the order step.
+struct InputSource {
+  std::uint64_t n = 0, m = 0;  ///< vertices and constraints
+  std::function<DeviceInput()> load;
+};
+
+/// What a run leaves in device memory; all numbers are input numbers.
+struct DeviceTriangulation {
+  OrderedMesh mesh;
+  runtime::Buffer<cl_uint> representatives;  ///< one per input vertex
+  Pieces pieces;
+  runtime::Buffer<cl_uint> dropped;  ///< constraints, ascending
+  Statistics statistics;
+};
 
 /// One triangulation on one device.
 class Pipeline {
  public:
-  Pipeline(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
-           const Options& options);
-  /// Throws Error; see Solver::triangulate.
-  Triangulation run();
+  Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSource source, const Options& options);
+  /// Throws Error; see gcdt_triangulate.
+  DeviceTriangulation run();
 
  private:
   void insert();
   void constrain_all();
   void resolve_crossings(const ConstrainResult& first);
-  [[noreturn]] void reject(const std::vector<Constraint>& crossings) const;
+  [[noreturn]] void reject(const std::vector<Constraint>& crossings);
   void flip_all();
   void output();
   void finish_statistics();
+  void run_steps();
+  [[noreturn]] void ask_for_workspace(const Error& error) const;
 
   void clean(const std::vector<cl_uint>& wanted);
   ConstrainResult enforce();
@@ -36,11 +59,12 @@ class Pipeline {
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;
-  Points points_;
-  Constraints constraints_;
+  InputSource source_;
+  runtime::Buffer<cl_uint2> constraints_;
+  std::uint64_t in_use_before_;
   const Options& options_;
   Ticker ticker_;
-  Triangulation result_;
+  DeviceTriangulation result_;
   Statistics& statistics_ = result_.statistics;
 
   Vertices vertices_;
@@ -52,5 +76,8 @@ class Pipeline {
   Pieces pieces_;
   double clean_ms_ = 0;
 };
+
+/// See gcdt_required_bytes (lib/memory.cpp).
+std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed);
 
 }  // namespace gcdt

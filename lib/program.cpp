@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds the embedded programs, or takes them built from the cache.
+#include <algorithm>
 #include <cstring>
 
 #include "cache.hpp"
@@ -68,17 +69,29 @@ std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, cons
   return program;
 }
 
-// Empty if the driver gives none.
+// Of the runtime's device: the context may have more. Empty if the driver gives none.
 std::string binary_of(Runtime& runtime, const char* name, const cl::Program& program) {
-  std::size_t size = 0;
-  const cl_int sized = runtime.attempt("clGetProgramInfo", name, [&] {
-    return clGetProgramInfo(program(), CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr);
+  cl_uint count = 0;
+  const cl_int counted = runtime.attempt("clGetProgramInfo", name, [&] {
+    return clGetProgramInfo(program(), CL_PROGRAM_NUM_DEVICES, sizeof count, &count, nullptr);
   });
-  if (sized != CL_SUCCESS || size == 0) return {};
-  std::string binary(size, '\0');
-  auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
+  if (counted != CL_SUCCESS) return {};
+  std::vector<cl_device_id> devices(count);
+  std::vector<std::size_t> sizes(count, 0);
+  const cl_int sized = runtime.attempt("clGetProgramInfo", name, [&] {
+    const cl_int listed =
+        clGetProgramInfo(program(), CL_PROGRAM_DEVICES, count * sizeof devices[0], devices.data(), nullptr);
+    return listed != CL_SUCCESS
+               ? listed
+               : clGetProgramInfo(program(), CL_PROGRAM_BINARY_SIZES, count * sizeof sizes[0], sizes.data(), nullptr);
+  });
+  const std::size_t ours = std::find(devices.begin(), devices.end(), runtime.device()()) - devices.begin();
+  if (sized != CL_SUCCESS || ours == count || sizes[ours] == 0) return {};
+  std::string binary(sizes[ours], '\0');
+  std::vector<unsigned char*> places(count, nullptr);  // null: not wanted
+  places[ours] = reinterpret_cast<unsigned char*>(binary.data());
   const cl_int got = runtime.attempt("clGetProgramInfo", name, [&] {
-    return clGetProgramInfo(program(), CL_PROGRAM_BINARIES, sizeof bytes, &bytes, nullptr);
+    return clGetProgramInfo(program(), CL_PROGRAM_BINARIES, count * sizeof places[0], places.data(), nullptr);
   });
   return got == CL_SUCCESS ? binary : std::string();
 }

@@ -108,6 +108,7 @@ void Runtime::self_test() {
   }
   std::string wrong = first_wrong_word(*this);
   if (wrong == mul_hi) {
+    log(GCDT_LOG_WARNING, info_.name + " computes mul_hi wrongly: emulated");
     emulate_mul_hi_ = true;
     kernels_.clear();
     programs_.clear();
@@ -119,7 +120,8 @@ void Runtime::self_test() {
   cache::store(entry, emulate_mul_hi_ ? emulate : right);
   // Statistics are about the caller's work.
   launches_ = read_backs_ = 0;
-  *meter_ = {};
+  memory_->trim();
+  meter().restart_peaks();
 }
 
 }  // namespace gcdt::runtime

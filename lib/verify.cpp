@@ -91,13 +91,13 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
 
 }  // namespace
 
-}  // namespace proof
-
 Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid, Crossing crossing) {
   Verification result;
-  result.reason = proof::prove(points, constraints, mesh, grid, crossing);
+  result.reason = prove(points, constraints, mesh, grid, crossing);
   result.valid = result.reason.empty();
   return result;
 }
+
+}  // namespace proof
 
 }  // namespace gcdt

@@ -138,13 +138,13 @@ Grid chosen_grid(Points points) {
 
 }  // namespace
 
-}  // namespace proof
-
 Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed) {
-  proof::for_each_coordinate(points, [](std::size_t i, int axis, double v) {
-    if (!proof::is_finite(v)) proof::fail(Status::coordinate_not_finite, i, axis, "is not finite");
+  for_each_coordinate(points, [](std::size_t i, int axis, double v) {
+    if (!is_finite(v)) fail(Status::coordinate_not_finite, i, axis, "is not finite");
   });
-  return fixed ? proof::fixed_grid(points, *fixed) : proof::chosen_grid(points);
+  return fixed ? fixed_grid(points, *fixed) : chosen_grid(points);
 }
+
+}  // namespace proof
 
 }  // namespace gcdt

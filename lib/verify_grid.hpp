@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <gcdt/verify.hpp>
+#include <gcdt/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,5 +66,9 @@ Placed place(double v, double origin, const Cell& cell, double least_move);
 /// All vertices on `grid`. Returns an empty vector and a reason if one does not fit or, on a binary
 /// or decimal grid, is not on the grid.
 std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reason);
+
+/// What the public functions of these names say.
+Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed);
+Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid, Crossing crossing);
 
 }  // namespace gcdt::proof

@@ -91,7 +91,8 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   }
   const WalkedMesh walked{vertices, mesh, history};
   counters.zero();
-  Cleaner cleaner(runtime, primitives, vertices, constraints, n);
+  const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
+  Cleaner cleaner(runtime, primitives, vertices, staged, n);
   const CleanResult clean = cleaner.clean(walked, {}, counters);
   const std::set<Constraint> expected = expected_pieces(points, constraints);
   std::vector<cl_uint2> ends(clean.pieces.count);

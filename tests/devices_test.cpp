@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Listing and choosing devices; every OpenCL call failing in turn.
 #include <doctest/doctest.h>
+#include <gcdt/gcdt.hpp>
 
 #include <algorithm>
 #include <numeric>

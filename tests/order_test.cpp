@@ -48,7 +48,7 @@ struct Read {
 };
 
 Read run(Device& device, Points points, const std::optional<FixedGrid>& fixed = {}) {
-  const OrderResult result = order(device.runtime, device.primitives, points, fixed, coarsest);
+  const OrderResult result = order(device.runtime, device.primitives, stage(device.runtime, points), fixed, coarsest);
   const Vertices& v = result.vertices;
   Read read{v.grid, v.levels, result.merged, {}, {}, {}};
   read.points.resize(v.n());
@@ -365,7 +365,7 @@ TEST_CASE("nothing stays allocated but the vertices") {
   device.primitives.release();
   const std::uint64_t before = device.runtime.meter().now;
   {
-    const OrderResult result = order(device.runtime, device.primitives, points, {}, coarsest);
+    const OrderResult result = order(device.runtime, device.primitives, stage(device.runtime, points), {}, coarsest);
     const Vertices& v = result.vertices;
     device.primitives.release();  // the scan's
     CHECK(device.runtime.meter().now - before ==

@@ -56,7 +56,16 @@ Triangulation ordered_on(runtime::Runtime& runtime, const Sample& sample, std::u
   const Mesh mesh = upload_mesh(runtime, sample, seed);
   OrderedMesh ordered = order_triangles(runtime, primitives, mesh, vertices);
   Triangulation result;
-  read_triangulation(runtime, ordered, vertices, result);
+  const auto representatives = number_by_input(runtime, vertices, ordered);
+  result.representative.resize(representatives.size());
+  result.triangles.resize(ordered.triangles);
+  result.neighbours.resize(ordered.triangles);
+  result.constrained.resize(ordered.triangles);
+  runtime.read(representatives, result.representative.data(), representatives.size());
+  if (result.triangles.empty()) return result;
+  runtime.read(ordered.corners, result.triangles[0].data(), 3 * result.triangles.size());
+  runtime.read(ordered.neighbours, result.neighbours[0].data(), 3 * result.triangles.size());
+  runtime.read(ordered.constrained, result.constrained.data(), result.triangles.size());
   return result;
 }
 

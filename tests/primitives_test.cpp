@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scan, compaction and sort against the standard library, both walks, under several launch geometries.
 #include <doctest/doctest.h>
+#include <gcdt/gcdt.hpp>
 
 #include <algorithm>
 #include <numeric>

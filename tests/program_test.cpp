@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Programs build without a warning everywhere, and the cache of built ones neither lies nor fails.
 #include <doctest/doctest.h>
+#include <gcdt/gcdt.hpp>
 
 #include <map>
 #include <mutex>

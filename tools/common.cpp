@@ -90,6 +90,12 @@ io::Exit exit_for(Status status) {
     case Status::out_of_memory:
     case Status::round_limit: return io::Exit::device;
     case Status::check_failed: return io::Exit::check;
+    case Status::workspace_too_small:
+    case Status::buffer_too_small:
+    case Status::wrong_context:
+    case Status::buffer_access:
+    case Status::buffers_overlap:
+    case Status::in_use: return io::Exit::device;
     case Status::cancelled: return io::Exit::interrupted;
   }
   return io::Exit::device;

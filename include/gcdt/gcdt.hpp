@@ -1,279 +1,175 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface for data in host memory: points and constraints in, the exact constrained
-// Delaunay triangulation (CDT) out. No OpenCL header is needed to use it.
+// The C++17 interface, header-only over gcdt.h: points and constraints in, the exact constrained Delaunay
+// triangulation (CDT) out. No OpenCL header is needed. Threads, blocking and memory: as gcdt.h says.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
+#include <algorithm>
+#include <exception>
 
-#include <gcdt/export.hpp>
+#include <gcdt/detail.hpp>
+#include <gcdt/types.hpp>
 
 namespace gcdt {
 
-/// A view of `size` elements at `data`, owned by the caller.
-template <class T>
-struct Span {
-  const T* data = nullptr;
-  std::size_t size = 0;
-
-  Span() = default;
-  Span(const T* first, std::size_t count) : data(first), size(count) {}
-  Span(const std::vector<T>& values) : data(values.data()), size(values.size()) {}
-  template <std::size_t N>
-  Span(const std::array<T, N>& values) : data(values.data()), size(N) {}
-
-  const T& operator[](std::size_t i) const { return data[i]; }
-  const T* begin() const { return data; }
-  const T* end() const { return data + size; }
-};
-
-/// A view of the input vertices: `count` pairs (x, y) of one number type, tightly packed.
-/// Every coordinate must be finite; -0 counts as 0. Owned by the caller, read only during the call.
-class Points {
- public:
-  enum class Type { float64, float32, int32 };
-
-  Points() = default;
-  Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data, p.size) {}
-  Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data, p.size) {}
-  Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data, p.size) {}
-  Points(const std::vector<std::array<double, 2>>& p) : Points(Span<std::array<double, 2>>(p)) {}
-  Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
-  Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}
-  /// `count` pairs at `xy`: 2 * count numbers.
-  static Points pairs(const double* xy, std::size_t count) { return Points(Type::float64, xy, count); }
-  static Points pairs(const float* xy, std::size_t count) { return Points(Type::float32, xy, count); }
-  static Points pairs(const std::int32_t* xy, std::size_t count) { return Points(Type::int32, xy, count); }
-
-  Type type() const { return type_; }
-  const void* data() const { return data_; }
-  std::size_t size() const { return size_; }
-  /// Coordinate `axis` (0: x, 1: y) of vertex `i`; every type converts to double exactly.
-  double coordinate(std::size_t i, int axis) const {
-    switch (type_) {
-      case Type::float32: return static_cast<const float*>(data_)[2 * i + axis];
-      case Type::int32: return static_cast<const std::int32_t*>(data_)[2 * i + axis];
-      default: return static_cast<const double*>(data_)[2 * i + axis];
-    }
-  }
-
- private:
-  Points(Type type, const void* data, std::size_t size) : type_(type), data_(data), size_(size) {}
-  Type type_ = Type::float64;
-  const void* data_ = nullptr;
-  std::size_t size_ = 0;
-};
-
-/// A constraint: the numbers of its two end vertices. Which end comes first does not matter.
-using Constraint = std::array<std::uint32_t, 2>;
-using Constraints = Span<Constraint>;
-
-/// What went wrong. The names are the sentences.
-enum class Status {
-  ok,
-  invalid_argument,         ///< an option or a view that makes no sense
-  coordinate_not_finite,    ///< indices: {vertex, axis}
-  coordinate_outside_grid,  ///< only with a fixed grid; indices: {vertex, axis}
-  index_out_of_range,       ///< indices: {constraint, end (0 or 1)}
-  too_many_vertices,        ///< more than the 32-bit numbering holds (max_vertices)
-  constraints_cross,        ///< indices: up to ten pairs {c, d, c, d, ...}; see Error::pair_count
-  no_device,                ///< no OpenCL device fits the choice
-  device_failed,            ///< an OpenCL call failed, or the device computes wrongly
-  out_of_memory,            ///< the device's memory or largest buffer is too small
-  round_limit,              ///< a loop did not end where theory says it must
-  check_failed,             ///< the result failed the check of its own validity and is withheld
-  cancelled,                ///< the progress callback asked to stop
-};
-
-/// Everything this library throws, std::bad_alloc apart.
-class Error : public std::runtime_error {
- public:
-  Error(Status status, const std::string& what, std::vector<std::uint64_t> indices = {}, std::uint64_t pair_count = 0)
-      : std::runtime_error(what), status_(status), indices_(std::move(indices)), pair_count_(pair_count) {}
-  Status status() const { return status_; }
-  /// The offending vertices, constraints or pairs, in input numbers from 0; see Status for the shape.
-  const std::vector<std::uint64_t>& indices() const { return indices_; }
-  /// constraints_cross: how many pairs of constraints cross in all.
-  std::uint64_t pair_count() const { return pair_count_; }
-
- private:
-  Status status_;
-  std::vector<std::uint64_t> indices_;
-  std::uint64_t pair_count_ = 0;
-};
-
-/// The integer grid on which everything is exact: vertex (x, y) stands at
-/// (round((x - origin[0]) / cell), round((y - origin[1]) / cell)), half to even, in [0, 2^31 - 1]^2.
-struct Grid {
-  enum class Kind {
-    binary,   ///< every coordinate is a multiple of one power of two: nothing moved
-    decimal,  ///< every coordinate is the double nearest to a decimal: exact for the numbers as written
-    rounded,  ///< otherwise: largest_move says how far a coordinate moved at most
-    fixed,    ///< given by the caller; largest_move as for rounded
-  };
-  Kind kind = Kind::binary;
-  std::array<double, 2> origin{0, 0};
-  /// The cell's edge is cell_units / 10^cell_decimals if cell_units > 0, else 2^cell_exponent.
-  std::uint64_t cell_units = 0;
-  int cell_decimals = 0;
-  int cell_exponent = 0;
-  double largest_move = 0;
-
-  /// The double nearest to the cell's edge.
-  GCDT_API double cell() const;
-};
-
-/// A grid given by the caller: origin, and the cell's edge as a decimal number such as "0.001"
-/// (at most 19 significant digits, exponent -22 to 22) or a power of two.
-struct FixedGrid {
-  double x = 0, y = 0;
-  std::string cell = "1";
-};
-
-/// What happens to constraints whose interiors cross (contract: after duplicates are merged and
-/// constraints are split at the vertices on them).
-enum class Crossing {
-  reject,  ///< throw constraints_cross
-  drop,    ///< in input order, drop a constraint that crosses an earlier one that was kept
-};
-
-/// Called between rounds with the phase's name and the share done of the whole in [0, 1].
-/// Return false to stop: the call then throws Status::cancelled.
-using Progress = std::function<bool(const char* phase, double done)>;
-
-struct Options {
-  Crossing crossing = Crossing::reject;
-  std::optional<FixedGrid> grid;  ///< default: chosen from the input (Grid::Kind)
-  bool check = true;              ///< prove the mesh on the device before it is returned
-  Progress progress;
-};
-
-/// Counts and times of one call; names as in the statistics file of the command.
-struct Statistics {
-  std::uint64_t n = 0, m = 0;  ///< input vertices and constraints
-  std::uint64_t vertices_merged = 0;
-  std::uint64_t constraints_zero = 0, constraints_pieces = 0, constraints_overlapping = 0;
-  std::uint64_t crossings = 0, constraints_dropped = 0, vertices_added = 0;
-  std::uint64_t triangles = 0;
-  Grid grid;
-  /// Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device
-  /// memory to an unordered mesh there. full: the whole call without building programs.
-  struct Milliseconds {
-    double read = 0, core = 0, full = 0, write = 0, build = 0;
-    double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0;
-  } ms;
-  struct Rounds {
-    std::uint64_t insert = 0, flip = 0;
-  } rounds;
-  std::uint64_t flips = 0;
-  std::uint64_t history_depth = 0;   ///< longest path in the history tree of the last level
-  std::uint64_t location_steps = 0;  ///< triangles visited by all point locations together
-  std::uint64_t launches = 0, read_backs = 0;
-  std::uint64_t crossed_pairs = 0;  ///< (triangle, constraint) pairs crossed by the first walk
-  std::uint64_t peak_device_bytes = 0;
-  std::string device, driver, platform, version;
-  /// How often each special case of the algorithm occurred; tests prove by it that cases are reached.
-  struct Cases {
-    std::uint64_t edge_splits = 0;              ///< vertices inserted on an edge (state OnEdge)
-    std::uint64_t constraint_hits = 0;          ///< vertices found on the inside of a constraint
-    std::uint64_t existing_edges = 0;           ///< pieces that were edges already
-    std::uint64_t pieces_walked = 0;            ///< pieces that crossed at least one edge
-    std::uint64_t chain_vertices = 0;           ///< triangles made by distance-ordered retriangulation
-    std::uint64_t holes = 0;                    ///< triangles made by hole filling (paper 6.5)
-    std::uint64_t symbolic_chain_vertices = 0;  ///< chain vertices that are vertices at infinity
-  } cases;
-  std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
-};
-
-/// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
-struct Triangulation {
-  /// Corners, counter-clockwise; canonical order: each triangle starts with its first vertex in
-  /// Z-order of the grid, and triangles are sorted by the Z-order of their first, then second vertex.
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  /// neighbours[t][k] is the triangle across the edge opposite corner k of t, or -1.
-  std::vector<std::array<std::int32_t, 3>> neighbours;
-  /// Bit k of constrained[t]: the edge opposite corner k of t is (part of) a constraint.
-  std::vector<std::uint8_t> constrained;
-  /// representative[v]: the vertex that stands for input vertex v; the least number of its grid point.
-  std::vector<std::uint32_t> representative;
-  /// The constraints after cleaning: ends (Z-order of the ends), sorted by that order.
-  std::vector<Constraint> pieces;
-  /// sources[source_offsets[i] .. source_offsets[i + 1]): the input constraints that run along
-  /// pieces[i], ascending. source_offsets has pieces.size() + 1 elements.
-  std::vector<std::uint32_t> source_offsets, sources;
-  /// The input constraints dropped under Crossing::drop, ascending.
-  std::vector<std::uint32_t> dropped;
-  Statistics statistics;
-};
-
-/// What an OpenCL device is and has.
-struct DeviceInfo {
-  std::string name, vendor, platform, driver, version;
-  bool is_gpu = false, is_cpu = false;
-  std::uint64_t memory_bytes = 0, largest_buffer_bytes = 0, local_bytes = 0;
-  std::uint32_t compute_units = 0, largest_work_group = 0;
-  bool atomics64 = false, fp64 = false, subgroups = false;
-};
-
 /// All OpenCL devices of all platforms, in the order that selects them by number; without those that
-/// have no compiler or no OpenCL 1.2.
-/// Empty if there is none (never an error). Thread-safe.
-GCDT_API std::vector<DeviceInfo> devices();
+/// have no compiler or no OpenCL 1.2. Empty if there is none (never an error). Thread-safe.
+inline std::vector<DeviceInfo> devices() {
+  std::size_t count = 0;
+  detail::check(gcdt_device_count(&count));
+  std::vector<DeviceInfo> all;
+  for (std::size_t i = 0; i < count; ++i)
+    all.push_back(detail::device_info([&](gcdt_device_info* info) { return gcdt_device_get(i, info); }));
+  return all;
+}
 
 /// The device that `spec` selects, by number. `auto` (a GPU if there is one, else a CPU), `cpu`,
 /// `gpu`, a number, or a part of a name (letter case aside); empty: the variable GCDT_DEVICE, else `auto`.
 /// If several names match, the first is taken and `ambiguous` (may be null) is set.
 /// Throws no_device, with what to install, if none fits.
-GCDT_API std::size_t select_device(const std::string& spec, bool* ambiguous = nullptr);
+inline std::size_t select_device(const std::string& spec, bool* ambiguous = nullptr) {
+  std::size_t number = 0;
+  std::int32_t several = 0;
+  detail::check(gcdt_device_select(spec.c_str(), &number, &several));
+  if (ambiguous) *ambiguous = several != 0;
+  return number;
+}
 
-/// Triangulates on one device and keeps its programs and buffers between calls.
-/// Distinct objects may be used from distinct threads; one object by one thread at a time.
-class GCDT_API Solver {
+/// Says what the solver does: programs built, memory taken. `level`: GCDT_LOG_WARNING or GCDT_LOG_INFORMATION.
+using Log = std::function<void(int level, const char* message)>;
+
+/// A triangulation in device memory, until it is asked for or the object is gone. Move-only.
+class Result {
+ public:
+  explicit Result(gcdt_result* handle) : handle_(handle) {}
+  /// The C handle, which the object keeps.
+  gcdt_result* handle() const { return handle_.get(); }
+
+  std::size_t triangle_count() const { return count(GCDT_TRIANGLES); }
+  /// Elements of an array (GCDT_TRIANGLES ...).
+  std::size_t count(std::int32_t array) const {
+    return static_cast<std::size_t>(gcdt_result_count(handle_.get(), array));
+  }
+
+  /// Copies to host memory; see the members of Triangulation. Each blocks.
+  std::vector<std::array<std::uint32_t, 3>> triangles() const {
+    return copy<std::array<std::uint32_t, 3>>(GCDT_TRIANGLES);
+  }
+  std::vector<std::array<std::int32_t, 3>> neighbours() const {
+    return copy<std::array<std::int32_t, 3>>(GCDT_NEIGHBOURS);
+  }
+  std::vector<std::uint8_t> constrained() const { return copy<std::uint8_t>(GCDT_CONSTRAINED); }
+  std::vector<std::uint32_t> representative() const { return copy<std::uint32_t>(GCDT_REPRESENTATIVES); }
+  std::vector<Constraint> pieces() const { return copy<Constraint>(GCDT_PIECES); }
+  std::vector<std::uint32_t> source_offsets() const { return copy<std::uint32_t>(GCDT_SOURCE_OFFSETS); }
+  std::vector<std::uint32_t> sources() const { return copy<std::uint32_t>(GCDT_SOURCES); }
+  std::vector<std::uint32_t> dropped() const { return copy<std::uint32_t>(GCDT_DROPPED); }
+  Statistics statistics() const { return detail::statistics(handle_.get()); }
+
+  /// All of it. Blocks.
+  Triangulation download() const {
+    Triangulation all;
+    all.triangles = triangles();
+    all.neighbours = neighbours();
+    all.constrained = constrained();
+    all.representative = representative();
+    all.pieces = pieces();
+    all.source_offsets = source_offsets();
+    all.sources = sources();
+    all.dropped = dropped();
+    all.statistics = statistics();
+    return all;
+  }
+
+ private:
+  template <class T>
+  std::vector<T> copy(std::int32_t array) const {
+    std::vector<T> values(count(array));
+    detail::check(gcdt_result_copy(handle_.get(), array, values.data(), values.size()));
+    return values;
+  }
+  struct Release {
+    void operator()(gcdt_result* result) const { gcdt_result_release(result); }
+  };
+  std::unique_ptr<gcdt_result, Release> handle_;
+};
+
+/// Triangulates on one device and keeps its programs and memory between calls.
+/// Distinct objects may be used from distinct threads; one object by one thread at a time. Move-only.
+class Solver {
  public:
   /// `device`: as for select_device. Throws no_device or device_failed.
-  explicit Solver(const std::string& device = {});
-  ~Solver();
-  Solver(Solver&&) noexcept;
-  Solver& operator=(Solver&&) noexcept;
+  explicit Solver(const std::string& device = {}, Log log = {}) : log_(detail::boxed(std::move(log))) {
+    gcdt_solver_options options = detail::solver_options(log_.get());
+    options.device = device.c_str();
+    gcdt_solver* solver = nullptr;
+    detail::check(gcdt_solver_create(&options, &solver));
+    handle_.reset(solver);
+    device_ = detail::device_info([&](gcdt_device_info* info) { return gcdt_solver_device(solver, info); });
+  }
+  /// Takes over a handle; `log`, if any, is what it was created with.
+  explicit Solver(gcdt_solver* handle, std::unique_ptr<Log> log = {}) : log_(std::move(log)), handle_(handle) {
+    device_ = detail::device_info([&](gcdt_device_info* info) { return gcdt_solver_device(handle, info); });
+  }
 
-  const DeviceInfo& device() const;
+  /// The C handle, which the object keeps.
+  gcdt_solver* handle() const { return handle_.get(); }
+  const DeviceInfo& device() const { return device_; }
 
-  /// The CDT of `points` under `constraints` (paper: Fan et al., gCDT, 2026, sections 4 to 8).
+  /// The CDT of `points` under `constraints` (paper: Fan et al., gCDT, 2026, sections 4 to 8), in device memory.
   ///
   /// `points`: 0 to max_vertices vertices; `constraints`: 0 to 2^31 - 1 pairs of vertex numbers.
   /// Fewer than three distinct vertices, or all on one line: no triangles and a note, no error.
-  /// Blocks until the result is in host memory. On error nothing is returned and the object can
-  /// be used again. Throws Error (see Status).
-  Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {});
+  /// On error nothing is returned and the object can be used again. Throws Error (see Status), and what the
+  /// progress function throws. Blocks until the mesh is complete.
+  Result solve(Points points, Constraints constraints = {}, const Options& options = {}) {
+    const gcdt_input input = detail::input(points, constraints);
+    return solved(options, [&](const gcdt_options& given, gcdt_result** result) {
+      return gcdt_triangulate(handle_.get(), &input, &given, result);
+    });
+  }
+  /// The same, copied to host memory.
+  Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {}) {
+    return solve(points, constraints, options).download();
+  }
+
+  /// Gives the device memory back that is kept and that no result holds.
+  void trim() { detail::check(gcdt_solver_trim(handle_.get())); }
+
+  /// For gcdt_cl.hpp: calls `f` with the options as C has them, and lets exceptions of the progress function through.
+  template <class F>
+  Result solved(const Options& options, F&& f) {
+    detail::ProgressCall progress{&options.progress, nullptr};
+    gcdt_result* result = nullptr;
+    const std::int32_t status = f(detail::options(options, progress), &result);
+    if (progress.thrown) {
+      gcdt_result_release(result);
+      std::rethrow_exception(progress.thrown);
+    }
+    detail::check(status);
+    return Result(result);
+  }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Release {
+    void operator()(gcdt_solver* solver) const { gcdt_solver_release(solver); }
+  };
+  std::unique_ptr<Log> log_;  // the handle has its address
+  std::unique_ptr<gcdt_solver, Release> handle_;
+  DeviceInfo device_;
 };
 
-/// The most vertices one call takes: triangle numbers are 30 bits wide.
-constexpr std::uint64_t max_vertices = (1ull << 29) - 2;
+/// One call: makes a Solver on `device`, triangulates, and drops it. See Solver::solve.
+inline Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {},
+                                 const std::string& device = {}) {
+  return Solver(device).triangulate(points, constraints, options);
+}
 
-/// One call: makes a Solver on `device`, triangulates, and drops it. See Solver::triangulate.
-GCDT_API Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {},
-                                   const std::string& device = {});
-
-/// The device memory that triangulating n vertices and m constraints needs at most, in bytes; the
-/// caller's own buffers are not in it. `crossed`: the (triangle, constraint) pairs that the constraints
-/// cross on the mesh before the last flips (Statistics::crossed_pairs), not known before the first walk:
-/// the default is the worst case, all triangles crossed. Count a constraint that runs through k vertices as
-/// k + 1. Listing crossing constraints (Crossing::reject, drop) is not in it.
-GCDT_API std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed = ~std::uint64_t(0));
+/// See gcdt_required_bytes. Bytes of device memory; the default for `crossed` is the worst case.
+inline std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed = ~std::uint64_t(0)) {
+  return gcdt_required_bytes(n, m, crossed);
+}
 
 /// "major.minor.patch" of the library.
-GCDT_API const char* version();
+inline const char* version() { return gcdt_version(); }
 
 }  // namespace gcdt

@@ -2,27 +2,23 @@
 // The independent proof of a result: exact host arithmetic, no device, no code shared with the pipeline.
 #pragma once
 
-#include <string>
-
-#include <gcdt/gcdt.hpp>
+#include <gcdt/detail.hpp>
 
 namespace gcdt {
 
-/// A mesh to be verified; triangle order and first corners are free.
-struct MeshView {
-  Span<std::array<std::uint32_t, 3>> triangles;
-  const std::array<std::int32_t, 3>* neighbours = nullptr;  ///< one per triangle, or null: not checked
-  const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
-};
-
-struct Verification {
-  bool valid = false;
-  std::string reason;  ///< of the first failure, naming vertices, triangles or constraints in input numbers
-};
-
 /// The grid that triangulate() chooses for `points` (or the fixed one), by host arithmetic.
 /// Throws coordinate_not_finite or coordinate_outside_grid as triangulate() does.
-GCDT_API Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed = {});
+inline Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed = {}) {
+  const gcdt_input input = detail::input(points, {});
+  Options options;
+  options.grid = fixed;
+  detail::ProgressCall none;
+  const gcdt_options given = detail::options(options, none);
+  gcdt_grid grid = {};
+  grid.struct_size = sizeof grid;
+  detail::check(gcdt_choose_grid(&input, &given, &grid));
+  return detail::grid(grid);
+}
 
 /// Proves that `mesh` is the CDT of `points` and `constraints` on `grid`: every triangle
 /// counter-clockwise, every link two-sided, the boundary closed and convex, every representative a
@@ -30,7 +26,24 @@ GCDT_API Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed =
 /// the tie rule. Under Crossing::drop it also proves that exactly the right constraints are missing.
 /// Never throws on a bad mesh: an index that does not exist is a failed verification.
 /// O((n + m) log n) expected; thread-safe.
-GCDT_API Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid,
-                             Crossing crossing = Crossing::reject);
+inline Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid,
+                           Crossing crossing = Crossing::reject) {
+  const gcdt_input input = detail::input(points, constraints);
+  gcdt_mesh view = GCDT_MESH_INIT;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
+  view.triangle_count = mesh.triangles.size;
+  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
+  view.constrained = mesh.constrained;
+  const gcdt_grid at = detail::grid(grid);
+  const std::int32_t status =
+      gcdt_verify(&input, &view, &at, crossing == Crossing::drop ? GCDT_CROSSING_DROP : GCDT_CROSSING_REJECT);
+  if (status != GCDT_ERROR_NOT_VALID) {
+    detail::check(status);
+    return {true, {}};
+  }
+  gcdt_error error = GCDT_ERROR_INIT;
+  gcdt_last_error(nullptr, &error);
+  return {false, error.message};
+}
 
 }  // namespace gcdt

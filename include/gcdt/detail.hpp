@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between the types of C++ and those of C. Not part of the interface.
+#pragma once
+
+#include <exception>
+#include <new>
+
+#include <gcdt/types.hpp>
+
+namespace gcdt::detail {
+
+inline Status status_of(std::int32_t code) {
+  switch (code) {
+    case GCDT_OK: return Status::ok;
+    case GCDT_ERROR_COORDINATE_NOT_FINITE: return Status::coordinate_not_finite;
+    case GCDT_ERROR_COORDINATE_OUTSIDE_GRID: return Status::coordinate_outside_grid;
+    case GCDT_ERROR_INDEX_OUT_OF_RANGE: return Status::index_out_of_range;
+    case GCDT_ERROR_TOO_MANY_VERTICES: return Status::too_many_vertices;
+    case GCDT_ERROR_CONSTRAINTS_CROSS: return Status::constraints_cross;
+    case GCDT_ERROR_NO_DEVICE: return Status::no_device;
+    case GCDT_ERROR_ROUND_LIMIT: return Status::round_limit;
+    case GCDT_ERROR_CHECK_FAILED: return Status::check_failed;
+    case GCDT_ERROR_CANCELLED: return Status::cancelled;
+    case GCDT_ERROR_WORKSPACE_TOO_SMALL: return Status::workspace_too_small;
+    case GCDT_ERROR_BUFFER_TOO_SMALL: return Status::buffer_too_small;
+    case GCDT_ERROR_WRONG_CONTEXT: return Status::wrong_context;
+    case GCDT_ERROR_BUFFER_ACCESS: return Status::buffer_access;
+    case GCDT_ERROR_BUFFERS_OVERLAP: return Status::buffers_overlap;
+    case GCDT_ERROR_IN_USE: return Status::in_use;
+    case GCDT_ERROR_OUT_OF_MEMORY:
+    case -4:   // CL_MEM_OBJECT_ALLOCATION_FAILURE
+    case -5:   // CL_OUT_OF_RESOURCES
+    case -6:   // CL_OUT_OF_HOST_MEMORY
+    case -61:  // CL_INVALID_BUFFER_SIZE
+      return Status::out_of_memory;
+    case GCDT_ERROR_INVALID_ARGUMENT:
+    case GCDT_ERROR_STRUCT_SIZE: return Status::invalid_argument;
+    default: return Status::device_failed;
+  }
+}
+
+/// Throws what the last failed call of this thread said, unless `code` is GCDT_OK.
+inline void check(std::int32_t code) {
+  if (code == GCDT_OK) return;
+  if (code == GCDT_ERROR_HOST_MEMORY) throw std::bad_alloc();
+  gcdt_error error = GCDT_ERROR_INIT;
+  gcdt_last_error(nullptr, &error);
+  throw Error(status_of(code), error.message, {error.indices, error.indices + error.index_count}, error.pair_count,
+              code > -20000 ? code : 0);
+}
+
+template <class Ask>
+DeviceInfo device_info(Ask&& ask) {
+  gcdt_device_info c = {};
+  c.struct_size = sizeof c;
+  check(ask(&c));
+  DeviceInfo info;
+  info.name = c.name, info.vendor = c.vendor, info.platform = c.platform;
+  info.driver = c.driver, info.version = c.version;
+  info.is_gpu = c.is_gpu != 0, info.is_cpu = c.is_cpu != 0;
+  info.atomics64 = c.atomics64 != 0, info.fp64 = c.fp64 != 0, info.subgroups = c.subgroups != 0;
+  info.compute_units = c.compute_units, info.largest_work_group = c.largest_work_group;
+  info.memory_bytes = c.memory_bytes, info.largest_buffer_bytes = c.largest_buffer_bytes;
+  info.local_bytes = c.local_bytes;
+  return info;
+}
+
+inline Grid grid(const gcdt_grid& c) {
+  Grid grid;
+  grid.kind = static_cast<Grid::Kind>(c.kind);
+  grid.origin = {c.origin[0], c.origin[1]};
+  grid.cell_units = c.cell_units, grid.cell_decimals = c.cell_decimals, grid.cell_exponent = c.cell_exponent;
+  grid.largest_move = c.largest_move;
+  return grid;
+}
+
+inline gcdt_grid grid(const Grid& grid) {
+  gcdt_grid c = {};
+  c.struct_size = sizeof c;
+  c.kind = static_cast<std::int32_t>(grid.kind);
+  c.origin[0] = grid.origin[0], c.origin[1] = grid.origin[1];
+  c.cell_units = grid.cell_units, c.cell_decimals = grid.cell_decimals, c.cell_exponent = grid.cell_exponent;
+  c.largest_move = grid.largest_move;
+  return c;
+}
+
+inline std::int32_t coordinate_type(Points::Type type) {
+  return type == Points::Type::float64 ? GCDT_FLOAT64 : type == Points::Type::float32 ? GCDT_FLOAT32 : GCDT_INT32;
+}
+
+inline gcdt_input input(Points points, Constraints constraints) {
+  static_assert(sizeof(Constraint) == 2 * sizeof(std::uint32_t), "arrays of arrays are packed");
+  gcdt_input c = GCDT_INPUT_INIT;
+  c.coordinate_type = coordinate_type(points.type());
+  c.vertices = points.data(), c.vertex_count = points.size();
+  c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data), c.constraint_count = constraints.size;
+  return c;
+}
+
+/// A progress function on its way through C, and what it threw.
+struct ProgressCall {
+  const Progress* function = nullptr;
+  std::exception_ptr thrown;
+
+  static std::int32_t call(void* user, const char* phase, double done) {
+    auto* self = static_cast<ProgressCall*>(user);
+    try {
+      return (*self->function)(phase, done);
+    } catch (...) {
+      self->thrown = std::current_exception();
+      return 0;
+    }
+  }
+};
+
+/// Refers to `options` and `progress`.
+inline gcdt_options options(const Options& options, ProgressCall& progress) {
+  gcdt_options c = GCDT_OPTIONS_INIT;
+  c.crossing = options.crossing == Crossing::drop ? GCDT_CROSSING_DROP : GCDT_CROSSING_REJECT;
+  c.check = options.check, c.canonical = options.canonical;
+  if (options.grid) {
+    c.fixed_grid = 1;
+    c.grid_x = options.grid->x, c.grid_y = options.grid->y, c.grid_cell = options.grid->cell.c_str();
+  }
+  if (options.progress) c.progress = ProgressCall::call, c.progress_user = &progress;
+  return c;
+}
+
+using LogFunction = std::function<void(int level, const char* message)>;
+
+inline std::unique_ptr<LogFunction> boxed(LogFunction log) {
+  return log ? std::make_unique<LogFunction>(std::move(log)) : nullptr;
+}
+
+/// What a log function throws is dropped.
+inline gcdt_solver_options solver_options(LogFunction* log) {
+  gcdt_solver_options c = GCDT_SOLVER_OPTIONS_INIT;
+  if (!log) return c;
+  c.log_user = log;
+  c.log = [](void* user, std::int32_t level, const char* message) {
+    try {
+      (*static_cast<LogFunction*>(user))(level, message);
+    } catch (...) {
+    }
+  };
+  return c;
+}
+
+inline Statistics statistics(const gcdt_result* result) {
+  gcdt_statistics c = {};
+  c.struct_size = sizeof c;
+  check(gcdt_result_statistics(result, &c));
+  Statistics s;
+  s.n = c.n, s.m = c.m, s.vertices_merged = c.vertices_merged;
+  s.constraints_zero = c.constraints_zero, s.constraints_pieces = c.constraints_pieces;
+  s.constraints_overlapping = c.constraints_overlapping;
+  s.crossings = c.crossings, s.constraints_dropped = c.constraints_dropped;
+  s.vertices_added = c.vertices_added, s.triangles = c.triangles;
+  s.grid = grid(c.grid);
+  s.ms.core = c.ms_core, s.ms.full = c.ms_full, s.ms.build = c.ms_build, s.ms.order = c.ms_order;
+  s.ms.insert = c.ms_insert, s.ms.constrain = c.ms_constrain, s.ms.flip = c.ms_flip;
+  s.ms.check = c.ms_check, s.ms.output = c.ms_output;
+  s.rounds.insert = c.rounds_insert, s.rounds.flip = c.rounds_flip;
+  s.flips = c.flips, s.history_depth = c.history_depth, s.location_steps = c.location_steps;
+  s.launches = c.launches, s.read_backs = c.read_backs, s.crossed_pairs = c.crossed_pairs;
+  s.peak_device_bytes = c.peak_device_bytes, s.held_device_bytes = c.held_device_bytes;
+  s.device = c.device, s.driver = c.driver, s.platform = c.platform, s.version = c.version;
+  s.cases.edge_splits = c.edge_splits, s.cases.constraint_hits = c.constraint_hits;
+  s.cases.existing_edges = c.existing_edges, s.cases.pieces_walked = c.pieces_walked;
+  s.cases.chain_vertices = c.chain_vertices, s.cases.holes = c.holes;
+  s.cases.symbolic_chain_vertices = c.symbolic_chain_vertices;
+  for (std::size_t i = 0; const char* note = gcdt_result_note(result, i); ++i) s.notes.emplace_back(note);
+  return s;
+}
+
+}  // namespace gcdt::detail

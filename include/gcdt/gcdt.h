@@ -1,0 +1,312 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* gcdt, the C interface: the exact constrained Delaunay triangulation (CDT) of vertices and constraints on one
+ * OpenCL device. No OpenCL header is needed; gcdt_cl.h adds what applications with an OpenCL context of their own
+ * want, gcdt.hpp and gcdt_cl.hpp are C++17 over both. Only the functions declared here and in gcdt_cl.h are exported.
+ *
+ * Elements. Counts, offsets and capacities are in elements: one vertex (2 numbers), one constraint (2 vertex
+ * numbers), one triangle (3 corners), and so on; never in bytes, except where the name says bytes. Arrays are packed.
+ *
+ * Errors. Every function that can fail returns a status: GCDT_OK, one of GCDT_ERROR_..., or the code of an OpenCL
+ * call that failed (negative, above -20000), as it is. gcdt_last_error has the details. A function that fails has no
+ * effect: nothing of the caller's is written, and the solver can be used again.
+ *
+ * Threads. Distinct solvers may be used by distinct threads at once. One solver, together with its results, belongs
+ * to one thread at a time; a call made while another call on the same solver runs, from a callback as well, is
+ * refused with GCDT_ERROR_IN_USE. Functions without a solver or result may be called by any thread at any time.
+ * There is no global state but the calling thread's last error.
+ *
+ * Structures begin with struct_size, which the caller sets to sizeof, as the _INIT macros do. Later versions only
+ * append members, and take every size that an earlier version had; a size unknown to the library is an error.
+ */
+#ifndef GCDT_GCDT_H
+#define GCDT_GCDT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32) && defined(GCDT_BUILDING)
+#define GCDT_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(GCDT_SHARED)
+#define GCDT_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define GCDT_API __attribute__((visibility("default")))
+#else
+#define GCDT_API
+#endif
+
+#define GCDT_VERSION_MAJOR 0
+#define GCDT_VERSION_MINOR 1
+#define GCDT_VERSION_PATCH 0
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* "major.minor.patch" of the library that is linked or loaded. */
+GCDT_API const char* gcdt_version(void);
+
+/* ---- Status ------------------------------------------------------------------------------------------------ */
+
+enum {
+  GCDT_OK = 0,
+  GCDT_ERROR_INVALID_ARGUMENT = -20001,        /* a null pointer, or a value that makes no sense */
+  GCDT_ERROR_STRUCT_SIZE = -20002,             /* struct_size is of no version that this library knows */
+  GCDT_ERROR_COORDINATE_NOT_FINITE = -20003,   /* indices: vertex, axis (0: x, 1: y) */
+  GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; with a fixed grid only */
+  GCDT_ERROR_INDEX_OUT_OF_RANGE = -20005,      /* indices: constraint, end (0 or 1) */
+  GCDT_ERROR_TOO_MANY_VERTICES = -20006,       /* more than GCDT_MAX_VERTICES */
+  GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: up to ten pairs c, d, c, d, ...; pair_count: all */
+  GCDT_ERROR_NO_DEVICE = -20008,               /* no OpenCL device fits the choice */
+  GCDT_ERROR_DEVICE_FAILED = -20009,           /* the device computes wrongly, or a program does not build */
+  GCDT_ERROR_OUT_OF_MEMORY = -20010,           /* the device's memory or largest buffer is too small */
+  GCDT_ERROR_ROUND_LIMIT = -20011,             /* a loop did not end where theory says it must */
+  GCDT_ERROR_CHECK_FAILED = -20012,            /* the result failed its check and is withheld */
+  GCDT_ERROR_CANCELLED = -20013,               /* the progress callback asked to stop */
+  GCDT_ERROR_WORKSPACE_TOO_SMALL = -20014,     /* indices: bytes needed, as far as is known by now */
+  GCDT_ERROR_BUFFER_TOO_SMALL = -20015,        /* indices: elements needed, elements there are */
+  GCDT_ERROR_WRONG_CONTEXT = -20016,           /* a buffer or queue is not of the solver's context and device */
+  GCDT_ERROR_BUFFER_ACCESS = -20017,           /* an output that is read-only, or an input that is write-only */
+  GCDT_ERROR_BUFFERS_OVERLAP = -20018,         /* two ranges of device memory that must be apart are not */
+  GCDT_ERROR_IN_USE = -20019,                  /* the solver is in a call, or its results still hold memory */
+  GCDT_ERROR_NOT_VALID = -20020,               /* gcdt_verify: the mesh is not the CDT; the message says why */
+  GCDT_ERROR_HOST_MEMORY = -20021,             /* the host is out of memory */
+  GCDT_ERROR_INTERNAL = -20022                 /* a defect of this library */
+};
+
+/* A sentence for the status, OpenCL's codes included; never null. */
+GCDT_API const char* gcdt_strerror(int32_t status);
+
+typedef struct gcdt_solver gcdt_solver;
+typedef struct gcdt_result gcdt_result;
+
+/* What a failed call has to say. The pointers are the library's, and hold until the next failed call on the same
+ * solver (or, without a solver, by the same thread). Indices are input numbers, from 0; see the statuses. */
+typedef struct gcdt_error {
+  size_t struct_size;
+  int32_t status;
+  const char* message; /* never null; one or more lines of UTF-8 without a final newline */
+  const uint64_t* indices;
+  size_t index_count;
+  uint64_t pair_count; /* constraints_cross: pairs of constraints that cross in all */
+} gcdt_error;
+#define GCDT_ERROR_INIT \
+  { sizeof(gcdt_error), 0, "", NULL, 0, 0 }
+
+/* The details of the last failed call on `solver` and its results; with null, of the last failed call by this
+ * thread on any object or none (its message is cut at 4000 bytes). Status GCDT_OK if there was none. */
+GCDT_API int32_t gcdt_last_error(const gcdt_solver* solver, gcdt_error* error);
+
+/* ---- Devices ----------------------------------------------------------------------------------------------- */
+
+typedef struct gcdt_device_info {
+  size_t struct_size;
+  char name[256], vendor[128], platform[128], driver[128], version[128]; /* cut if longer; end with a zero */
+  int32_t is_gpu, is_cpu, atomics64, fp64, subgroups;                    /* 0 or 1 */
+  uint32_t compute_units, largest_work_group;
+  uint64_t memory_bytes, largest_buffer_bytes, local_bytes;
+} gcdt_device_info;
+
+/* How many OpenCL devices all platforms have that the library can use (OpenCL 1.2 and a compiler); 0 is no error. */
+GCDT_API int32_t gcdt_device_count(size_t* count);
+
+/* The device of that number. */
+GCDT_API int32_t gcdt_device_get(size_t number, gcdt_device_info* info);
+
+/* The number of the device that `spec` selects: `auto` (a GPU if there is one, else a CPU), `cpu`, `gpu`, a number, or
+ * a part of a name, letter case aside; null or empty: the variable GCDT_DEVICE, else `auto`. If several names match,
+ * the first is taken and *ambiguous (may be null) is 1. GCDT_ERROR_NO_DEVICE says what to install. */
+GCDT_API int32_t gcdt_device_select(const char* spec, size_t* number, int32_t* ambiguous);
+
+/* ---- The solver -------------------------------------------------------------------------------------------- */
+
+/* Called by the thread that is in a call. Must not call back into the same solver, nor throw, nor jump out. */
+typedef void (*gcdt_log_function)(void* user, int32_t level, const char* message);
+enum { GCDT_LOG_WARNING = 1, GCDT_LOG_INFORMATION = 2 };
+
+typedef struct gcdt_solver_options {
+  size_t struct_size;
+  const char* device;    /* as for gcdt_device_select; must be null where the application gives its own queue */
+  gcdt_log_function log; /* programs built, memory taken, device oddities; null: silence */
+  void* log_user;
+} gcdt_solver_options;
+#define GCDT_SOLVER_OPTIONS_INIT \
+  { sizeof(gcdt_solver_options), NULL, NULL, NULL }
+
+/* A solver on one device, with an OpenCL context of its own. It keeps its programs and device memory between calls: a
+ * repeated call of the same size allocates no device memory. `options` may be null. Blocks. */
+GCDT_API int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** solver);
+
+/* Null is allowed. Results may be released before or after. */
+GCDT_API void gcdt_solver_release(gcdt_solver* solver);
+
+/* The device that the solver runs on. */
+GCDT_API int32_t gcdt_solver_device(const gcdt_solver* solver, gcdt_device_info* info);
+
+/* Gives the device memory back that the solver keeps and no result holds. */
+GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
+
+/* ---- Input ------------------------------------------------------------------------------------------------- */
+
+/* Triangle numbers are 30 bits wide. */
+#define GCDT_MAX_VERTICES 536870910u /* 2^29 - 2 */
+#define GCDT_MAX_CONSTRAINTS 2147483647u
+
+enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2 };
+
+/* Vertices and constraints in host memory: the caller's, read only during the call. Coordinates must be finite; -0
+ * counts as 0. Any attributes of vertices stay with the caller, to be found by vertex number. */
+typedef struct gcdt_input {
+  size_t struct_size;
+  int32_t coordinate_type;     /* GCDT_FLOAT64, GCDT_FLOAT32 or GCDT_INT32 */
+  const void* vertices;        /* vertex_count pairs x, y; may be null if there are none */
+  uint64_t vertex_count;       /* 0 to GCDT_MAX_VERTICES */
+  const uint32_t* constraints; /* constraint_count pairs of vertex numbers from 0, in either order; or null */
+  uint64_t constraint_count;   /* 0 to GCDT_MAX_CONSTRAINTS */
+} gcdt_input;
+#define GCDT_INPUT_INIT \
+  { sizeof(gcdt_input), GCDT_FLOAT64, NULL, 0, NULL, 0 }
+
+/* What happens to constraints whose interiors cross, after they were split at all vertices on them. */
+enum {
+  GCDT_CROSSING_REJECT = 0, /* GCDT_ERROR_CONSTRAINTS_CROSS */
+  GCDT_CROSSING_DROP = 1    /* in input order, drop a constraint that crosses an earlier one that was kept */
+};
+
+/* Called between rounds by the thread that is in the call, with the phase's name and the share done in [0, 1]. Return
+ * 0 to stop: the call then returns GCDT_ERROR_CANCELLED. The rules of gcdt_log_function hold. */
+typedef int32_t (*gcdt_progress_function)(void* user, const char* phase, double done);
+
+typedef struct gcdt_options {
+  size_t struct_size;
+  int32_t crossing;      /* GCDT_CROSSING_... */
+  int32_t check;         /* 1: prove the mesh on the device before it is returned; 0: do not */
+  int32_t canonical;     /* 1: triangles in canonical order, see GCDT_TRIANGLES; 0: in any order, which costs less */
+  int32_t fixed_grid;    /* 1: the grid below; 0: chosen from the input (int32 in device memory: 0, 0, "1") */
+  double grid_x, grid_y; /* its origin */
+  const char* grid_cell; /* the cell's edge, a decimal number such as "0.001"; null: "1" */
+  gcdt_progress_function progress; /* null: none */
+  void* progress_user;
+} gcdt_options;
+#define GCDT_OPTIONS_INIT \
+  { sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL }
+
+/* The CDT of `input` (paper: Fan et al., gCDT, 2026, sections 4 to 8). `options` may be null. Fewer than three
+ * distinct vertices, or all on one line: no triangles and a note, no error. The result stays in device memory until it
+ * is released. Blocks until the mesh is complete: the host reads counters after each few rounds. */
+GCDT_API int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcdt_options* options,
+                                  gcdt_result** result);
+
+/* ---- The result -------------------------------------------------------------------------------------------- */
+
+/* T triangles; all vertex numbers are input numbers from 0, all constraint numbers too. */
+enum {
+  /* T x 3 uint32: corners, counter-clockwise. Canonical order: each triangle starts with its first vertex in Z-order
+   * of the grid; triangles are sorted by the Z-order of their first, then second vertex. */
+  GCDT_TRIANGLES = 0,
+  /* T x 3 int32: [t][k] is the triangle across the edge opposite corner k of triangle t, -1 where there is none. */
+  GCDT_NEIGHBOURS = 1,
+  /* T uint8: bit k tells that the edge opposite corner k is (part of) a constraint. */
+  GCDT_CONSTRAINED = 2,
+  /* One uint32 per input vertex: the least vertex number on its grid point. */
+  GCDT_REPRESENTATIVES = 3,
+  /* P x 2 uint32: the constraints after cleaning, as edges of the mesh, in Z-order of their ends. */
+  GCDT_PIECES = 4,
+  /* P + 1 uint32: the sources of piece i are elements [i] up to [i + 1] of GCDT_SOURCES. */
+  GCDT_SOURCE_OFFSETS = 5,
+  /* uint32: the input constraints that run along each piece, ascending within a piece. */
+  GCDT_SOURCES = 6,
+  /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
+  GCDT_DROPPED = 7
+};
+
+/* Elements of an array, and bytes of one element; 0 for null or an unknown array. */
+GCDT_API uint64_t gcdt_result_count(const gcdt_result* result, int32_t array);
+GCDT_API size_t gcdt_element_bytes(int32_t array);
+
+/* Copies an array to host memory with room for `capacity` elements. Too small: GCDT_ERROR_BUFFER_TOO_SMALL, and
+ * nothing is written. Blocks. Its time is added to ms_output and ms_full of the result's statistics. */
+GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity);
+
+/* Hands the result's device memory back to its solver, for the next call. Null is allowed. */
+GCDT_API void gcdt_result_release(gcdt_result* result);
+
+/* The integer grid on which everything is exact: vertex (x, y) stands at (round((x - origin[0]) / cell),
+ * round((y - origin[1]) / cell)), half to even, in [0, 2^31 - 1]^2. */
+typedef struct gcdt_grid {
+  size_t struct_size;
+  int32_t kind; /* GCDT_GRID_... */
+  double origin[2];
+  uint64_t cell_units; /* the cell's edge is cell_units / 10^cell_decimals if this is not 0, else 2^cell_exponent */
+  int32_t cell_decimals, cell_exponent;
+  double largest_move; /* how far a coordinate was moved at most */
+} gcdt_grid;
+enum {
+  GCDT_GRID_BINARY = 0,  /* every coordinate is a multiple of one power of two: nothing moved */
+  GCDT_GRID_DECIMAL = 1, /* every coordinate is the double nearest to a decimal: exact for the numbers as written */
+  GCDT_GRID_ROUNDED = 2, /* otherwise */
+  GCDT_GRID_FIXED = 3    /* given by the caller */
+};
+
+/* The double nearest to the edge of a cell. */
+GCDT_API double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent);
+
+typedef struct gcdt_statistics {
+  size_t struct_size;
+  uint64_t n, m; /* input vertices and constraints */
+  uint64_t vertices_merged, constraints_zero, constraints_pieces, constraints_overlapping;
+  uint64_t crossings, constraints_dropped, vertices_added, triangles;
+  gcdt_grid grid; /* its struct_size is set by the library */
+  /* Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device memory to an
+   * unordered mesh there; full: the whole call, and copying to the host, without building programs; build: that. */
+  double ms_core, ms_full, ms_build, ms_order, ms_insert, ms_constrain, ms_flip, ms_check, ms_output;
+  uint64_t rounds_insert, rounds_flip, flips, history_depth, location_steps, launches, read_backs;
+  uint64_t crossed_pairs;     /* (triangle, constraint) pairs crossed by the first walk */
+  uint64_t peak_device_bytes; /* in buffers at once during the call; results of other calls are not counted */
+  uint64_t held_device_bytes; /* what the solver held at most during the call, in use or kept */
+  uint64_t edge_splits, constraint_hits, existing_edges, pieces_walked, chain_vertices, holes;
+  uint64_t symbolic_chain_vertices;
+  const char *device, *driver, *platform, *version; /* the result's, until it is released */
+} gcdt_statistics;
+
+GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
+
+/* Remarks such as that all vertices lie on one line; null from the last on. The result's, until it is released. */
+GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
+
+/* ---- Memory ------------------------------------------------------------------------------------------------ */
+
+/* The device memory that triangulating n vertices and m constraints needs at most, in bytes, and so the size of a
+ * workspace (gcdt_cl_set_workspace); the caller's own buffers are not in it. `crossed`: the (triangle, constraint)
+ * pairs that the constraints cross (crossed_pairs of the statistics), known after the first walk; UINT64_MAX stands
+ * for the worst case, all triangles. Count a constraint that runs through k vertices as k + 1. Listing constraints
+ * that cross is not in it. */
+GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
+
+/* ---- Verification on the host ------------------------------------------------------------------------------ */
+
+/* A mesh to be verified; triangle order and first corners are free. The caller's, read only. */
+typedef struct gcdt_mesh {
+  size_t struct_size;
+  const uint32_t* triangles; /* triangle_count x 3 */
+  uint64_t triangle_count;
+  const int32_t* neighbours;  /* triangle_count x 3, or null: not verified */
+  const uint8_t* constrained; /* triangle_count, or null: not verified */
+} gcdt_mesh;
+#define GCDT_MESH_INIT \
+  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL }
+
+/* The grid that gcdt_triangulate chooses for the vertices of `input`, by host arithmetic; with `fixed` not null, that
+ * of its fixed_grid and grid_... members if fixed_grid is 1. Sets grid->struct_size. */
+GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid);
+
+/* Proves that `mesh` is the CDT of `input` on `grid`, by exact arithmetic on the host that shares no code with the
+ * solver: GCDT_OK, or GCDT_ERROR_NOT_VALID and gcdt_last_error(NULL) with the first failure. Never another error for
+ * a bad mesh: an index that does not exist is a failure. `crossing`: how the mesh was made; under GCDT_CROSSING_DROP
+ * it is also proved that exactly the right constraints are missing. O((n + m) log n) expected. */
+GCDT_API int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vocabulary of the C++ interface: plain types without any call of the library but gcdt_grid_cell.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gcdt/gcdt.h>
+
+namespace gcdt {
+
+/// A view of `size` elements at `data`, owned by the caller.
+template <class T>
+struct Span {
+  const T* data = nullptr;
+  std::size_t size = 0;
+
+  Span() = default;
+  Span(const T* first, std::size_t count) : data(first), size(count) {}
+  Span(const std::vector<T>& values) : data(values.data()), size(values.size()) {}
+  template <std::size_t N>
+  Span(const std::array<T, N>& values) : data(values.data()), size(N) {}
+
+  const T& operator[](std::size_t i) const { return data[i]; }
+  const T* begin() const { return data; }
+  const T* end() const { return data + size; }
+};
+
+/// A view of the input vertices: `count` pairs (x, y) of one number type, tightly packed.
+/// Every coordinate must be finite; -0 counts as 0. Owned by the caller, read only during the call.
+class Points {
+ public:
+  enum class Type { float64, float32, int32 };
+
+  Points() = default;
+  Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data, p.size) {}
+  Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data, p.size) {}
+  Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data, p.size) {}
+  Points(const std::vector<std::array<double, 2>>& p) : Points(Span<std::array<double, 2>>(p)) {}
+  Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
+  Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}
+  /// `count` pairs at `xy`: 2 * count numbers.
+  static Points pairs(const double* xy, std::size_t count) { return Points(Type::float64, xy, count); }
+  static Points pairs(const float* xy, std::size_t count) { return Points(Type::float32, xy, count); }
+  static Points pairs(const std::int32_t* xy, std::size_t count) { return Points(Type::int32, xy, count); }
+
+  Type type() const { return type_; }
+  const void* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  /// Coordinate `axis` (0: x, 1: y) of vertex `i`; every type converts to double exactly.
+  double coordinate(std::size_t i, int axis) const {
+    switch (type_) {
+      case Type::float32: return static_cast<const float*>(data_)[2 * i + axis];
+      case Type::int32: return static_cast<const std::int32_t*>(data_)[2 * i + axis];
+      default: return static_cast<const double*>(data_)[2 * i + axis];
+    }
+  }
+
+ private:
+  Points(Type type, const void* data, std::size_t size) : type_(type), data_(data), size_(size) {}
+  Type type_ = Type::float64;
+  const void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// A constraint: the numbers of its two end vertices. Which end comes first does not matter.
+using Constraint = std::array<std::uint32_t, 2>;
+using Constraints = Span<Constraint>;
+
+/// What went wrong. The names are the sentences.
+enum class Status {
+  ok,
+  invalid_argument,         ///< an option or a view that makes no sense
+  coordinate_not_finite,    ///< indices: {vertex, axis}
+  coordinate_outside_grid,  ///< only with a fixed grid; indices: {vertex, axis}
+  index_out_of_range,       ///< indices: {constraint, end (0 or 1)}
+  too_many_vertices,        ///< more than the 32-bit numbering holds (max_vertices)
+  constraints_cross,        ///< indices: up to ten pairs {c, d, c, d, ...}; see Error::pair_count
+  no_device,                ///< no OpenCL device fits the choice
+  device_failed,            ///< an OpenCL call failed, or the device computes wrongly
+  out_of_memory,            ///< the device's memory or largest buffer is too small
+  round_limit,              ///< a loop did not end where theory says it must
+  check_failed,             ///< the result failed the check of its own validity and is withheld
+  cancelled,                ///< the progress callback asked to stop
+  workspace_too_small,      ///< indices: {bytes needed, as far as is known}
+  buffer_too_small,         ///< indices: {elements needed, elements there are}
+  wrong_context,            ///< a buffer or queue is not of the solver's context and device
+  buffer_access,            ///< an output that is read-only, or an input that is write-only
+  buffers_overlap,          ///< two ranges of device memory that must be apart are not
+  in_use,                   ///< the solver is in a call, or its results still hold memory
+};
+
+/// Everything this library throws, std::bad_alloc apart.
+class Error : public std::runtime_error {
+ public:
+  Error(Status status, const std::string& what, std::vector<std::uint64_t> indices = {}, std::uint64_t pair_count = 0,
+        std::int32_t opencl_code = 0)
+      : std::runtime_error(what),
+        status_(status),
+        indices_(std::move(indices)),
+        pair_count_(pair_count),
+        opencl_code_(opencl_code) {}
+  Status status() const { return status_; }
+  /// The offending vertices, constraints or pairs, in input numbers from 0; see Status for the shape.
+  const std::vector<std::uint64_t>& indices() const { return indices_; }
+  /// constraints_cross: how many pairs of constraints cross in all.
+  std::uint64_t pair_count() const { return pair_count_; }
+  /// device_failed, out_of_memory: the code of the OpenCL call that failed; 0 if it was none.
+  std::int32_t opencl_code() const { return opencl_code_; }
+
+ private:
+  Status status_;
+  std::vector<std::uint64_t> indices_;
+  std::uint64_t pair_count_ = 0;
+  std::int32_t opencl_code_ = 0;
+};
+
+/// The integer grid on which everything is exact: vertex (x, y) stands at
+/// (round((x - origin[0]) / cell), round((y - origin[1]) / cell)), half to even, in [0, 2^31 - 1]^2.
+struct Grid {
+  enum class Kind {
+    binary,   ///< every coordinate is a multiple of one power of two: nothing moved
+    decimal,  ///< every coordinate is the double nearest to a decimal: exact for the numbers as written
+    rounded,  ///< otherwise: largest_move says how far a coordinate moved at most
+    fixed,    ///< given by the caller; largest_move as for rounded
+  };
+  Kind kind = Kind::binary;
+  std::array<double, 2> origin{0, 0};
+  /// The cell's edge is cell_units / 10^cell_decimals if cell_units > 0, else 2^cell_exponent.
+  std::uint64_t cell_units = 0;
+  int cell_decimals = 0;
+  int cell_exponent = 0;
+  double largest_move = 0;
+
+  /// The double nearest to the cell's edge.
+  double cell() const { return gcdt_grid_cell(cell_units, cell_decimals, cell_exponent); }
+};
+
+/// A grid given by the caller: origin, and the cell's edge as a decimal number such as "0.001"
+/// (at most 19 significant digits, exponent -22 to 22) or a power of two.
+struct FixedGrid {
+  double x = 0, y = 0;
+  std::string cell = "1";
+};
+
+/// What happens to constraints whose interiors cross (contract: after duplicates are merged and
+/// constraints are split at the vertices on them).
+enum class Crossing {
+  reject,  ///< throw constraints_cross
+  drop,    ///< in input order, drop a constraint that crosses an earlier one that was kept
+};
+
+/// Called between rounds with the phase's name and the share done of the whole in [0, 1].
+/// Return false to stop: the call then throws Status::cancelled.
+using Progress = std::function<bool(const char* phase, double done)>;
+
+struct Options {
+  Crossing crossing = Crossing::reject;
+  std::optional<FixedGrid> grid;  ///< default: chosen from the input (Grid::Kind)
+  bool check = true;              ///< prove the mesh on the device before it is returned
+  bool canonical = true;          ///< triangles in canonical order; else in any, which costs less
+  Progress progress;
+};
+
+/// Counts and times of one call; names as in the statistics file of the command.
+struct Statistics {
+  std::uint64_t n = 0, m = 0;  ///< input vertices and constraints
+  std::uint64_t vertices_merged = 0;
+  std::uint64_t constraints_zero = 0, constraints_pieces = 0, constraints_overlapping = 0;
+  std::uint64_t crossings = 0, constraints_dropped = 0, vertices_added = 0;
+  std::uint64_t triangles = 0;
+  Grid grid;
+  /// Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device
+  /// memory to an unordered mesh there. full: the whole call without building programs.
+  struct Milliseconds {
+    double read = 0, core = 0, full = 0, write = 0, build = 0;
+    double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0;
+  } ms;
+  struct Rounds {
+    std::uint64_t insert = 0, flip = 0;
+  } rounds;
+  std::uint64_t flips = 0;
+  std::uint64_t history_depth = 0;   ///< longest path in the history tree of the last level
+  std::uint64_t location_steps = 0;  ///< triangles visited by all point locations together
+  std::uint64_t launches = 0, read_backs = 0;
+  std::uint64_t crossed_pairs = 0;      ///< (triangle, constraint) pairs crossed by the first walk
+  std::uint64_t peak_device_bytes = 0;  ///< in buffers at once; results of other calls are not counted
+  std::uint64_t held_device_bytes = 0;  ///< what the solver held at most, in use or kept for later
+  std::string device, driver, platform, version;
+  /// How often each special case of the algorithm occurred; tests prove by it that cases are reached.
+  struct Cases {
+    std::uint64_t edge_splits = 0;              ///< vertices inserted on an edge (state OnEdge)
+    std::uint64_t constraint_hits = 0;          ///< vertices found on the inside of a constraint
+    std::uint64_t existing_edges = 0;           ///< pieces that were edges already
+    std::uint64_t pieces_walked = 0;            ///< pieces that crossed at least one edge
+    std::uint64_t chain_vertices = 0;           ///< triangles made by distance-ordered retriangulation
+    std::uint64_t holes = 0;                    ///< triangles made by hole filling (paper 6.5)
+    std::uint64_t symbolic_chain_vertices = 0;  ///< chain vertices that are vertices at infinity
+  } cases;
+  std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
+};
+
+/// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
+struct Triangulation {
+  /// Corners, counter-clockwise; canonical order: each triangle starts with its first vertex in
+  /// Z-order of the grid, and triangles are sorted by the Z-order of their first, then second vertex.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// neighbours[t][k] is the triangle across the edge opposite corner k of t, or -1.
+  std::vector<std::array<std::int32_t, 3>> neighbours;
+  /// Bit k of constrained[t]: the edge opposite corner k of t is (part of) a constraint.
+  std::vector<std::uint8_t> constrained;
+  /// representative[v]: the vertex that stands for input vertex v; the least number of its grid point.
+  std::vector<std::uint32_t> representative;
+  /// The constraints after cleaning: ends (Z-order of the ends), sorted by that order.
+  std::vector<Constraint> pieces;
+  /// sources[source_offsets[i] .. source_offsets[i + 1]): the input constraints that run along
+  /// pieces[i], ascending. source_offsets has pieces.size() + 1 elements.
+  std::vector<std::uint32_t> source_offsets, sources;
+  /// The input constraints dropped under Crossing::drop, ascending.
+  std::vector<std::uint32_t> dropped;
+  Statistics statistics;
+};
+
+/// What an OpenCL device is and has.
+struct DeviceInfo {
+  std::string name, vendor, platform, driver, version;
+  bool is_gpu = false, is_cpu = false;
+  std::uint64_t memory_bytes = 0, largest_buffer_bytes = 0, local_bytes = 0;
+  std::uint32_t compute_units = 0, largest_work_group = 0;
+  bool atomics64 = false, fp64 = false, subgroups = false;
+};
+
+/// The most vertices one call takes: triangle numbers are 30 bits wide.
+constexpr std::uint64_t max_vertices = (1ull << 29) - 2;
+
+/// A mesh to be verified; triangle order and first corners are free.
+struct MeshView {
+  Span<std::array<std::uint32_t, 3>> triangles;
+  const std::array<std::int32_t, 3>* neighbours = nullptr;  ///< one per triangle, or null: not checked
+  const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
+};
+
+struct Verification {
+  bool valid = false;
+  std::string reason;  ///< of the first failure, naming vertices, triangles or constraints in input numbers
+};
+
+}  // namespace gcdt

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The finite faces in any order, where nobody asked for the canonical one.
+#include "mesh.h"
+
+// One work-item per face.
+// Reads corners. Writes finite[f]: 1 if all corners of face f are finite vertices, else 0.
+// Word f has one writer.
+// After this kernel the scan of `finite` numbers the finite faces.
+kernel void select_finite(const uint count, const uint n, global const uint4* corners, global uint* finite) {
+  for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
+    const uint4 c = corners[f];
+    finite[f] = max(max(c.x, c.y), c.z) < n ? 1u : 0u;
+  }
+}
+
+// One work-item per face.
+// Reads before, the scan of `finite` (count + 1 elements). Writes refs at the face's place.
+// Finite faces go to [0, T) by the scan and the others, of which before face f there are f - before[f], to
+// [T, count): every face has a place of its own.
+// After this kernel refs holds the reference of the first corner of every face, finite faces first.
+kernel void select_refs(const uint count, global const uint* before, global uint* refs) {
+  const uint triangles = before[count];
+  for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
+    const uint place = before[f + 1] != before[f] ? before[f] : triangles + (f - before[f]);
+    refs[place] = GCDT_FACE_REF(f, 0u);
+  }
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface: what needs no device.
+#include <cmath>
+
+#include "api.hpp"
+#include "grid.hpp"
+#include "verify_grid.hpp"
+
+using namespace gcdt;
+using namespace gcdt::api;
+
+namespace {
+
+Grid read_grid(const gcdt_grid* given) {
+  const gcdt_grid c = read_struct(given, "gcdt_grid");
+  require(c.kind >= GCDT_GRID_BINARY && c.kind <= GCDT_GRID_FIXED, "gcdt_grid.kind is none of GCDT_GRID_...");
+  require(std::isfinite(c.origin[0]) && std::isfinite(c.origin[1]), "gcdt_grid.origin is not finite");
+  Grid grid;
+  grid.kind = static_cast<Grid::Kind>(c.kind);
+  grid.origin = {c.origin[0], c.origin[1]};
+  grid.cell_units = c.cell_units, grid.cell_decimals = c.cell_decimals, grid.cell_exponent = c.cell_exponent;
+  grid.largest_move = c.largest_move;
+  return grid;
+}
+
+}  // namespace
+
+gcdt_grid gcdt::api::write_grid(const Grid& grid) {
+  gcdt_grid c = {};
+  c.struct_size = sizeof c;
+  c.kind = static_cast<std::int32_t>(grid.kind);
+  c.origin[0] = grid.origin[0], c.origin[1] = grid.origin[1];
+  c.cell_units = grid.cell_units, c.cell_decimals = grid.cell_decimals, c.cell_exponent = grid.cell_exponent;
+  c.largest_move = grid.largest_move;
+  return c;
+}
+
+double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent) {
+  double edge = 0;
+  guarded(nullptr, [&] { edge = cell_edge(cell_units, cell_decimals, cell_exponent); });
+  return edge;
+}
+
+uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return device_bytes_needed(n, m, crossed); }
+
+int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
+  return guarded(nullptr, [&] {
+    const Points points = read_points(read_struct(input, "gcdt_input"));
+    gcdt_grid chosen = write_grid(proof::choose_grid(points, read_options(fixed).grid));
+    require(grid, "grid is null");
+    grid->struct_size = sizeof *grid;
+    write_struct(chosen, grid, "gcdt_grid");
+  });
+}
+
+int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing) {
+  std::int32_t status = GCDT_OK;
+  const std::int32_t thrown = guarded(nullptr, [&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const gcdt_mesh m = read_struct(mesh, "gcdt_mesh");
+    require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
+    require(crossing == GCDT_CROSSING_REJECT || crossing == GCDT_CROSSING_DROP,
+            "crossing is none of GCDT_CROSSING_...");
+    MeshView view;
+    view.triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(m.triangles),
+                      static_cast<std::size_t>(m.triangle_count)};
+    view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
+    view.constrained = m.constrained;
+    const Verification found = proof::verify(read_points(given), read_constraints(given), view, read_grid(grid),
+                                             crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject);
+    if (!found.valid) status = failed(nullptr, GCDT_ERROR_NOT_VALID, found.reason.c_str());
+  });
+  return thrown != GCDT_OK ? thrown : status;
+}
