@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: what needs no device.
-#include <cmath>
-
 #include "api.hpp"
 #include "grid.hpp"
 #include "verify_grid.hpp"
@@ -14,7 +12,6 @@ namespace {
 Grid read_grid(const gcdt_grid* given) {
   const gcdt_grid c = read_struct(given, "gcdt_grid");
   require(c.kind >= GCDT_GRID_BINARY && c.kind <= GCDT_GRID_FIXED, "gcdt_grid.kind is none of GCDT_GRID_...");
-  require(std::isfinite(c.origin[0]) && std::isfinite(c.origin[1]), "gcdt_grid.origin is not finite");
   Grid grid;
   grid.kind = static_cast<Grid::Kind>(c.kind);
   grid.origin = {c.origin[0], c.origin[1]};

@@ -151,7 +151,14 @@ cl_uint coordinates_type(Points::Type type) {
 
 std::size_t words_per_vertex(Points::Type type) { return type == Points::Type::float64 ? 2 : 1; }
 
+void check_vertex_count(std::uint64_t n) {
+  if (n > max_vertices)
+    throw Error(Status::too_many_vertices,
+                std::to_string(n) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
+}
+
 InputPoints stage(runtime::Runtime& runtime, Points points) {
+  check_vertex_count(points.size());
   InputPoints staged;
   staged.n = static_cast<cl_uint>(points.size());
   staged.type = coordinates_type(points.type());

@@ -19,7 +19,10 @@ struct InputPoints {
 cl_uint coordinates_type(Points::Type type);
 std::size_t words_per_vertex(Points::Type type);
 
-/// Copies points from host memory.
+/// Throws too_many_vertices for more than max_vertices.
+void check_vertex_count(std::uint64_t n);
+
+/// Copies points from host memory. Throws too_many_vertices.
 InputPoints stage(runtime::Runtime& runtime, Points points);
 
 struct OrderResult {

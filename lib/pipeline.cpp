@@ -42,9 +42,7 @@ void Pipeline::timed(double& ms, Step&& step) {
 }
 
 DeviceTriangulation Pipeline::run() {
-  if (source_.n > max_vertices)
-    throw Error(Status::too_many_vertices,
-                std::to_string(source_.n) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
+  check_vertex_count(source_.n);
   if (source_.m > GCDT_MAX_CONSTRAINTS)
     throw Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(source_.m));
   try {
@@ -66,7 +64,6 @@ void Pipeline::ask_for_workspace(const Error& error) const {
 }
 
 void Pipeline::run_steps() {
-  runtime_.memory().reserve(runtime_, device_bytes_needed(source_.n, source_.m, 0));
   runtime_.meter().restart_peaks();
   const std::uint64_t launches = runtime_.launches(), reads = runtime_.read_backs();
   const double built = runtime_.build_ms();
