@@ -57,7 +57,7 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh m
   if (level > 0) {
     uint v;
     if (k == 0u) {
-      v = gcdt_vertex_of_rank(levels, level - 1u, gcdt_rank_of_vertex(levels, a) / GCDT_LEVEL_RATIO);
+      v = a < h.begin ? a : nearer_coarse_vertex(levels, level, mesh.points, h.begin, a);
     } else {
       // Only a place to start from: rounding does not matter. |difference| * k < 2^31 * 2^31.
       const uint x = (uint)(va.x + (vb.x - va.x) * (i64)k / (i64)parts);
