@@ -253,7 +253,7 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
   for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
     const uint i = v - begin;
-    const uint start = level > 0 ? h.vertex_face[nearer_coarse_vertex(levels, level, points, begin, v)] : 0u;
+    const uint start = level > 0 ? h.vertex_face[coarse_vertex_near(levels, level, points, begin, v)] : 0u;
     Germ g;
     g.p = load_vertex(points, n, v);
     g.q = g.p;

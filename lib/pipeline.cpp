@@ -56,6 +56,7 @@ Triangulation Pipeline::run() {
     OrderResult ordered = order(runtime_, primitives_, points_, options_.grid, coarsest_level);
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
+    sort_ms_ = ordered.sort_ms;
     primitives_.release();
   });
   ticker_.enter(order_share, insert_share);
@@ -66,7 +67,7 @@ Triangulation Pipeline::run() {
   timed(ms.flip, [&] { flip_all(); });
   ticker_.enter(flip_share, 1);
   output();
-  ms.core = ms.insert + ms.constrain - clean_ms_ + ms.flip;
+  ms.core = sort_ms_ + ms.insert + ms.constrain - clean_ms_ + ms.flip;
   ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output;
   ms.build = runtime_.build_ms() - built;
   statistics_.launches = runtime_.launches() - launches;

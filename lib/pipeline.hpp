@@ -50,7 +50,7 @@ class Pipeline {
   PhaseCounters counters_;
   std::unique_ptr<Cleaner> cleaner_;
   Pieces pieces_;
-  double clean_ms_ = 0;
+  double sort_ms_ = 0, clean_ms_ = 0;
 };
 
 }  // namespace gcdt
