@@ -2,6 +2,7 @@
 // The timer: for each input of the list, makes it, warms up, times at least ten calls, times the peers on the same
 // points, verifies a timed result once outside the timing, and writes a row (bench/README.md).
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cinttypes>
 #include <cstdio>
@@ -31,7 +32,7 @@ using namespace gcdt;
 using namespace gcdt::bench;
 
 struct Arguments {
-  std::string device, list, only, out, anchors, scratch = "/tmp", command, commit;
+  std::string device, list, only, out, suffix, anchors, scratch = "/tmp", command, commit;
   std::vector<std::string> maps, peers;
   bool quick = false, force = false, first_call = false, context_only = false;
 };
@@ -101,7 +102,7 @@ struct Row {
 class Benchmark {
  public:
   Benchmark(const Arguments& arguments)
-      : arguments_(arguments), peers_(start_peers()), solver_(arguments.device), results_(arguments.out) {}
+      : arguments_(arguments), peers_(start_peers()), solver_(arguments.device), results_(file()) {}
 
   bool run() {
     const DeviceInfo& device = solver_.device();
@@ -131,6 +132,22 @@ class Benchmark {
   }
 
  private:
+  /// Named after the device, in the folder --out; said on standard output.
+  std::string file() const {
+    const DeviceInfo& d = solver_.device();
+    std::string name;
+    for (const char c : d.is_cpu ? d.name + " x" + std::to_string(d.compute_units) : d.name) {
+      if (std::isalnum(static_cast<unsigned char>(c)))
+        name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      else if (!name.empty() && name.back() != '-')
+        name += '-';
+    }
+    const std::string path = arguments_.out + '/' + name + arguments_.suffix + ".json";
+    std::printf("%s\n", path.c_str());
+    std::fflush(stdout);
+    return path;
+  }
+
   std::vector<Peer> start_peers() const {
     std::vector<Peer> peers;
     for (const std::string& command : arguments_.peers) {
@@ -348,9 +365,9 @@ class Benchmark {
 };
 
 const char* const usage =
-    "usage: gcdt_bench --out FILE.json [--device SPEC] [--list gpu|cpu|scaling] [--only NAME[:SIZE],...] [--quick]\n"
-    "                  [--force] [--map FILE.poly]... [--peer COMMAND]... [--anchors FILE] [--scratch FOLDER]\n"
-    "                  [--command TEXT] [--commit TEXT]\n"
+    "usage: gcdt_bench --out FOLDER [--suffix TEXT] [--device SPEC] [--list gpu|cpu|scaling] [--only NAME[:SIZE],...]\n"
+    "                  [--quick] [--force] [--map FILE.poly]... [--peer COMMAND]... [--anchors FILE]\n"
+    "                  [--scratch FOLDER] [--command TEXT] [--commit TEXT]\n"
     "       gcdt_bench --first-call [--device SPEC]   triangulates 1000 points and ends: to be timed from outside\n"
     "       gcdt_bench --context-only [--device SPEC] the same without triangulating\n";
 
@@ -370,9 +387,10 @@ bool parse(int count, char** words, Arguments& a) {
     std::string map, peer;
     const bool taken = flag("--quick", a.quick) || flag("--force", a.force) || flag("--first-call", a.first_call) ||
                        flag("--context-only", a.context_only) || option("--out", a.out) ||
-                       option("--device", a.device) || option("--list", a.list) || option("--only", a.only) ||
-                       option("--map", map) || option("--peer", peer) || option("--anchors", a.anchors) ||
-                       option("--scratch", a.scratch) || option("--command", a.command) || option("--commit", a.commit);
+                       option("--suffix", a.suffix) || option("--device", a.device) || option("--list", a.list) ||
+                       option("--only", a.only) || option("--map", map) || option("--peer", peer) ||
+                       option("--anchors", a.anchors) || option("--scratch", a.scratch) ||
+                       option("--command", a.command) || option("--commit", a.commit);
     if (!taken || !known) return false;
     if (!map.empty()) a.maps.push_back(map);
     if (!peer.empty()) a.peers.push_back(peer);
