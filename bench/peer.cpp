@@ -103,7 +103,7 @@ PeerTimes Peer::time(const std::string& file, int runs, double seconds) {
   words >> outcome;
   PeerTimes times;
   if (outcome != "ok") {
-    std::getline(words, times.error);
+    std::getline(words >> std::ws, times.error);
     if (times.error.empty()) times.error = "failed";
     return times;
   }

@@ -11,6 +11,7 @@
 #include <exception>
 #include <future>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -109,14 +110,16 @@ class Benchmark {
     std::fprintf(stderr, "%s (%s, %s)\n", device.name.c_str(), device.platform.c_str(), device.driver.c_str());
     describe_machine();
     const std::string list = arguments_.list.empty() ? device.is_gpu ? "gpu" : "cpu" : arguments_.list;
-    std::vector<Input> rows = inputs(list == "gpu"   ? List::gpu
+    std::vector<Input> rows;
+    for (const Input& input : inputs(list == "gpu"   ? List::gpu
                                      : list == "cpu" ? List::cpu
                                                      : List::scaling,
-                                     arguments_.maps);
+                                     arguments_.maps))
+      if (selected(input, arguments_.only)) rows.push_back(input);
+    if (rows.empty()) throw std::runtime_error("no workload of the list is called " + arguments_.only);
     if (arguments_.quick) rows = quick(rows, quick_vertices);
     const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
     for (const Input& input : rows) {
-      if (!selected(input, arguments_.only)) continue;
       if (!arguments_.force && results_.has(input.name, input.size, device.name)) {
         std::fprintf(stderr, "%s %zu: there already\n", input.name.c_str(), input.size);
         continue;
@@ -169,7 +172,8 @@ class Benchmark {
     machine.add("host_threads", static_cast<unsigned long long>(std::thread::hardware_concurrency()));
     machine.add("command", arguments_.command).add("commit", arguments_.commit).add("date", date());
     try {
-      const std::size_t bytes = std::min<std::uint64_t>(d.largest_buffer_bytes / 4, (d.is_gpu ? 1024ull : 64ull) << 20);
+      const std::size_t bytes =
+          std::min<std::uint64_t>(d.largest_buffer_bytes / 4, (d.is_gpu ? 1024ull : 128ull) << 20);
       const Rates r = measure_rates(d, bytes / 16 * 16);
       machine.add("copy_gb_s", r.copy_gb_s).add("buffer_copy_gb_s", r.buffer_copy_gb_s);
       machine.add("write_gb_s", r.write_gb_s).add("read_gb_s", r.read_gb_s);
