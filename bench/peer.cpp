@@ -11,7 +11,7 @@
 namespace gcdt::bench {
 
 namespace {
-constexpr double seconds_to_start = 60, seconds_to_answer = 300;
+constexpr double seconds_to_start = 60, seconds_to_answer = 120;
 }
 
 Peer::Peer(std::string command) : command_(std::move(command)) { start(); }

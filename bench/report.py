@@ -3,6 +3,7 @@
 """Writes the table (Markdown) and the plots (PNG) of a file of results, beside it.
 Usage: report.py RESULTS.json"""
 import json
+import math
 import os
 import sys
 
@@ -136,12 +137,18 @@ def goals(rows, machine, targets):
     row = at.get(("uniform", 1000))
     if row:
         goal(row, "full", row["full_ms"], 1)
+    least = at.get(("uniform", 100000))
+    for row in rows:
+        if least and row["workload"] == "uniform" and row["n"] > least["n"]:
+            goal(row, "core grows like n log n from 100k on", row["core_ms"],
+                 least["core_ms"] * row["n"] * math.log(row["n"]) / (least["n"] * math.log(least["n"])))
     star, plain = at.get(("star", 1000000)), at.get(("uniform", 1000000))
     if star and plain:
         goal(star, "core within 5% of uniform", star["core_ms"], 1.05 * plain["core_ms"])
     for row in rows:
+        if row["m"] == 0 and row["size"] >= 1000000:
+            goal(row, "peak device memory per vertex, no constraints", row["bytes_per_vertex"], 200, "bytes")
         if row["size"] >= 1000000:
-            goal(row, "peak device memory per vertex", row["bytes_per_vertex"], 200, "bytes")
             goal(row, "check + output, at most half of core", row["phases"]["check"] + row["phases"]["output"], row["core_ms"] / 2)
     return lines
 
@@ -211,6 +218,22 @@ def plots(rows, machine, stem):
     axes.invert_yaxis()
     axes.legend()
     save(figure, "")
+
+    versus = {}  # paper, figure 12
+    for i in place:
+        for peer in rows[i]["peers"]:
+            if peer.get("ms"):
+                versus.setdefault(peer["name"], []).append((peer["ms"] / ours(rows[i], gpu), i))
+    if versus:
+        figure, axes = pyplot.subplots(figsize=(10, 1.5 + 0.25 * len(rows)))
+        for marker, (peer, points) in zip("osD^vPX", sorted(versus.items())):
+            axes.plot(*zip(*points), marker, label=peer)
+        axes.axvline(1, color="black", linewidth=0.8)
+        axes.set(xscale="log", xlabel="peer's time / ours", yticks=list(place), yticklabels=labels)
+        axes.invert_yaxis()
+        axes.grid(axis="x", which="both", alpha=0.3)
+        axes.legend()
+        save(figure, "-speedup")
 
     figure, axes = pyplot.subplots(figsize=(10, 1.5 + 0.25 * len(rows)))  # paper, figure 14
     left = [0.0] * len(rows)

@@ -6,14 +6,16 @@
 #   --only NAME[:N]    only these workloads (separated by commas), such as letters or uniform:1000000
 #   --scaling          instead: 100k to 100M uniform vertices
 #   --force            measures rows again that are there already
+#   --with-cgal        gpu: times CGAL on the host too, for minutes
 # Variables: GCDT_DEVICE chooses the device (default: the first CPU or GPU). GCDT_BENCH_BIN is a folder of binaries
 # built elsewhere (gcdt_bench, gcdt_bench_cgal). GCDT_BENCH_RESULTS is where results go (default bench/results).
 # GCDT_BENCH_MAPS is a folder of further maps in .poly format. GCDT_BENCH_PYTHON is a Python 3 with matplotlib, and
 # CuPy on a GPU. GCDT_BENCH_SCRATCH is a folder for inputs handed to peers (default /dev/shm or /tmp).
+# GCDT_BENCH_COMMIT names the version measured, where the tree is no git checkout.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-usage() { sed -n '3,12s/^# //p' "$0"; }
+usage() { sed -n '3,/^set /s/^# //p' "$0"; }
 command_line="scripts/bench.sh $*"
 case ${1-} in
   cpu | gpu) kind=$1; shift ;;
@@ -24,10 +26,12 @@ list=$kind
 options=()
 suffix=
 start=yes
+cgal=$([[ $kind == cpu ]] && echo yes || true)
 while [[ $# -gt 0 ]]; do
   case $1 in
     --quick) options+=(--quick); suffix=-quick; shift ;;
     --force) options+=(--force); shift ;;
+    --with-cgal) cgal=yes; shift ;;
     --scaling) list=scaling; suffix=-scaling; start=; shift ;;
     --only) [[ $# -ge 2 ]] || { usage >&2; exit 2; }; options+=(--only "$2"); start=; shift 2 ;;
     *) echo "bench.sh: unknown option $1" >&2; usage >&2; exit 2 ;;
@@ -53,16 +57,19 @@ if [[ -z $python ]]; then
 fi
 
 peers=()
-if [[ $kind == cpu ]]; then
+if [[ -n $cgal ]]; then
   if [[ -x $binaries/gcdt_bench_cgal ]]; then
-    peers=(--peer "'$binaries/gcdt_bench_cgal'")
+    peers+=(--peer "'$binaries/gcdt_bench_cgal'")
   else
     echo "bench.sh: no gcdt_bench_cgal: rows carry the peers' figures taken before" >&2
   fi
-elif "$python" -c "import cupyx.scipy.spatial" 2>/dev/null; then
-  peers=(--peer "$python '$root/bench/peers/cupy_delaunay.py'")
-else
-  echo "bench.sh: no CuPy: rows carry the peers' figures taken before" >&2
+fi
+if [[ $kind == gpu ]]; then
+  if "$python" -c "import cupyx.scipy.spatial" 2>/dev/null; then
+    peers+=(--peer "$python '$root/bench/peers/cupy_delaunay.py'")
+  else
+    echo "bench.sh: no CuPy: rows carry the peers' figures taken before" >&2
+  fi
 fi
 
 maps=()
@@ -77,7 +84,7 @@ if [[ -z $scratch ]]; then
 fi
 results=${GCDT_BENCH_RESULTS:-$root/bench/results}
 mkdir -p "$results"
-commit=$(git -C "$root" describe --always --dirty 2>/dev/null || true)
+commit=${GCDT_BENCH_COMMIT:-$(git -C "$root" describe --always --dirty 2>/dev/null || true)}
 device=${GCDT_DEVICE:-$kind}
 
 status=0
