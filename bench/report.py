@@ -2,14 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the table (Markdown) and the plots (PNG) of a file of results, beside it.
 Usage: report.py RESULTS.json"""
+
 import json
 import math
 import os
 import sys
 
+import plots
+
 HERE = os.path.dirname(os.path.abspath(__file__))
-FAMILIES = ["uniform", "gaussian", "ring", "grid"] + [f"synthetic_cons_{k}" for k in range(1, 7)] + [
-    "leafs", "airport", "letters", "star", "fan", "spiral"]
+FAMILIES = (
+    ["uniform", "gaussian", "ring", "grid"]
+    + [f"synthetic_cons_{k}" for k in range(1, 7)]
+    + ["leafs", "airport", "letters", "star", "fan", "spiral"]
+)
 PHASES = ["order", "insert", "constrain", "flip", "check", "output"]
 
 
@@ -32,8 +38,7 @@ def short(n):
 
 
 def table(head, rows):
-    return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |"
-                     for row in [head, ["---"] * len(head)] + rows)
+    return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |" for row in [head, ["---"] * len(head)] + rows)
 
 
 def transfer_ms(row, machine):
@@ -49,7 +54,9 @@ def transfer_ms(row, machine):
 def full_goal(row, machine):
     """core + check + order + 1.5 x the transfer."""
     transfer = transfer_ms(row, machine)
-    return None if transfer is None else row["core_ms"] + row["phases"]["check"] + row["phases"]["order"] + 1.5 * transfer
+    return (
+        None if transfer is None else row["core_ms"] + row["phases"]["check"] + row["phases"]["order"] + 1.5 * transfer
+    )
 
 
 def ours(row, gpu):
@@ -64,24 +71,61 @@ def main_table(rows, machine):
         peer = row.get("peer_ms")
         anchored = peer is not None and row.get("peer_source") != "measured"
         spread = row["core"] if gpu else row["full"]
-        lines.append([
-            name(row), count(row["n"]), count(row["m"]),
-            ms(row["core_ms"]), ms(row["full_ms"]), f"{ms(spread['min'])} / {ms(spread['q1'])} / {ms(spread['q3'])}",
-            f"{row['n'] / ours(row, gpu) / 1e3:.1f}",
-            "-" if peer is None else f"{row['peer']}{' *' if anchored else ''}", ms(peer),
-            "-" if peer is None else f"{peer / ours(row, gpu):.2f}",
-            "yes" if row["verified"] else "NO"])
-    head = ["workload", "n", "m", "core ms", "full ms", ("core" if gpu else "full") + " min / q1 / q3", "M vertices/s",
-            "best peer", "peer ms", "ahead", "verified"]
+        lines.append(
+            [
+                name(row),
+                count(row["n"]),
+                count(row["m"]),
+                ms(row["core_ms"]),
+                ms(row["full_ms"]),
+                f"{ms(spread['min'])} / {ms(spread['q1'])} / {ms(spread['q3'])}",
+                f"{row['n'] / ours(row, gpu) / 1e3:.1f}",
+                "-" if peer is None else f"{row['peer']}{' *' if anchored else ''}",
+                ms(peer),
+                "-" if peer is None else f"{peer / ours(row, gpu):.2f}",
+                "yes" if row["verified"] else "NO",
+            ]
+        )
+    head = [
+        "workload",
+        "n",
+        "m",
+        "core ms",
+        "full ms",
+        ("core" if gpu else "full") + " min / q1 / q3",
+        "M vertices/s",
+        "best peer",
+        "peer ms",
+        "ahead",
+        "verified",
+    ]
     return table(head, lines)
 
 
 def phase_table(rows):
-    lines = [[name(row)] + [ms(row["phases"][p]) for p in PHASES] + [ms(row["phases"]["clean"])] +
-             [count(row[k]) for k in ("insert_rounds", "flip_rounds", "flips", "crossed_pairs", "launches", "read_backs")] +
-             [f"{row['bytes_per_vertex']:.0f}"] for row in rows]
-    return table(["workload"] + [p + " ms" for p in PHASES] + ["of it cleaning ms", "insert rounds", "flip rounds", "flips",
-                                                              "crossed pairs", "launches", "read-backs", "bytes/vertex"], lines)
+    lines = [
+        [name(row)]
+        + [ms(row["phases"][p]) for p in PHASES]
+        + [ms(row["phases"]["clean"])]
+        + [count(row[k]) for k in ("insert_rounds", "flip_rounds", "flips", "crossed_pairs", "launches", "read_backs")]
+        + [f"{row['bytes_per_vertex']:.0f}"]
+        for row in rows
+    ]
+    return table(
+        ["workload"]
+        + [p + " ms" for p in PHASES]
+        + [
+            "of it cleaning ms",
+            "insert rounds",
+            "flip rounds",
+            "flips",
+            "crossed pairs",
+            "launches",
+            "read-backs",
+            "bytes/vertex",
+        ],
+        lines,
+    )
 
 
 def limits_table(rows, machine):
@@ -91,10 +135,31 @@ def limits_table(rows, machine):
         floor = moved / machine["copy_gb_s"] / 1e6 if machine.get("copy_gb_s") else None
         waits = row["read_backs"] * machine.get("launch_read_us", 0) / 1e3
         order = row["phases"]["check"] + row["phases"]["output"]
-        lines.append([name(row), ms(row["core_ms"]), ms(floor), ms(waits), ms(row["full_ms"]), ms(row["call"]["median"]), ms(full_goal(row, machine)),
-                      f"{order / row['core_ms']:.2f}"])
-    return table(["workload", "core ms", "least traffic at copy speed ms", "read-backs x launch and read ms", "full ms", "call, caller's clock ms",
-                  "core + check + order + 1.5 x pinned transfer ms", "(check + output) / core"], lines)
+        lines.append(
+            [
+                name(row),
+                ms(row["core_ms"]),
+                ms(floor),
+                ms(waits),
+                ms(row["full_ms"]),
+                ms(row["call"]["median"]),
+                ms(full_goal(row, machine)),
+                f"{order / row['core_ms']:.2f}",
+            ]
+        )
+    return table(
+        [
+            "workload",
+            "core ms",
+            "least traffic at copy speed ms",
+            "read-backs x launch and read ms",
+            "full ms",
+            "call, caller's clock ms",
+            "core + check + order + 1.5 x pinned transfer ms",
+            "(check + output) / core",
+        ],
+        lines,
+    )
 
 
 def peers_table(rows):
@@ -105,7 +170,11 @@ def peers_table(rows):
                 lines.append([name(row), peer["name"], "-", "-", "failed: " + peer["error"]])
                 continue
             triangles = peer.get("triangles")
-            agrees = "-" if triangles is None else "as ours" if triangles == row["triangles"] else f"{triangles - row['triangles']:+d}"
+            agrees = (
+                "-"
+                if triangles is None
+                else "as ours" if triangles == row["triangles"] else f"{triangles - row['triangles']:+d}"
+            )
             lines.append([name(row), peer["name"], ms(peer["ms"]), agrees, peer["source"]])
     return table(["workload", "peer", "ms", "triangles", "source"], lines)
 
@@ -118,7 +187,9 @@ def goals(rows, machine, targets):
 
     def goal(row, what, value, limit, unit="ms"):
         if value is not None and limit is not None:
-            lines.append([name(row), what, f"{value:.3g} {unit}", f"{limit:.3g} {unit}", "yes" if value <= limit else "NO"])
+            lines.append(
+                [name(row), what, f"{value:.3g} {unit}", f"{limit:.3g} {unit}", "yes" if value <= limit else "NO"]
+            )
 
     if not gpu:
         for key, factor in ((("uniform", 1000), 3), (("uniform", 1000000), 1), (("synthetic_cons_1", 1000000), 1)):
@@ -132,16 +203,24 @@ def goals(rows, machine, targets):
         if target:
             goal(row, "core", row["core_ms"], target["must"])
         if row["workload"].startswith("synthetic_cons_") and row["size"] == 1000000:
-            goal(row, "constraint phase without cleaning", row["phases"]["constrain"] - row["phases"]["clean"],
-                 1 + 0.2e-6 * row["crossed_pairs"])
+            goal(
+                row,
+                "constraint phase without cleaning",
+                row["phases"]["constrain"] - row["phases"]["clean"],
+                1 + 0.2e-6 * row["crossed_pairs"],
+            )
     row = at.get(("uniform", 1000))
     if row:
         goal(row, "full", row["full_ms"], 1)
     least = at.get(("uniform", 100000))
     for row in rows:
         if least and row["workload"] == "uniform" and row["n"] > least["n"]:
-            goal(row, "core grows like n log n from 100k on", row["core_ms"],
-                 least["core_ms"] * row["n"] * math.log(row["n"]) / (least["n"] * math.log(least["n"])))
+            goal(
+                row,
+                "core grows like n log n from 100k on",
+                row["core_ms"],
+                least["core_ms"] * row["n"] * math.log(row["n"]) / (least["n"] * math.log(least["n"])),
+            )
     star, plain = at.get(("star", 1000000)), at.get(("uniform", 1000000))
     if star and plain:
         goal(star, "core within 5% of uniform", star["core_ms"], 1.05 * plain["core_ms"])
@@ -149,14 +228,22 @@ def goals(rows, machine, targets):
         if row["m"] == 0 and row["size"] >= 1000000:
             goal(row, "peak device memory per vertex, no constraints", row["bytes_per_vertex"], 200, "bytes")
         if row["size"] >= 1000000:
-            goal(row, "check + output, at most half of core", row["phases"]["check"] + row["phases"]["output"], row["core_ms"] / 2)
+            goal(
+                row,
+                "check + output, at most half of core",
+                row["phases"]["check"] + row["phases"]["output"],
+                row["core_ms"] / 2,
+            )
     return lines
 
 
 def verdicts(rows, machine, targets):
     gpu = machine["kind"] == "gpu"
-    behind = [f"{name(r)}: {ms(ours(r, gpu))} ms, {r['peer']} {ms(r['peer_ms'])} ms" for r in rows
-              if r.get("peer_ms") and r["peer_ms"] < ours(r, gpu)]
+    behind = [
+        f"{name(r)}: {ms(ours(r, gpu))} ms, {r['peer']} {ms(r['peer_ms'])} ms"
+        for r in rows
+        if r.get("peer_ms") and r["peer_ms"] < ours(r, gpu)
+    ]
     wrong = [f"{name(r)}: {r.get('fault', 'runs differ')}" for r in rows if not r["verified"]]
     missed = [f"{g[0]}: {g[1]} {g[2]}, goal {g[3]}" for g in goals(rows, machine, targets) if g[4] == "NO"]
     text = ""
@@ -172,11 +259,13 @@ def describe(machine):
     if machine.get("command"):
         text += f". Command: `{machine['command']}`"
     if machine.get("copy_gb_s"):
-        text += (f"\n\nMeasured in the same run: copy kernel {machine['copy_gb_s']:.0f} GB/s (read + written), buffer copy "
-                 f"{machine['buffer_copy_gb_s']:.0f} GB/s; host to device {machine['write_gb_s']:.1f} GB/s pageable, "
-                 f"{machine['pinned_write_gb_s']:.1f} pinned; back {machine['read_gb_s']:.1f} and "
-                 f"{machine['pinned_read_gb_s']:.1f}; launch {machine['launch_us']:.1f} us, launch and read "
-                 f"{machine['launch_read_us']:.1f} us.")
+        text += (
+            f"\n\nMeasured in the same run: copy kernel {machine['copy_gb_s']:.0f} GB/s (read + written), buffer copy "
+            f"{machine['buffer_copy_gb_s']:.0f} GB/s; host to device {machine['write_gb_s']:.1f} GB/s pageable, "
+            f"{machine['pinned_write_gb_s']:.1f} pinned; back {machine['read_gb_s']:.1f} and "
+            f"{machine['pinned_read_gb_s']:.1f}; launch {machine['launch_us']:.1f} us, launch and read "
+            f"{machine['launch_read_us']:.1f} us."
+        )
     return text
 
 
@@ -185,94 +274,26 @@ def start_text(path):
         return ""
     with open(path) as file:
         s = json.load(file)
-    return ("\n## First triangulation of 1000 points, whole process\n" +
-            table(["all caches empty", "only gcdt's cache warm", "all caches warm", "context and queue only"],
-                  [[f"{s[k]:.2f} s" for k in ("all_caches_empty_s", "own_cache_warm_s", "all_caches_warm_s", "context_only_s")]]) + "\n")
-
-
-def plots(rows, machine, stem):
-    try:
-        import matplotlib
-    except ImportError:
-        print("report.py: matplotlib is not there: no plots", file=sys.stderr)
-        return []
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    gpu = machine["kind"] == "gpu"
-    made = []
-
-    def save(figure, suffix):
-        figure.tight_layout()
-        figure.savefig(stem + suffix + ".png", dpi=110)
-        pyplot.close(figure)
-        made.append(os.path.basename(stem + suffix + ".png"))
-
-    labels, place = [name(r) for r in rows], range(len(rows))
-    figure, axes = pyplot.subplots(figsize=(10, 1.5 + 0.3 * len(rows)))
-    axes.barh([i + 0.2 for i in place], [ours(r, gpu) for r in rows], 0.38, label="gcdt, " + ("core" if gpu else "full"))
-    for source, colour, title in (("measured", "tab:red", "best peer, same run"), ("", "tab:orange", "best peer, figure taken before")):
-        at = [i for i in place if rows[i].get("peer_ms") and (rows[i]["peer_source"] == "measured") == (source == "measured")]
-        if at:
-            axes.barh([i - 0.2 for i in at], [rows[i]["peer_ms"] for i in at], 0.38, color=colour, label=title)
-    axes.set(xscale="log", xlabel="milliseconds", yticks=list(place), yticklabels=labels, title=machine["device"])
-    axes.invert_yaxis()
-    axes.legend()
-    save(figure, "")
-
-    versus = {}  # paper, figure 12
-    for i in place:
-        for peer in rows[i]["peers"]:
-            if peer.get("ms"):
-                versus.setdefault(peer["name"], []).append((peer["ms"] / ours(rows[i], gpu), i))
-    if versus:
-        figure, axes = pyplot.subplots(figsize=(10, 1.5 + 0.25 * len(rows)))
-        for marker, (peer, points) in zip("osD^vPX", sorted(versus.items())):
-            axes.plot(*zip(*points), marker, label=peer)
-        axes.axvline(1, color="black", linewidth=0.8)
-        axes.set(xscale="log", xlabel="peer's time / ours", yticks=list(place), yticklabels=labels)
-        axes.invert_yaxis()
-        axes.grid(axis="x", which="both", alpha=0.3)
-        axes.legend()
-        save(figure, "-speedup")
-
-    figure, axes = pyplot.subplots(figsize=(10, 1.5 + 0.25 * len(rows)))  # paper, figure 14
-    left = [0.0] * len(rows)
-    for phase in PHASES:
-        share = [100 * r["phases"][phase] / max(r["full_ms"], 1e-9) for r in rows]
-        axes.barh(list(place), share, left=left, label=phase)
-        left = [a + b for a, b in zip(left, share)]
-    axes.set(xlabel="share of full, %", yticks=list(place), yticklabels=labels)
-    axes.invert_yaxis()
-    axes.legend(ncol=6, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    save(figure, "-phases")
-
-    length = {r["workload"][-1]: r for r in rows if r["workload"].startswith("synthetic_cons_")}
-    base = [r for r in rows if r["workload"] == "uniform" and length and r["n"] == next(iter(length.values()))["n"]]
-    if len(length) > 1 and base:  # paper, figure 13
-        figure, axes = pyplot.subplots(figsize=(6, 4))
-        axes.plot(sorted(length), [length[k]["core_ms"] / base[0]["core_ms"] for k in sorted(length)], "o-", label="gcdt")
-        peer = [(k, length[k]["peer_ms"] / base[0]["peer_ms"]) for k in sorted(length)
-                if length[k].get("peer_ms") and base[0].get("peer_ms")]
-        if peer:
-            axes.plot(*zip(*peer), "s--", label="best peer")
-        axes.set(xlabel="synthetic-cons (constraints 4 times as long each)", ylabel="core / core of uniform", ylim=(0, None))
-        axes.legend()
-        save(figure, "-length")
-
-    sizes = sorted((r["n"], ours(r, gpu)) for r in rows if r["workload"] == "uniform")
-    if len(sizes) > 2:
-        figure, axes = pyplot.subplots(figsize=(6, 4))
-        axes.plot([n for n, _ in sizes], [1e6 * t / n for n, t in sizes], "o-")
-        axes.set(xscale="log", xlabel="uniform vertices", ylabel="nanoseconds per vertex", ylim=(0, None))
-        save(figure, "-scaling")
-    return made
+    return (
+        "\n## First triangulation of 1000 points, whole process\n"
+        + table(
+            ["all caches empty", "only gcdt's cache warm", "all caches warm", "context and queue only"],
+            [
+                [
+                    f"{s[k]:.2f} s"
+                    for k in ("all_caches_empty_s", "own_cache_warm_s", "all_caches_warm_s", "context_only_s")
+                ]
+            ],
+        )
+        + "\n"
+    )
 
 
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     path = sys.argv[1]
-    stem = path[:-len(".json")]
+    stem = path[: -len(".json")]
     with open(path) as file:
         results = json.load(file)
     with open(os.path.join(HERE, "targets.json")) as file:
@@ -280,15 +301,23 @@ def main():
     machine = results["machine"]
     rank = {family: i for i, family in enumerate(FAMILIES)}
     rows = sorted(results["rows"], key=lambda r: (rank.get(r["workload"], len(rank)), r["workload"], r["n"]))
-    made = plots(rows, machine, stem)
+    gpu = machine["kind"] == "gpu"
+    made = plots.draw(rows, machine, stem, [name(row) for row in rows], [ours(row, gpu) for row in rows], PHASES)
     title = main_table(rows, machine)
     with open(stem + ".md", "w") as file:
         file.write("# Results\n" + describe(machine) + "\n\n")
         file.writelines(f"![]({picture})\n" for picture in made)
-        file.write("\n" + title + "\n\n`core` and `full`, medians in milliseconds; what they are stands in `bench/README.md`. " +
-                   ("\"Ahead\" is the peer's time over `core`" if machine["kind"] == "gpu" else
-                    "\"Ahead\" is the peer's time over `full`") +
-                   ". `*`: the peer did not run here; its figure was taken before (see the peers below).\n")
+        file.write(
+            "\n"
+            + title
+            + "\n\n`core` and `full`, medians in milliseconds; what they are stands in `bench/README.md`. "
+            + (
+                '"Ahead" is the peer\'s time over `core`'
+                if machine["kind"] == "gpu"
+                else '"Ahead" is the peer\'s time over `full`'
+            )
+            + ". `*`: the peer did not run here; its figure was taken before (see the peers below).\n"
+        )
         file.write(verdicts(rows, machine, targets))
         met = goals(rows, machine, targets)
         if met:

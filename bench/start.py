@@ -3,6 +3,7 @@
 """Times the first triangulation of 1000 points in a process of its own: with all caches empty (gcdt's, PoCL's,
 NVIDIA's), with only gcdt's cache warm, with all warm; and a program that only creates a context and a queue.
 Usage: start.py GCDT_BENCH DEVICE RESULTS.json   writes RESULTS-start.json"""
+
 import json
 import os
 import shutil
@@ -19,8 +20,9 @@ def main():
     bench, device, results = sys.argv[1:]
     folder = tempfile.mkdtemp(prefix="gcdt-start-")
     ours, others = os.path.join(folder, "ours"), os.path.join(folder, "others")
-    environment = dict(os.environ, GCDT_CACHE_DIR=ours, POCL_CACHE_DIR=others, CUDA_CACHE_PATH=others,
-                       XDG_CACHE_HOME=others)
+    environment = dict(
+        os.environ, GCDT_CACHE_DIR=ours, POCL_CACHE_DIR=others, CUDA_CACHE_PATH=others, XDG_CACHE_HOME=others
+    )
 
     def run(what):
         start = time.perf_counter()
@@ -47,7 +49,7 @@ def main():
         seconds["context_only_s"] = median(WARM_RUNS, "--context-only")
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    with open(results[:-len(".json")] + "-start.json", "w") as file:
+    with open(results[: -len(".json")] + "-start.json", "w") as file:
         json.dump(seconds, file, indent=1)
         file.write("\n")
     print("first call:", ", ".join(f"{key} {value}" for key, value in seconds.items()))

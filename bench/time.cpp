@@ -7,7 +7,6 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <future>
 #include <memory>
@@ -21,10 +20,9 @@
 #include <gcdt/gcdt.hpp>
 #include <gcdt/verify.hpp>
 
-#include "inputs.hpp"
-#include "peer.hpp"
 #include "rates.hpp"
 #include "results.hpp"
+#include "row.hpp"
 #include "sampled_check.hpp"
 
 namespace {
@@ -39,7 +37,6 @@ struct Arguments {
 };
 
 constexpr std::size_t quick_vertices = 50000;
-constexpr std::size_t largest_verified = 20000000;  // beyond: the device's check and a sample
 constexpr std::size_t samples = 1000000;
 constexpr double warm_seconds = 0.3;   // a GPU raises its clocks only under load
 constexpr double long_call_ms = 2000;  // one such call has warmed up
@@ -49,30 +46,6 @@ constexpr double peer_seconds = 10;  // after three runs
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-struct Spread {
-  double least, quarter, median, three_quarters, most;
-};
-
-Spread spread(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {  // between the two nearest
-    const double place = share * static_cast<double>(values.size() - 1);
-    const std::size_t below = static_cast<std::size_t>(place), above = std::min(below + 1, values.size() - 1);
-    return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-  };
-  return {at(0), at(0.25), at(0.5), at(0.75), at(1)};
-}
-
-std::string text(const Spread& s) {
-  return Object()
-      .add("min", s.least)
-      .add("q1", s.quarter)
-      .add("median", s.median)
-      .add("q3", s.three_quarters)
-      .add("max", s.most)
-      .text();
 }
 
 std::uint64_t hash(const Triangulation& mesh) {
@@ -88,18 +61,6 @@ std::uint64_t hash(const Triangulation& mesh) {
   }
   return h;
 }
-
-/// What was measured of one input.
-struct Row {
-  Input input;
-  Workload work;
-  Options options;
-  Triangulation mesh;  ///< of the last timed call
-  std::vector<Statistics::Milliseconds> ms;
-  std::vector<double> call_ms;  ///< the whole call on the caller's clock, without building
-  bool same_bytes = true;       ///< every timed call gave the same triangles
-  std::vector<std::pair<std::string, PeerTimes>> peers;
-};
 
 class Benchmark {
  public:
@@ -187,13 +148,6 @@ class Benchmark {
     std::fprintf(stderr, "%s\n", machine.text().c_str());
   }
 
-  static std::string date() {
-    const std::time_t now = std::time(nullptr);
-    char text[16];
-    std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
-    return text;
-  }
-
   void time(const Input& input) try {
     auto row = std::make_unique<Row>();
     row->input = input;
@@ -247,13 +201,6 @@ class Benchmark {
     std::remove(file.c_str());
   }
 
-  static std::vector<double> all(const Row& row, double Statistics::Milliseconds::*step) {
-    std::vector<double> values;
-    for (const auto& ms : row.ms) values.push_back(ms.*step);
-    return values;
-  }
-  static double median(const Row& row, double Statistics::Milliseconds::*step) { return spread(all(row, step)).median; }
-
   /// "" or what is wrong with the row's mesh.
   static std::string fault(const Row& row) {
     if (row.work.points.size() > largest_verified) return sampled_check(row.work.points, row.mesh, samples);
@@ -281,85 +228,10 @@ class Benchmark {
         std::fprintf(stderr, "%s %zu: %s\n", waiting_[i]->input.name.c_str(), waiting_[i]->input.size,
                      why.empty() ? "runs differ" : why.c_str());
       }
-      results_.put(describe(*waiting_[i], why));
+      results_.put(describe(*waiting_[i], solver_.device(), why, arguments_.anchors, arguments_.commit));
     }
     if (!waiting_.empty()) std::fprintf(stderr, "verified %zu in %.1f s\n", waiting_.size(), seconds_now() - start);
     waiting_.clear();
-  }
-
-  std::string describe(const Row& row, const std::string& why) const {
-    using Ms = Statistics::Milliseconds;
-    const Statistics& s = row.mesh.statistics;
-    const auto count = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-    Object o;
-    o.add("workload", row.input.name).add("size", count(row.input.size));
-    o.add("n", count(s.n)).add("m", count(s.m)).add("device", solver_.device().name);
-    const Spread core = spread(all(row, &Ms::core)), full = spread(all(row, &Ms::full));
-    o.add("core_ms", core.median).add("full_ms", full.median);
-    add_peers(o, row);
-    o.add("verified", why.empty() && row.same_bytes);
-    if (!why.empty()) o.add("fault", why);
-    o.add("verified_by", s.n > largest_verified ? "device check and sample" : "verify")
-        .add("checked", row.options.check);
-    o.add("same_bytes", row.same_bytes).add("runs", count(row.ms.size()));
-    o.raw("core", text(core)).raw("full", text(full)).raw("call", text(spread(row.call_ms)));
-    std::vector<double> clean;  // the cleaning of constraints: part of insert + constrain + flip, not of core
-    for (const Ms& ms : row.ms) clean.push_back(ms.insert + ms.constrain + ms.flip - ms.core);
-    Object phases;
-    phases.add("order", median(row, &Ms::order)).add("insert", median(row, &Ms::insert));
-    phases.add("constrain", median(row, &Ms::constrain)).add("clean", std::max(0.0, spread(clean).median));
-    phases.add("flip", median(row, &Ms::flip)).add("check", median(row, &Ms::check));
-    phases.add("output", median(row, &Ms::output));
-    o.raw("phases", phases.text());
-    o.add("triangles", count(s.triangles)).add("insert_rounds", count(s.rounds.insert));
-    o.add("flip_rounds", count(s.rounds.flip)).add("flips", count(s.flips));
-    o.add("history_depth", count(s.history_depth)).add("location_steps", count(s.location_steps));
-    o.add("crossed_pairs", count(s.crossed_pairs)).add("launches", count(s.launches));
-    o.add("read_backs", count(s.read_backs)).add("peak_device_bytes", count(s.peak_device_bytes));
-    o.add("bytes_per_vertex",
-          static_cast<double>(s.peak_device_bytes) / static_cast<double>(std::max<std::uint64_t>(s.n, 1)));
-    o.add("merged", count(s.vertices_merged)).add("crossings", count(s.crossings));
-    o.add("dropped", count(s.constraints_dropped)).add("version", s.version).add("commit", arguments_.commit);
-    return o.add("date", date()).text();
-  }
-
-  /// The best peer in one place, all of them in another. On a GPU, anchors of peers that do not run here count
-  /// too; on a CPU, whose cores differ, only where no peer ran.
-  void add_peers(Object& o, const Row& row) const {
-    std::string best, source, list;
-    double best_ms = 0;
-    bool ran = false;
-    const auto consider = [&](const std::string& name, double ms, const std::string& from, const Object& what) {
-      list += (list.empty() ? "" : ", ") + what.text();
-      if (ms > 0 && (best.empty() || ms < best_ms)) best = name, best_ms = ms, source = from;
-    };
-    for (const auto& [name, times] : row.peers) {
-      Object what;
-      what.add("name", name);
-      if (!times.error.empty()) {
-        consider(name, 0, "", what.add("error", times.error));
-        continue;
-      }
-      const Spread s = spread(times.ms);
-      ran = true;
-      what.add("ms", s.median).raw("spread", text(s)).add("runs", static_cast<unsigned long long>(times.ms.size()));
-      consider(name, s.median, "measured", what.add("triangles", times.triangles).add("source", "measured"));
-    }
-    const bool gpu = solver_.device().is_gpu;
-    if (gpu || !ran)
-      for (const Anchor& a : anchors(arguments_.anchors, gpu, row.input.name, row.input.size)) {
-        bool measured = false;
-        for (const auto& [name, times] : row.peers)
-          measured |= times.error.empty() && name.compare(0, a.peer.size(), a.peer) == 0;
-        if (measured) continue;
-        const std::string from = "anchor of " + a.date + ", " + a.machine;
-        consider(a.peer, a.ms, from, Object().add("name", a.peer).add("ms", a.ms).add("source", from));
-      }
-    if (best.empty())
-      o.raw("peer", "null").raw("peer_ms", "null");
-    else
-      o.add("peer", best).add("peer_ms", best_ms).add("peer_source", source);
-    o.raw("peers", '[' + list + ']');
   }
 
   const Arguments& arguments_;

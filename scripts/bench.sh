@@ -26,7 +26,8 @@ list=$kind
 options=()
 suffix=
 start=yes
-cgal=$([[ $kind == cpu ]] && echo yes || true)
+cgal=
+[[ $kind == gpu ]] || cgal=yes
 while [[ $# -gt 0 ]]; do
   case $1 in
     --quick) options+=(--quick); suffix=-quick; shift ;;

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CuPy's Delaunay (a port of gDel2D) as a peer (bench/peer.hpp): the whole call, from points in device memory to
 triangles in device memory. No constraints. Reading the file and copying it to the device are not timed."""
+
 import sys
 import time
 
