@@ -34,6 +34,7 @@ kernel void clean_gather(uint count, global const uint* list, global const uint2
 kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
                        global const uint* begins, global uint* counts, global uint* hits,
                        volatile global Counters* counters) {
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
   const uint parts = begins[pieces], faces = gcdt_face_count(n);
@@ -60,7 +61,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
     }
     if (!emit) counts[part] = found;
   }
-  if (!emit) add_wide(&counters->steps_low, &counters->steps_high, steps);
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, emit ? 0u : steps);
 }
 
 static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,

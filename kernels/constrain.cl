@@ -27,11 +27,12 @@ static inline Near make_near(NEAR_PARAMETERS) {
 kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, volatile global uint* edge_marks,
                            NEAR_PARAMETERS, global const uint2* ends, global const uint* begins,
                            global uint* piece_edge, volatile global Counters* counters) {
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
   const Near near = make_near(near0, near1);
   const uint parts = begins[pieces];
-  uint steps = 0, pairs = 0;
+  uint steps = 0, pairs = 0, existing = 0;
   for (uint part = get_global_id(0); part < parts && part < capacity; part += get_global_size(0)) {
     const uint c = piece_of_part(begins, pieces, part);
     const uint2 e = walk_ends(ends[c]);
@@ -42,7 +43,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
       piece_edge[c] = is_edge ? GCDT_SIDE_EDGE(w.code) : GCDT_NONE;
       if (is_edge) {
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
-        atomic_inc(&counters->existing_edges);
+        ++existing;
       } else {
         *claim_word(mesh.corners, w.face) = FACE_CROSSED;
         ++pairs;
@@ -59,8 +60,10 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
     if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);
     if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }
-  add_wide(&counters->steps_low, &counters->steps_high, steps);
-  add_wide(&counters->pairs_low, &counters->pairs_high, pairs);
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
+  add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
+  existing = sum_of_group(&sum, existing);
+  if (get_local_id(0) == 0 && existing > 0u) atomic_add(&counters->existing_edges, existing);
 }
 
 // One work-item per face. Flags crossed faces. No race: its own word.

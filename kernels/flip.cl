@@ -208,13 +208,14 @@ kernel void flip_test(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, g
 kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                            global const uint* illegal, global uint* list, volatile global Counters* counters) {
   DECLARE_APPENDER(queued);
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
   const uint count = counters->list_flip[round & 1u];
   if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
   const uint flips = flip_tiles(mesh, edge_marks, c, illegal, count, a);
-  add_wide(&counters->flips_low, &counters->flips_high, flips);
+  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }
 
 // One work-group. Does up to `most` rounds from `round` on; barriers order what two kernels do
@@ -223,6 +224,7 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
 kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                         global uint* list, global uint* illegal, volatile global Counters* counters) {
   DECLARE_APPENDER(gathered);
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   uint flips = 0, done = 0;
   for (;;) {
@@ -243,6 +245,6 @@ kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }
-  add_wide(&counters->flips_low, &counters->flips_high, flips);
+  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
   if (get_local_id(0) == 0) counters->rounds += done;
 }

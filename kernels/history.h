@@ -80,6 +80,28 @@ static inline int germ_side(Germ g, Vertex a, Vertex b) {
   return s != 0 ? s : gcdt_sign64(gcdt_orient2d(a, b, g.q));
 }
 
+static inline u64 distance_squared(int2 p, int2 q) {
+  const i64 dx = (i64)p.x - q.x, dy = (i64)p.y - q.y;
+  return (u64)(dx * dx) + (u64)(dy * dy);
+}
+
+// Of the coarser vertices `unit` and `unit` + 1 along the curve, in units of level `level` - 1, the one nearer to
+// p: where the curve jumps, one of them is often still close. `coarse` vertices are coarser.
+static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
+                                        uint unit, int2 p) {
+  const uint before = gcdt_vertex_of_rank(levels, level - 1u, unit);
+  if (unit + 1u >= coarse) return before;
+  const uint after = gcdt_vertex_of_rank(levels, level - 1u, unit + 1u);
+  return distance_squared(p, points[before]) <= distance_squared(p, points[after]) ? before : after;
+}
+
+// A coarser vertex close to vertex v.
+static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
+                                      uint v) {
+  const uint unit = gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u];
+  return nearer_coarse_vertex(levels, level, points, coarse, unit, points[v]);
+}
+
 // Visibility walk in the top layer from face `t` to a face that holds the germ in its closure.
 // The top layer is Delaunay (regular for the tie rule's heights, symbols included), so the walk
 // visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose opposite

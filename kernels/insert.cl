@@ -191,20 +191,20 @@ static void split_edge(Mesh mesh, History h, Round r, uint v, uint e) {
 
 // Splits if v owns what it voted for. The node's depth (of its side 0 if it has two) is reported; the
 // plain read before atomic_max only saves atomics. A loser may read a claim word that a winner has reset to 0 or
-// an edge's face that a winner has replaced: whatever it reads is not its ticket.
-static void split_if_won(Mesh mesh, History h, Round r, uint v, volatile global Counters* counters) {
+// an edge's face that a winner has replaced: whatever it reads is not its ticket. Returns 1 if an edge was split.
+static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global Counters* counters) {
   const uint location = h.nodes[v - h.begin].x;
   const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
   const uint2 f = faces_of_location(mesh, location);
-  if (*claim_word(mesh.corners, f.x) != ticket || *claim_word(mesh.corners, f.y) != ticket) return;
+  if (*claim_word(mesh.corners, f.x) != ticket || *claim_word(mesh.corners, f.y) != ticket) return 0u;
   const uint depth = h.nodes[v - h.begin].y + 1u;
   if (depth > counters->history_depth) atomic_max(&counters->history_depth, depth);
   if (location & ON_EDGE) {
-    atomic_inc(&counters->edge_splits);
     split_edge(mesh, h, r, v, location & ~ON_EDGE);
-  } else {
-    split_face(mesh, h, r, v, location);
+    return 1u;
   }
+  split_face(mesh, h, r, v, location);
+  return 0u;
 }
 
 // One work-item. Writes the symbolic triangle as face 0 with edges 0, 1, 2 that have no other side.
@@ -245,6 +245,7 @@ kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMET
 // every vertex of the level has a location, and round 1's votes are cast.
 kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                           GCDT_HISTORY_PARAMETERS, global uint* list, volatile global Counters* counters) {
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
   const uint top_faces = gcdt_face_count(begin);
@@ -252,11 +253,7 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
   for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
     const uint i = v - begin;
-    uint start = 0;
-    if (level > 0) {
-      const uint q = i + i / (GCDT_LEVEL_RATIO - 1u) + 1u;
-      start = h.vertex_face[gcdt_vertex_of_rank(levels, level - 1u, q / GCDT_LEVEL_RATIO)];
-    }
+    const uint start = level > 0 ? h.vertex_face[coarse_vertex_near(levels, level, points, begin, v)] : 0u;
     Germ g;
     g.p = load_vertex(points, n, v);
     g.q = g.p;
@@ -274,7 +271,7 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
     list[i] = v;
     vote(mesh, h, make_round(1u, 1u, bits), v, location);
   }
-  add_wide(&counters->steps_low, &counters->steps_high, steps);
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
 }
 
 static void vote_tiles(Mesh mesh, History h, Round r, global const uint* list, uint count, Appender left) {
@@ -305,12 +302,17 @@ kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS
 // other work-item of this launch touches. After: winners are vertices of the mesh.
 kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                          global const uint* list, volatile global Counters* counters) {
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
   const Round r = make_round(number, stamp, bits);
   const uint count = counters->list_insert[number & 1u];
   if (get_global_id(0) == 0) counters->list_insert[(number & 1u) ^ 1u] = 0u;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) split_if_won(mesh, h, r, list[i], counters);
+  uint on_edges = 0;
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
+    on_edges += split_if_won(mesh, h, r, list[i], counters);
+  on_edges = sum_of_group(&sum, on_edges);
+  if (get_local_id(0) == 0 && on_edges > 0u) atomic_add(&counters->edge_splits, on_edges);
 }
 
 // One work-group. Does up to `most` rounds from round `number` on, whose votes are cast: split, then
@@ -320,9 +322,10 @@ kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETER
 kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                           global uint* list_even, global uint* list_odd, volatile global Counters* counters) {
   DECLARE_APPENDER(left);
+  local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
-  uint done = 0;
+  uint done = 0, on_edges = 0;
   for (;;) {
     const Round r = make_round(number + done, stamp + done, bits);
     const uint now = r.number & 1u;
@@ -332,14 +335,19 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_ME
     global uint* list = now ? list_odd : list_even;
     global uint* list_next = now ? list_even : list_odd;
     if (get_local_id(0) == 0) counters->list_insert[now ^ 1u] = 0u;
-    for (uint i = get_local_id(0); i < count; i += get_local_size(0)) split_if_won(mesh, h, r, list[i], counters);
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0))
+      on_edges += split_if_won(mesh, h, r, list[i], counters);
     barrier(CLK_GLOBAL_MEM_FENCE);
     const Appender a = make_appender(left_items, left_gathered, list_next, &counters->list_insert[now ^ 1u]);
     vote_tiles(mesh, h, make_round(r.number + 1u, r.stamp + 1u, bits), list, count, a);
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }
-  if (get_local_id(0) == 0) counters->rounds += done;
+  on_edges = sum_of_group(&sum, on_edges);
+  if (get_local_id(0) == 0) {
+    counters->rounds += done;
+    counters->edge_splits += on_edges;
+  }
 }
 
 // One work-item per vertex in the list. Re-casts this round's vote with a new stamp after the claim

@@ -70,11 +70,30 @@ static inline volatile global uint* claim_word(global uint4* corners, uint face)
 }
 
 // ---- Counters -------------------------------------------------------------------------------------
-// Adds to a 64-bit count kept in two words: the add that wraps the low word carries.
-static inline void add_wide(volatile global uint* low, volatile global uint* high, uint amount) {
+// Adds to a 64-bit count kept in two words: the add that wraps the low word carries. Atomics at one
+// address queue up (a nanosecond each on a large GPU), so kernels add once for a work-group.
+static inline void add_wide(volatile global uint* low, volatile global uint* high, u64 amount) {
   if (amount == 0) return;
-  const uint old = atomic_add(low, amount);
-  if (old + amount < old) atomic_inc(high);
+  const uint amount_low = (uint)amount, old = atomic_add(low, amount_low);
+  const uint amount_high = (uint)(amount >> 32) + (old + amount_low < old ? 1u : 0u);
+  if (amount_high > 0u) atomic_add(high, amount_high);
+}
+
+// The sum of every work-item's amount, below 2^32, valid on work-item 0 of the group. All work-items of the
+// group call it; `sum` is one word of local memory.
+static inline uint sum_of_group(volatile local uint* sum, uint amount) {
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (get_local_id(0) == 0) *sum = 0u;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (amount > 0u) atomic_add(sum, amount);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return *sum;
+}
+
+static inline void add_for_group(volatile local uint* sum, volatile global uint* low, volatile global uint* high,
+                                 uint amount) {
+  const uint total = sum_of_group(sum, amount);
+  if (get_local_id(0) == 0) add_wide(low, high, total);
 }
 
 #endif

@@ -7,13 +7,16 @@ static inline u64 piece_length(global const int2* points, uint2 ends) {
   return (u64)max(abs_diff(p.x, q.x), abs_diff(p.y, q.y));
 }
 
-// One work-item per stride of pieces. Adds lengths (longer axis) to the 64-bit total by atomics;
-// sums do not depend on order. After: total[0..1] is the total length.
+// One work-item per stride of pieces. Adds lengths (longer axis, below 2^31) to the 64-bit total, once for
+// a group: in digits of 20 bits, so that no local sum overflows (groups have at most 4096 work-items).
+// Sums do not depend on order. After: total[0..1] is the total length.
 kernel void parts_total(uint pieces, global const int2* points, global const uint2* ends, volatile global uint* total) {
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
-    const u64 length = piece_length(points, ends[c]);
-    add_wide(total, total + 1, (uint)length);
-  }
+  local uint sum;
+  u64 mine = 0, whole = 0;
+  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) mine += piece_length(points, ends[c]);
+  for (uint digit = 0; digit < 4u; ++digit)
+    whole += (u64)sum_of_group(&sum, (uint)(mine >> (20u * digit)) & 0xFFFFFu) << (20u * digit);
+  if (get_local_id(0) == 0) add_wide(total, total + 1, whole);
 }
 
 // One work-item per piece. Reads the total length; writes the piece's number of parts, at least 1. The

@@ -29,10 +29,11 @@ typedef struct Walk {
 
 // ---- Where a part begins -------------------------------------------------------------------------
 
-// The last vertex of the top layer on the curve up to the grid point's code. Ends: the range halves.
-static inline uint coarse_vertex_before(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint count,
-                                        uint x, uint y) {
-  const u64 code = gcdt_morton(x, y);
+// A vertex of the top layer close to a grid point: its neighbours on the curve, found by bisection. Ends: the
+// range halves.
+static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint count,
+                                    int2 at) {
+  const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
   uint low = 0, high = count;
   while (high - low > 1u) {
     const uint middle = low + (high - low) / 2u;
@@ -42,7 +43,7 @@ static inline uint coarse_vertex_before(GCDT_LEVELS_POINTER levels, uint level, 
     else
       high = middle;
   }
-  return gcdt_vertex_of_rank(levels, level - 1u, low);
+  return nearer_coarse_vertex(levels, level, points, count, low, at);
 }
 
 // A face whose closure holds division point k, moved infinitely little towards b.
@@ -57,12 +58,12 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh m
   if (level > 0) {
     uint v;
     if (k == 0u) {
-      v = gcdt_vertex_of_rank(levels, level - 1u, gcdt_rank_of_vertex(levels, a) / GCDT_LEVEL_RATIO);
+      v = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, h.begin, a);
     } else {
       // Only a place to start from: rounding does not matter. |difference| * k < 2^31 * 2^31.
-      const uint x = (uint)(va.x + (vb.x - va.x) * (i64)k / (i64)parts);
-      const uint y = (uint)(va.y + (vb.y - va.y) * (i64)k / (i64)parts);
-      v = coarse_vertex_before(levels, level, mesh.points, h.begin, x, y);
+      const int2 at =
+          (int2)((int)(va.x + (vb.x - va.x) * (i64)k / (i64)parts), (int)(va.y + (vb.y - va.y) * (i64)k / (i64)parts));
+      v = coarse_vertex_at(levels, level, mesh.points, h.begin, at);
     }
     start = h.vertex_face[v];
   }

@@ -36,7 +36,7 @@ class Flipping {
     std::uint64_t total = 0;
     for (std::uint32_t pending = edges_; pending > 0;) {
       const std::uint32_t rounds_before = counters_.last().rounds;
-      const std::uint32_t launched = pending <= one_group_edges ? rounds_in_one_group() : rounds_wide();
+      const std::uint32_t launched = pending <= one_group_edges ? rounds_in_one_group() : rounds_wide(pending);
       const device::Counters& c = counters_.read();
       const std::uint32_t in_group = c.rounds - rounds_before;
       round_ += in_group;
@@ -50,14 +50,15 @@ class Flipping {
   }
 
  private:
-  std::uint32_t rounds_wide() {
+  // Launches are as wide as the list was when last read; lists shrink, and a longer one is only slower.
+  std::uint32_t rounds_wide(std::uint32_t pending) {
     for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
-      runtime_.launch("flip", "flip_test", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n,
+      runtime_.launch("flip", "flip_test", runtime::over(pending), round_, stamp, stamps_.bits(), mesh_.n,
                       vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
                       lists_.second, counters_.buffer());
-      runtime_.launch("flip", "flip_propagate", runtime::over(edges_), round_, stamp, stamps_.bits(), mesh_.n,
+      runtime_.launch("flip", "flip_propagate", runtime::over(pending), round_, stamp, stamps_.bits(), mesh_.n,
                       vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.second,
                       lists_.first, counters_.buffer());
     }

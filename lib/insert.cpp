@@ -30,7 +30,8 @@ class LevelInsertion {
         history_(history),
         lists_(lists),
         counters_(counters),
-        stamps_(history.end - history.begin) {}
+        stamps_(history.end - history.begin),
+        remaining_(history.end - history.begin) {}
 
   void locate() {
     const cl_uint faces = device::gcdt_face_count(history_.begin);
@@ -43,9 +44,8 @@ class LevelInsertion {
 
   /// Ends: see round_limit.
   std::uint64_t finish(Ticker& ticker) {
-    std::uint32_t remaining = history_.end - history_.begin;
-    while (remaining > 0) {
-      if (remaining <= one_group_vertices)
+    while (remaining_ > 0) {
+      if (remaining_ <= one_group_vertices)
         rounds_in_one_group();
       else
         for (std::uint32_t i = 0; i < rounds_per_read; ++i) round();
@@ -54,9 +54,9 @@ class LevelInsertion {
       round_ += c.rounds - rounds_seen_;
       stamps_.take(c.rounds - rounds_seen_);
       rounds_seen_ = c.rounds;
-      remaining = c.list_insert[round_ & 1];
+      remaining_ = c.list_insert[round_ & 1];
       if (round_ > round_limit) throw Error(Status::round_limit, "insert: vertices are left after the limit of rounds");
-      ticker.tick("insert", double(history_.end - remaining) / mesh_.n);
+      ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
     }
     return round_ - 1;
   }
@@ -64,10 +64,10 @@ class LevelInsertion {
  private:
   void round() {
     renew_stamps(1);
-    launch("insert_split", over_level(), standing_round(), list(round_), counters_.buffer());
+    launch("insert_split", over_remaining(), standing_round(), list(round_), counters_.buffer());
     ++round_;
     stamps_.take();
-    launch("insert_vote", over_level(), standing_round(), list(round_ - 1), list(round_), counters_.buffer());
+    launch("insert_vote", over_remaining(), standing_round(), list(round_ - 1), list(round_), counters_.buffer());
   }
 
   void rounds_in_one_group() {
@@ -83,7 +83,7 @@ class LevelInsertion {
     clear_claims(runtime_, mesh_, device::gcdt_face_count(history_.end));
     stamps_.restart();
     stamps_.take();
-    launch("insert_revote", over_level(), standing_round(), list(round_), counters_.buffer());
+    launch("insert_revote", over_remaining(), standing_round(), list(round_), counters_.buffer());
   }
 
   // Arguments in the order of all kernels: scalars, mesh, history, lists, counters.
@@ -99,6 +99,8 @@ class LevelInsertion {
   }
   std::tuple<cl_uint, cl_uint, cl_uint> standing_round() const { return {round_, stamps_.current(), stamps_.bits()}; }
   runtime::Range over_level() const { return runtime::over(history_.end - history_.begin); }
+  // As wide as the list was when last read.
+  runtime::Range over_remaining() const { return runtime::over(remaining_); }
   const runtime::Buffer<cl_uint>& list(cl_uint round) const { return round & 1 ? lists_.second : lists_.first; }
 
   runtime::Runtime& runtime_;
@@ -109,7 +111,7 @@ class LevelInsertion {
   PhaseCounters& counters_;
   Stamps stamps_;
   cl_uint round_ = 1;
-  std::uint32_t rounds_seen_ = 0;
+  std::uint32_t rounds_seen_ = 0, remaining_;
 };
 
 }  // namespace

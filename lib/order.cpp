@@ -2,6 +2,7 @@
 #include "order.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <vector>
 
 #include "grid.hpp"
@@ -174,6 +175,9 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
   points = {};
+  runtime.finish();
+  const double built = runtime.build_ms();
+  const auto start = std::chrono::steady_clock::now();
   primitives.sort(keys.codes, keys.numbers, n, morton_bits);
   primitives.release();
 
@@ -190,6 +194,9 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   set_levels(runtime, vertices, distinct, coarsest_level);
   runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,
                  before, vertices.points, vertices.vertex_input, vertices.input_vertex);
+  runtime.finish();
+  result.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
+                   (runtime.build_ms() - built);
   return result;
 }
 

@@ -28,6 +28,7 @@ InputPoints stage(runtime::Runtime& runtime, Points points);
 struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives
+  double sort_ms = 0;        ///< wall time of sorting and numbering, which `core` of the statistics includes
 };
 
 /// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level

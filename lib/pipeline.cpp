@@ -76,6 +76,7 @@ void Pipeline::run_steps() {
     OrderResult ordered = order(runtime_, primitives_, std::move(input.points), options_.grid, coarsest_level);
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
+    sort_ms_ = ordered.sort_ms;
     primitives_.release();
   });
   ticker_.enter(order_share, insert_share);
@@ -86,7 +87,7 @@ void Pipeline::run_steps() {
   timed(ms.flip, [&] { flip_all(); });
   ticker_.enter(flip_share, 1);
   output();
-  ms.core = ms.insert + ms.constrain - clean_ms_ + ms.flip;
+  ms.core = sort_ms_ + ms.insert + ms.constrain - clean_ms_ + ms.flip;
   ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output;
   ms.build = runtime_.build_ms() - built;
   statistics_.launches = runtime_.launches() - launches;

@@ -74,7 +74,7 @@ class Pipeline {
   PhaseCounters counters_;
   std::unique_ptr<Cleaner> cleaner_;
   Pieces pieces_;
-  double clean_ms_ = 0;
+  double sort_ms_ = 0, clean_ms_ = 0;
 };
 
 /// See gcdt_required_bytes (lib/memory.cpp).

@@ -11,6 +11,9 @@ namespace gcdt::runtime {
 
 std::string Runtime::build_options() const {
   std::string options = "-cl-std=CL1.2";
+  // A GPU has more edges than work-items to flip them, and a work-item that flips on makes its group wait:
+  // no propagation is fastest there (bench/NOTES.md). A CPU wins by the rounds that propagation saves.
+  if (info_.is_gpu) options += " -DGCDT_FLIP_CHAIN=1";
   if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
   if (!hook_.options.empty()) options += " " + hook_.options;
   return options;

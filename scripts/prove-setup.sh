@@ -35,7 +35,7 @@ suite=${GCDT_SUITE:-bookworm}
 work=$(mktemp -d "${TMPDIR:-/var/tmp}/gcdt-prove-XXXXXX")
 root=$work/root
 clean_up() {
-  umount -q "$root/sys" "$root/proc" || true
+  umount -q "$root/dev/pts" "$root/sys" "$root/proc" || true
   if [[ $keep ]]; then
     echo "prove-setup: kept $root"
   else
@@ -71,6 +71,10 @@ make_root() {
   cat /etc/resolv.conf >"$root/etc/resolv.conf"
   mount -t proc proc "$root/proc"
   mount -t sysfs -o ro sysfs "$root/sys"
+  # Terminals of its own: the tests show progress on one.
+  mkdir -p "$root/dev/pts"
+  mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
+  ln -sf pts/ptmx "$root/dev/ptmx"
 }
 
 # Runs a command in the root with a fresh environment, apart from the machine's proxies.

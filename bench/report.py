@@ -1,0 +1,334 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the table (Markdown) and the plots (PNG) of a file of results, beside it.
+Usage: report.py RESULTS.json"""
+
+import json
+import math
+import os
+import sys
+
+import plots
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+FAMILIES = (
+    ["uniform", "gaussian", "ring", "grid"]
+    + [f"synthetic_cons_{k}" for k in range(1, 7)]
+    + ["leafs", "airport", "letters", "star", "fan", "spiral"]
+)
+PHASES = ["order", "insert", "constrain", "flip", "check", "output"]
+
+
+def ms(value):
+    if value is None:
+        return "-"
+    return f"{value:.2f}" if value < 10 else f"{value:.1f}" if value < 100 else f"{value:.0f}"
+
+
+def count(n):
+    return f"{n:,}"
+
+
+def name(row):
+    return f"{row['workload']} {short(row['size'] or row['n'])}"
+
+
+def short(n):
+    return f"{n / 1e6:.3g}M" if n >= 1e6 else f"{n / 1e3:.3g}k" if n >= 1e3 else str(n)
+
+
+def table(head, rows):
+    return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |" for row in [head, ["---"] * len(head)] + rows)
+
+
+def transfer_ms(row, machine):
+    """Input and output once over the link, from and to pinned memory."""
+    rates = machine.get("pinned_write_gb_s"), machine.get("pinned_read_gb_s")
+    if not all(rates):
+        return None
+    sent = 16 * row["n"] + 8 * row["m"]
+    received = 25 * row["triangles"] + 4 * row["n"] + 16 * row["m"]
+    return sent / rates[0] / 1e6 + received / rates[1] / 1e6
+
+
+def full_goal(row, machine):
+    """core + check + order + 1.5 x the transfer."""
+    transfer = transfer_ms(row, machine)
+    return (
+        None if transfer is None else row["core_ms"] + row["phases"]["check"] + row["phases"]["order"] + 1.5 * transfer
+    )
+
+
+def ours(row, gpu):
+    """What is held against the peer: on a GPU device times, on a CPU whole calls."""
+    return row["core_ms"] if gpu else row["full_ms"]
+
+
+def main_table(rows, machine):
+    gpu = machine["kind"] == "gpu"
+    lines = []
+    for row in rows:
+        peer = row.get("peer_ms")
+        anchored = peer is not None and row.get("peer_source") != "measured"
+        spread = row["core"] if gpu else row["full"]
+        lines.append(
+            [
+                name(row),
+                count(row["n"]),
+                count(row["m"]),
+                ms(row["core_ms"]),
+                ms(row["full_ms"]),
+                f"{ms(spread['min'])} / {ms(spread['q1'])} / {ms(spread['q3'])}",
+                f"{row['n'] / ours(row, gpu) / 1e3:.1f}",
+                "-" if peer is None else f"{row['peer']}{' *' if anchored else ''}",
+                ms(peer),
+                "-" if peer is None else f"{peer / ours(row, gpu):.2f}",
+                "yes" if row["verified"] else "NO",
+            ]
+        )
+    head = [
+        "workload",
+        "n",
+        "m",
+        "core ms",
+        "full ms",
+        ("core" if gpu else "full") + " min / q1 / q3",
+        "M vertices/s",
+        "best peer",
+        "peer ms",
+        "ahead",
+        "verified",
+    ]
+    return table(head, lines)
+
+
+def phase_table(rows):
+    lines = [
+        [name(row)]
+        + [ms(row["phases"][p]) for p in PHASES]
+        + [ms(row["phases"]["clean"])]
+        + [count(row[k]) for k in ("insert_rounds", "flip_rounds", "flips", "crossed_pairs", "launches", "read_backs")]
+        + [f"{row['bytes_per_vertex']:.0f}"]
+        for row in rows
+    ]
+    return table(
+        ["workload"]
+        + [p + " ms" for p in PHASES]
+        + [
+            "of it cleaning ms",
+            "insert rounds",
+            "flip rounds",
+            "flips",
+            "crossed pairs",
+            "launches",
+            "read-backs",
+            "bytes/vertex",
+        ],
+        lines,
+    )
+
+
+def limits_table(rows, machine):
+    lines = []
+    for row in rows:
+        moved = 8 * row["n"] + 24 * row["triangles"]  # vertices read once, triangles and neighbours written once
+        floor = moved / machine["copy_gb_s"] / 1e6 if machine.get("copy_gb_s") else None
+        waits = row["read_backs"] * machine.get("launch_read_us", 0) / 1e3
+        order = row["phases"]["check"] + row["phases"]["output"]
+        lines.append(
+            [
+                name(row),
+                ms(row["core_ms"]),
+                ms(floor),
+                ms(waits),
+                ms(row["full_ms"]),
+                ms(row["call"]["median"]),
+                ms(full_goal(row, machine)),
+                f"{order / row['core_ms']:.2f}",
+            ]
+        )
+    return table(
+        [
+            "workload",
+            "core ms",
+            "least traffic at copy speed ms",
+            "read-backs x launch and read ms",
+            "full ms",
+            "call, caller's clock ms",
+            "core + check + order + 1.5 x pinned transfer ms",
+            "(check + output) / core",
+        ],
+        lines,
+    )
+
+
+def peers_table(rows):
+    lines = []
+    for row in rows:
+        for peer in row["peers"]:
+            if "error" in peer:
+                lines.append([name(row), peer["name"], "-", "-", "failed: " + peer["error"]])
+                continue
+            triangles = peer.get("triangles")
+            agrees = (
+                "-"
+                if triangles is None
+                else "as ours" if triangles == row["triangles"] else f"{triangles - row['triangles']:+d}"
+            )
+            lines.append([name(row), peer["name"], ms(peer["ms"]), agrees, peer["source"]])
+    return table(["workload", "peer", "ms", "triangles", "source"], lines)
+
+
+def goals(rows, machine, targets):
+    """What was to be met, what was measured, whether it was; only rows of the full sizes."""
+    gpu = machine["kind"] == "gpu"
+    at = {(r["workload"], r["size"]): r for r in rows}
+    lines = []
+
+    def goal(row, what, value, limit, unit="ms"):
+        if value is not None and limit is not None:
+            lines.append(
+                [name(row), what, f"{value:.3g} {unit}", f"{limit:.3g} {unit}", "yes" if value <= limit else "NO"]
+            )
+
+    if not gpu:
+        for key, factor in ((("uniform", 1000), 3), (("uniform", 1000000), 1), (("synthetic_cons_1", 1000000), 1)):
+            row = at.get(key)
+            if row and row.get("peer_source") == "measured":
+                what = f"full at most {row['peer']}" + (f" x {factor}" if factor > 1 else "")
+                goal(row, what, row["full_ms"], factor * row["peer_ms"])
+        return lines
+    for row in rows:
+        target = targets.get((row["workload"], row["size"]))
+        if target:
+            goal(row, "core", row["core_ms"], target["must"])
+        if row["workload"].startswith("synthetic_cons_") and row["size"] == 1000000:
+            goal(
+                row,
+                "constraint phase without cleaning",
+                row["phases"]["constrain"] - row["phases"]["clean"],
+                1 + 0.2e-6 * row["crossed_pairs"],
+            )
+    row = at.get(("uniform", 1000))
+    if row:
+        goal(row, "full", row["full_ms"], 1)
+    least = at.get(("uniform", 100000))
+    for row in rows:
+        if least and row["workload"] == "uniform" and row["n"] > least["n"]:
+            goal(
+                row,
+                "core grows like n log n from 100k on",
+                row["core_ms"],
+                least["core_ms"] * row["n"] * math.log(row["n"]) / (least["n"] * math.log(least["n"])),
+            )
+    star, plain = at.get(("star", 1000000)), at.get(("uniform", 1000000))
+    if star and plain:
+        goal(star, "core within 5% of uniform", star["core_ms"], 1.05 * plain["core_ms"])
+    for row in rows:
+        if row["m"] == 0 and row["size"] >= 1000000:
+            goal(row, "peak device memory per vertex, no constraints", row["bytes_per_vertex"], 200, "bytes")
+        if row["size"] >= 1000000:
+            goal(
+                row,
+                "check + output, at most half of core",
+                row["phases"]["check"] + row["phases"]["output"],
+                row["core_ms"] / 2,
+            )
+    return lines
+
+
+def verdicts(rows, machine, targets):
+    gpu = machine["kind"] == "gpu"
+    behind = [
+        f"{name(r)}: {ms(ours(r, gpu))} ms, {r['peer']} {ms(r['peer_ms'])} ms"
+        for r in rows
+        if r.get("peer_ms") and r["peer_ms"] < ours(r, gpu)
+    ]
+    wrong = [f"{name(r)}: {r.get('fault', 'runs differ')}" for r in rows if not r["verified"]]
+    missed = [f"{g[0]}: {g[1]} {g[2]}, goal {g[3]}" for g in goals(rows, machine, targets) if g[4] == "NO"]
+    text = ""
+    for title, lines in (("Not verified", wrong), ("Losses", behind), ("Goals missed", missed)):
+        text += f"\n## {title}\n" + ("".join(f"- {line}\n" for line in lines) or "none\n")
+    return text
+
+
+def describe(machine):
+    text = f"{machine['device']} ({machine['platform']}, driver {machine['driver']}), {machine['host_threads']} host threads; {machine['date']}"
+    if machine.get("commit"):
+        text += f", commit {machine['commit']}"
+    if machine.get("command"):
+        text += f". Command: `{machine['command']}`"
+    if machine.get("copy_gb_s"):
+        text += (
+            f"\n\nMeasured in the same run: copy kernel {machine['copy_gb_s']:.0f} GB/s (read + written), buffer copy "
+            f"{machine['buffer_copy_gb_s']:.0f} GB/s; host to device {machine['write_gb_s']:.1f} GB/s pageable, "
+            f"{machine['pinned_write_gb_s']:.1f} pinned; back {machine['read_gb_s']:.1f} and "
+            f"{machine['pinned_read_gb_s']:.1f}; launch {machine['launch_us']:.1f} us, launch and read "
+            f"{machine['launch_read_us']:.1f} us."
+        )
+    return text
+
+
+def start_text(path):
+    if not os.path.exists(path):
+        return ""
+    with open(path) as file:
+        s = json.load(file)
+    return (
+        "\n## First triangulation of 1000 points, whole process\n"
+        + table(
+            ["all caches empty", "only gcdt's cache warm", "all caches warm", "context and queue only"],
+            [
+                [
+                    f"{s[k]:.2f} s"
+                    for k in ("all_caches_empty_s", "own_cache_warm_s", "all_caches_warm_s", "context_only_s")
+                ]
+            ],
+        )
+        + "\n"
+    )
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    path = sys.argv[1]
+    stem = path[: -len(".json")]
+    with open(path) as file:
+        results = json.load(file)
+    with open(os.path.join(HERE, "targets.json")) as file:
+        targets = {(t["workload"], t["size"]): t for t in json.load(file)["targets"]}
+    machine = results["machine"]
+    rank = {family: i for i, family in enumerate(FAMILIES)}
+    rows = sorted(results["rows"], key=lambda r: (rank.get(r["workload"], len(rank)), r["workload"], r["n"]))
+    gpu = machine["kind"] == "gpu"
+    made = plots.draw(rows, machine, stem, [name(row) for row in rows], [ours(row, gpu) for row in rows], PHASES)
+    title = main_table(rows, machine)
+    with open(stem + ".md", "w") as file:
+        file.write("# Results\n" + describe(machine) + "\n\n")
+        file.writelines(f"![]({picture})\n" for picture in made)
+        file.write(
+            "\n"
+            + title
+            + "\n\n`core` and `full`, medians in milliseconds; what they are stands in `bench/README.md`. "
+            + (
+                '"Ahead" is the peer\'s time over `core`'
+                if machine["kind"] == "gpu"
+                else '"Ahead" is the peer\'s time over `full`'
+            )
+            + ". `*`: the peer did not run here; its figure was taken before (see the peers below).\n"
+        )
+        file.write(verdicts(rows, machine, targets))
+        met = goals(rows, machine, targets)
+        if met:
+            file.write("\n## Goals\n" + table(["workload", "goal", "measured", "at most", "met"], met) + "\n")
+        file.write("\n## Phases, counts, memory\n" + phase_table(rows) + "\n")
+        file.write("\n## Against the machine's limits\n" + limits_table(rows, machine) + "\n")
+        file.write(start_text(stem + "-start.json"))
+        file.write("\n## All peers\n" + peers_table(rows) + "\n")
+    print(title)
+    print(verdicts(rows, machine, targets))
+    print("written:", stem + ".md", *made)
+
+
+main()

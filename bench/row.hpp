@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// One row of the results: what was measured of an input, and the line of JSON that says it.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gcdt/gcdt.hpp>
+
+#include "inputs.hpp"
+#include "peer.hpp"
+
+namespace gcdt::bench {
+
+constexpr std::size_t largest_verified = 20000000;  // beyond: the device's check and a sample
+
+/// What was measured of one input.
+struct Row {
+  Input input;
+  Workload work;
+  Options options;
+  Triangulation mesh;  ///< of the last timed call
+  std::vector<Statistics::Milliseconds> ms;
+  std::vector<double> call_ms;  ///< the whole call on the caller's clock, without building
+  bool same_bytes = true;       ///< every timed call gave the same triangles
+  std::vector<std::pair<std::string, PeerTimes>> peers;
+};
+
+/// The median over the row's calls.
+double median(const Row& row, double Statistics::Milliseconds::*step);
+
+/// The row as a JSON object. `fault`: of the verification, or ""; `anchors`: the file of figures taken elsewhere;
+/// `commit`: the version measured.
+std::string describe(const Row& row, const DeviceInfo& device, const std::string& fault, const std::string& anchors,
+                     const std::string& commit);
+
+/// Today in UTC, as year-month-day.
+std::string date();
+
+}  // namespace gcdt::bench
