@@ -89,6 +89,14 @@ void check_input(State& state, const gcdt_cl_input& input, std::size_t vertex_by
 void wait_for_order(State& state, cl_uint wait_count, const cl_event* wait_list) {
   runtime::Runtime& runtime = state.runtime;
   const cl_command_queue queue = state.their_queue();
+  // An event that has failed by now is told by its own status; not every driver ends commands that wait for it.
+  for (cl_uint i = 0; wait_list && i < wait_count; ++i) {
+    cl_int status = CL_QUEUED;
+    runtime.call("clGetEventInfo", "the wait list", [&] {
+      return clGetEventInfo(wait_list[i], CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr);
+    });
+    if (status < 0) runtime.fail("an event of the wait list", std::to_string(i).c_str(), status);
+  }
   cl::Event marker;
   runtime.call("clEnqueueMarkerWithWaitList", "the application's queue",
                [&] { return clEnqueueMarkerWithWaitList(queue, wait_count, wait_list, &marker()); });

@@ -15,6 +15,8 @@ constexpr std::uint64_t constant_bytes = 8u << 20;
 // Buffers lie in one piece of memory (device_memory.hpp), with gaps between them that none fits in. Measured
 // over all generators of tests/workloads.hpp: below an eighth of the most that is in use.
 constexpr std::uint64_t gaps_share = 8;
+// A multiple of every alignment.
+constexpr std::uint64_t page = 4096;
 
 struct Sizes {
   std::uint64_t n, m, faces, edges, crossed_faces;
@@ -63,7 +65,7 @@ std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
   const std::uint64_t most = std::max(
       {order_step(s), insert_step(s), clean_step(s), walk_step(s), m == 0 ? 0 : stitch_step(s), output_step(s)});
-  return constant_bytes + most + most / gaps_share;
+  return (constant_bytes + most + most / gaps_share) / page * page + page;
 }
 
 }  // namespace gcdt

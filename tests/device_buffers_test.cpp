@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// Device memory in, device memory out: the same bytes as host arrays, whatever the queue; order is honoured.
+#include "opencl_app.hpp"
+
+#include <chrono>
+#include <thread>
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+/// Every array of a result through a copy into the application's memory, at an offset, with guards around it.
+template <class T>
+std::vector<T> copied(const App& app, const Result& result, std::int32_t array) {
+  const std::size_t count = result.count(array), offset = 3;
+  REQUIRE(gcdt_element_bytes(array) == sizeof(T));
+  std::vector<unsigned char> guard((count + 2 * offset) * sizeof(T), 0xA5);
+  const cl::Buffer to = app.buffer(guard);
+  enqueue_copy(result, array, app.queue, to, count, offset).wait();
+  const auto all = app.read<unsigned char>(to, guard.size());
+  for (std::size_t i = 0; i < offset * sizeof(T); ++i)
+    if (all[i] != 0xA5 || all[all.size() - 1 - i] != 0xA5) FAIL("memory around the copy was written");
+  return app.read<T>(to, count, offset);
+}
+
+Triangulation copied(const App& app, const Result& result) {
+  Triangulation all;
+  all.triangles = copied<std::array<std::uint32_t, 3>>(app, result, GCDT_TRIANGLES);
+  all.neighbours = copied<std::array<std::int32_t, 3>>(app, result, GCDT_NEIGHBOURS);
+  all.constrained = copied<std::uint8_t>(app, result, GCDT_CONSTRAINED);
+  all.representative = copied<std::uint32_t>(app, result, GCDT_REPRESENTATIVES);
+  all.pieces = copied<Constraint>(app, result, GCDT_PIECES);
+  all.source_offsets = copied<std::uint32_t>(app, result, GCDT_SOURCE_OFFSETS);
+  all.sources = copied<std::uint32_t>(app, result, GCDT_SOURCES);
+  all.dropped = copied<std::uint32_t>(app, result, GCDT_DROPPED);
+  return all;
+}
+
+void check_agrees(const App& app) {
+  const Integers input = integer_input();
+  const Triangulation expected = from_host(input);
+  Solver solver = make_solver(app.queue);
+  const Result result = solve(solver, device_points(app, input), device_constraints(app, input));
+  CHECK(same_bytes(copied(app, result), expected));
+  CHECK(same_bytes(result.download(), expected));
+  CHECK(result.statistics().grid.kind == Grid::Kind::fixed);
+}
+
+}  // namespace
+
+TEST_CASE("host arrays and device buffers give the same bytes, copied to the host, into buffers and used in place") {
+  const App app;
+  check_agrees(app);
+  Integers crossing{{{0, 0}, {8, 0}, {8, 8}, {0, 8}}, {{0, 2}, {1, 3}}};
+  Options drop;
+  drop.crossing = Crossing::drop;
+  Solver solver = make_solver(app.queue);
+  const Result dropped = solve(solver, device_points(app, crossing), device_constraints(app, crossing), drop);
+  CHECK(same_bytes(copied(app, dropped), from_host(crossing, drop)));
+  CHECK(dropped.dropped() == std::vector<std::uint32_t>{1});
+  const auto in_place = app.read<std::array<std::uint32_t, 3>>(buffer_of(dropped, GCDT_TRIANGLES), 2);
+  CHECK(in_place == dropped.triangles());
+}
+
+TEST_CASE("nothing, few vertices and a line are no errors in device memory either") {
+  const App app;
+  Solver solver = make_solver(app.queue);
+  const Result none = solve(solver, {});
+  CHECK(none.triangle_count() == 0);
+  CHECK(same_bytes(copied(app, none), from_host({})));
+  const Integers line{{{0, 0}, {5, 5}, {9, 9}}, {{0, 2}}};
+  const Result flat = solve(solver, device_points(app, line), device_constraints(app, line));
+  CHECK(flat.triangle_count() == 0);
+  CHECK(flat.statistics().notes.size() == 1);
+  CHECK(same_bytes(copied(app, flat), from_host(line)));
+}
+
+TEST_CASE("real coordinates in device memory get the grid that host arrays get") {
+  const App app;
+  Solver solver = make_solver(app.queue);
+  const Workload work = uniform(500);
+  std::vector<std::array<float, 2>> floats;
+  for (const Point& p : work.points) floats.push_back({static_cast<float>(p[0]), static_cast<float>(p[1])});
+  const Result wide = solve(solver, {Points::Type::float64, app.buffer(work.points), work.points.size(), 0});
+  const Triangulation expected = test::solver().triangulate(work.points);
+  CHECK(same_bytes(wide.download(), expected));
+  CHECK(wide.statistics().grid.largest_move == expected.statistics.grid.largest_move);
+  const Result narrow = solve(solver, {Points::Type::float32, app.buffer(floats), floats.size(), 0});
+  CHECK(same_bytes(narrow.download(), test::solver().triangulate(floats)));
+}
+
+TEST_CASE("offsets and sub-buffers are honoured") {
+  const App app;
+  const Integers input = integer_input();
+  const Triangulation expected = from_host(input);
+  Solver solver = make_solver(app.queue);
+  // Elements before and after that would be errors or change the mesh.
+  std::vector<Int2> points(7, Int2{-1, -1});
+  points.insert(points.end(), input.points.begin(), input.points.end());
+  points.insert(points.end(), 5, Int2{-1, -1});
+  std::vector<Constraint> constraints(11, Constraint{~0u, ~0u});
+  constraints.insert(constraints.end(), input.constraints.begin(), input.constraints.end());
+  constraints.push_back({~0u, ~0u});
+  const cl::Buffer all_points = app.buffer(points), all_constraints = app.buffer(constraints);
+  CHECK(same_bytes(copied(app, solve(solver, {Points::Type::int32, all_points, input.points.size(), 7},
+                                     {all_constraints, input.constraints.size(), 11})),
+                   expected));
+  const auto align = pocl().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+  std::vector<Int2> aligned(align / sizeof(Int2), Int2{-1, -1});
+  aligned.insert(aligned.end(), points.begin(), points.end());
+  cl::Buffer whole = app.buffer(aligned);
+  const cl_buffer_region region = {align, points.size() * sizeof(Int2)};
+  cl_int code = CL_SUCCESS;
+  const cl::Buffer part = whole.createSubBuffer(CL_MEM_READ_ONLY, CL_BUFFER_CREATE_TYPE_REGION, &region, &code);
+  REQUIRE(code == CL_SUCCESS);
+  CHECK(same_bytes(copied(app, solve(solver, {Points::Type::int32, part, input.points.size(), 7},
+                                     {all_constraints, input.constraints.size(), 11})),
+                   expected));
+  // In place, without an offset.
+  const cl_buffer_region exact = {align, input.points.size() * sizeof(Int2)};
+  std::vector<Int2> behind(align / sizeof(Int2), Int2{-1, -1});
+  behind.insert(behind.end(), input.points.begin(), input.points.end());
+  cl::Buffer holder = app.buffer(behind);
+  const cl::Buffer tail = holder.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &exact, &code);
+  REQUIRE(code == CL_SUCCESS);
+  CHECK(same_bytes(solve(solver, {Points::Type::int32, tail, input.points.size(), 0}, device_constraints(app, input))
+                       .download(),
+                   expected));
+  CHECK(app.read<Int2>(all_points, points.size()) == points);
+  CHECK(app.read<Constraint>(all_constraints, constraints.size()) == constraints);
+}
+
+TEST_CASE("in-order, out-of-order and profiling queues do, and keep their properties") {
+  for (const cl_command_queue_properties properties :
+       {cl_command_queue_properties(0), cl_command_queue_properties(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE),
+        cl_command_queue_properties(CL_QUEUE_PROFILING_ENABLE),
+        cl_command_queue_properties(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE)}) {
+    const App app(properties);
+    check_agrees(app);
+    CHECK(app.queue.getInfo<CL_QUEUE_PROPERTIES>() == properties);
+  }
+}
+
+TEST_CASE("a wait list is waited for, though another thread sets its event late") {
+  const Integers input = integer_input(), other = integer_input(200, 2);
+  const Triangulation expected = from_host(input);
+  for (const cl_command_queue_properties properties : {0, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE}) {
+    const App app(static_cast<cl_command_queue_properties>(properties));
+    Solver solver = make_solver(app.queue);
+    // The vertices arrive by a command that the user event holds back.
+    const cl::Buffer points = app.buffer(std::vector<Int2>(input.points.size(), Int2{-1, -1}));
+    cl::UserEvent gate(app.context);
+    cl::Event written;
+    const std::vector<cl::Event> gates = {gate};
+    REQUIRE(app.queue.enqueueWriteBuffer(points, CL_FALSE, 0, input.points.size() * sizeof(Int2), input.points.data(),
+                                         &gates, &written) == CL_SUCCESS);
+    app.queue.flush();
+    std::thread late([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      gate.setStatus(CL_COMPLETE);
+    });
+    const Result result = solve(solver, {Points::Type::int32, points, input.points.size(), 0},
+                                device_constraints(app, input), {}, {written});
+    late.join();
+    CHECK(same_bytes(result.download(), expected));
+  }
+}
+
+TEST_CASE("a copy waits for its list, its event tells its end, and the result may be gone before") {
+  const App app(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+  const Integers input = integer_input(), other = integer_input(300, 2);
+  Solver solver = make_solver(app.queue);
+  const Triangulation expected = from_host(input);
+  const cl::Buffer to = app.buffer(expected.triangles.size() * 12);
+  cl::UserEvent gate(app.context);
+  cl::Event copy;
+  {
+    const Result result = solve(solver, device_points(app, input), device_constraints(app, input));
+    copy = enqueue_copy(result, GCDT_TRIANGLES, app.queue, to, expected.triangles.size(), 0, {gate});
+    app.queue.flush();
+  }
+  CHECK(copy.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() != CL_COMPLETE);
+  std::thread late([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    gate.setStatus(CL_COMPLETE);
+  });
+  // The next call would write over the result: it waits for the copy.
+  CHECK(same_bytes(solve(solver, device_points(app, other), device_constraints(app, other)).download(),
+                   from_host(other)));
+  late.join();
+  CHECK(copy.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() == CL_COMPLETE);
+  CHECK(app.read<std::array<std::uint32_t, 3>>(to, expected.triangles.size()) == expected.triangles);
+}
+
+TEST_CASE("an event of the wait list that fails is an error, and the solver works on") {
+  const App app;
+  const Integers input = integer_input();
+  Solver solver = make_solver(app.queue);
+  const DevicePoints points = device_points(app, input);
+  cl::UserEvent gate(app.context);
+  gate.setStatus(CL_OUT_OF_RESOURCES);
+  const Error error = error_of([&] { solve(solver, points, {}, {}, {gate}); });
+  CHECK(error.opencl_code() == CL_OUT_OF_RESOURCES);
+  CHECK(solve(solver, points).triangle_count() > 0);
+}
+
+TEST_CASE("a context with two devices does, on either") {
+  cl::Device whole = pocl();
+  const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_EQUALLY, 1, 0};
+  std::vector<cl::Device> parts;
+  REQUIRE(whole.createSubDevices(halves, &parts) == CL_SUCCESS);
+  REQUIRE_MESSAGE(parts.size() >= 2, "needs a CPU with two cores");
+  parts.resize(2);
+  const cl::Context both(parts);
+  const App first(both, parts[0]), second(both, parts[1]);
+  check_agrees(first);
+  check_agrees(second);
+  // Input made by the queue of one device, triangulated on the other, read by the first again.
+  const Integers input = integer_input();
+  Solver solver = make_solver(second.queue);
+  const Result result = solve(solver, device_points(first, input), device_constraints(first, input));
+  CHECK(same_bytes(copied(first, result), from_host(input)));
+}
+
+TEST_CASE("any order gives the same mesh as the canonical one") {
+  const App app;
+  Solver solver = make_solver(app.queue);
+  const Integers input = integer_input();
+  Options any;
+  any.canonical = false;
+  Triangulation mesh = solve(solver, device_points(app, input), device_constraints(app, input), any).download();
+  CHECK(fault(input.points, input.constraints, mesh) == "");
+  const auto sorted = [](std::vector<std::array<std::uint32_t, 3>> triangles) {
+    for (auto& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
+  };
+  CHECK(sorted(mesh.triangles) == sorted(from_host(input).triangles));
+}
