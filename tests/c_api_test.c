@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The C interface from C: arguments that make no sense, versions of structures, errors, the whole way of a mesh. */
+#include <gcdt/gcdt_cl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+#define CHECK(holds) \
+  ((holds) ? (void)0 : (void)(++failures, fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #holds)))
+
+static gcdt_error last(const gcdt_solver* solver) {
+  gcdt_error error = GCDT_ERROR_INIT;
+  CHECK(gcdt_last_error(solver, &error) == GCDT_OK);
+  return error;
+}
+
+static const double corners[8] = {0, 0, 8, 0, 8, 6, 0, 6};
+static const uint32_t diagonals[4] = {0, 2, 1, 3};
+
+static gcdt_input square(void) {
+  gcdt_input input = GCDT_INPUT_INIT;
+  input.vertices = corners;
+  input.vertex_count = 4;
+  return input;
+}
+
+static void check_mesh(gcdt_solver* solver) {
+  gcdt_input input = square();
+  gcdt_result* result = NULL;
+  input.constraints = diagonals;
+  input.constraint_count = 1;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_OK);
+  CHECK(gcdt_result_count(result, GCDT_TRIANGLES) == 2);
+  CHECK(gcdt_result_count(result, GCDT_REPRESENTATIVES) == 4);
+  CHECK(gcdt_result_count(result, GCDT_SOURCE_OFFSETS) == 2);
+  CHECK(gcdt_result_count(result, 99) == 0 && gcdt_result_count(NULL, 0) == 0 && gcdt_element_bytes(-1) == 0);
+
+  uint32_t triangles[9] = {7, 7, 7, 7, 7, 7, 7, 7, 7};
+  int32_t neighbours[6];
+  uint8_t constrained[2];
+  CHECK(gcdt_result_copy(result, GCDT_TRIANGLES, triangles, 1) == GCDT_ERROR_BUFFER_TOO_SMALL);
+  CHECK(triangles[0] == 7);
+  gcdt_error error = last(solver);
+  CHECK(error.status == GCDT_ERROR_BUFFER_TOO_SMALL && error.index_count == 2);
+  CHECK(error.indices[0] == 2 && error.indices[1] == 1);
+  CHECK(gcdt_result_copy(result, GCDT_TRIANGLES, NULL, 2) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_result_copy(result, 8, triangles, 3) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_result_copy(result, GCDT_TRIANGLES, triangles, 3) == GCDT_OK);
+  CHECK(triangles[5] != 7 && triangles[6] == 7);
+  CHECK(gcdt_result_copy(result, GCDT_NEIGHBOURS, neighbours, 2) == GCDT_OK);
+  CHECK(gcdt_result_copy(result, GCDT_CONSTRAINED, constrained, 2) == GCDT_OK);
+
+  gcdt_statistics statistics;
+  statistics.struct_size = sizeof statistics;
+  CHECK(gcdt_result_statistics(result, &statistics) == GCDT_OK);
+  CHECK(statistics.struct_size == sizeof statistics && statistics.triangles == 2 && statistics.n == 4);
+  CHECK(strcmp(statistics.version, gcdt_version()) == 0 && gcdt_result_note(result, 0) == NULL);
+  CHECK(statistics.peak_device_bytes <= gcdt_required_bytes(4, 1, UINT64_MAX));
+  gcdt_mesh mesh = GCDT_MESH_INIT;
+  mesh.triangles = triangles;
+  mesh.triangle_count = 2;
+  mesh.neighbours = neighbours;
+  mesh.constrained = constrained;
+  CHECK(gcdt_verify(&input, &mesh, &statistics.grid, GCDT_CROSSING_REJECT) == GCDT_OK);
+  triangles[1] = 1000000;
+  CHECK(gcdt_verify(&input, &mesh, &statistics.grid, GCDT_CROSSING_REJECT) == GCDT_ERROR_NOT_VALID);
+  CHECK(strlen(last(NULL).message) > 0);
+  gcdt_grid grid;
+  CHECK(gcdt_choose_grid(&input, NULL, &grid) == GCDT_OK);
+  CHECK(grid.kind == GCDT_GRID_BINARY && grid.origin[0] == 0 && grid.cell_exponent == statistics.grid.cell_exponent);
+  gcdt_result_release(result);
+}
+
+static void check_errors(gcdt_solver* solver) {
+  gcdt_input input = square();
+  gcdt_options options = GCDT_OPTIONS_INIT;
+  gcdt_result* result = NULL;
+  CHECK(gcdt_triangulate(NULL, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_triangulate(solver, NULL, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_triangulate(solver, &input, NULL, NULL) == GCDT_ERROR_INVALID_ARGUMENT);
+  input.struct_size = 3;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_STRUCT_SIZE);
+  input = square();
+  options.struct_size = sizeof options + 8;
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_STRUCT_SIZE);
+  options.struct_size = sizeof options;
+  options.crossing = 5;
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  options.crossing = GCDT_CROSSING_REJECT;
+  options.fixed_grid = 1;
+  options.grid_cell = "no number";
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  options.grid_cell = NULL;
+  options.grid_x = 1;
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_COORDINATE_OUTSIDE_GRID);
+  CHECK(last(solver).index_count == 2 && last(solver).indices[0] == 0 && last(solver).indices[1] == 0);
+  input.vertices = NULL;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  input = square();
+  input.coordinate_type = 3;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  input = square();
+  input.vertex_count = (uint64_t)GCDT_MAX_VERTICES + 1;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_TOO_MANY_VERTICES);
+  input = square();
+  input.constraint_count = 1;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  input.constraints = diagonals;
+  input.constraint_count = (uint64_t)GCDT_MAX_CONSTRAINTS + 1;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  const uint32_t wrong[4] = {0, 1, 4, 0};
+  input.constraints = wrong;
+  input.constraint_count = 2;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INDEX_OUT_OF_RANGE);
+  CHECK(last(NULL).indices[0] == 1 && last(NULL).indices[1] == 0);
+  input.constraints = diagonals;
+  CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_CONSTRAINTS_CROSS);
+  CHECK(last(solver).pair_count == 1 && last(solver).index_count == 2 && strlen(last(solver).message) > 0);
+  CHECK(result == NULL);
+}
+
+static int32_t reenter(void* user, const char* phase, double done) {
+  gcdt_solver* solver = *(gcdt_solver**)user;
+  (void)phase, (void)done;
+  CHECK(gcdt_solver_trim(solver) == GCDT_ERROR_IN_USE);
+  return 0;
+}
+
+static void count_line(void* user, int32_t level, const char* message) {
+  CHECK((level == GCDT_LOG_WARNING || level == GCDT_LOG_INFORMATION) && message != NULL);
+  ++*(int*)user;
+}
+
+int main(void) {
+  const char* device = getenv("GCDT_TEST_DEVICE") ? getenv("GCDT_TEST_DEVICE") : "Portable Computing Language";
+  size_t count = 0, number = 0;
+  CHECK(gcdt_device_count(&count) == GCDT_OK && count > 0);
+  CHECK(gcdt_device_count(NULL) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_device_select(device, &number, NULL) == GCDT_OK && number < count);
+  CHECK(gcdt_device_select("no such thing", &number, NULL) == GCDT_ERROR_NO_DEVICE);
+  CHECK(strstr(last(NULL).message, "no such thing") != NULL);
+  gcdt_device_info info;
+  info.struct_size = sizeof info;
+  CHECK(gcdt_device_get(number, &info) == GCDT_OK && info.name[0] != '\0');
+  CHECK(gcdt_device_get(count, &info) == GCDT_ERROR_NO_DEVICE);
+  CHECK(strcmp(gcdt_strerror(GCDT_OK), "done") == 0);
+  for (int32_t status = GCDT_ERROR_INTERNAL; status <= GCDT_ERROR_INVALID_ARGUMENT; ++status)
+    CHECK(strcmp(gcdt_strerror(status), gcdt_strerror(1)) != 0);
+  CHECK(strstr(gcdt_strerror(CL_OUT_OF_RESOURCES), "OpenCL") != NULL && strstr(gcdt_strerror(-999), "OpenCL") != NULL);
+
+  int lines = 0;
+  gcdt_solver_options options = GCDT_SOLVER_OPTIONS_INIT;
+  options.device = device;
+  options.log = count_line;
+  options.log_user = &lines;
+  gcdt_solver* solver = NULL;
+  CHECK(gcdt_solver_create(&options, NULL) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_solver_create(&options, &solver) == GCDT_OK);
+  if (!solver) return 1;
+  CHECK(last(solver).status == GCDT_OK);
+  check_errors(solver);
+  CHECK(lines > 0);
+  check_mesh(solver);
+
+  gcdt_input input = square();
+  gcdt_result* result = NULL;
+  gcdt_options cancel = GCDT_OPTIONS_INIT;
+  cancel.progress = reenter;
+  cancel.progress_user = &solver;
+  CHECK(gcdt_triangulate(solver, &input, &cancel, &result) == GCDT_ERROR_CANCELLED);
+  gcdt_cl_input in_device_memory = GCDT_CL_INPUT_INIT;
+  CHECK(gcdt_cl_triangulate(solver, &in_device_memory, NULL, 0, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_cl_solver_create(NULL, NULL, &solver) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_cl_set_workspace(solver, 1, NULL) == GCDT_ERROR_INVALID_ARGUMENT);
+  check_mesh(solver);
+  gcdt_solver_release(solver);
+  gcdt_solver_release(NULL);
+  gcdt_result_release(NULL);
+  if (failures == 0) puts("all checks hold");
+  return failures != 0;
+}
