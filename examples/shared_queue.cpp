@@ -62,9 +62,7 @@ int run() {
 
 }  // namespace
 
-int main() try {
-  return run();
-} catch (const gcdt::Error& error) {
+int main() try { return run(); } catch (const gcdt::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;
 }

@@ -124,9 +124,9 @@ TEST_CASE("offsets and sub-buffers are honoured") {
   cl::Buffer holder = app.buffer(behind);
   const cl::Buffer tail = holder.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &exact, &code);
   REQUIRE(code == CL_SUCCESS);
-  CHECK(same_bytes(solve(solver, {Points::Type::int32, tail, input.points.size(), 0}, device_constraints(app, input))
-                       .download(),
-                   expected));
+  CHECK(same_bytes(
+      solve(solver, {Points::Type::int32, tail, input.points.size(), 0}, device_constraints(app, input)).download(),
+      expected));
   CHECK(app.read<Int2>(all_points, points.size()) == points);
   CHECK(app.read<Constraint>(all_constraints, constraints.size()) == constraints);
 }

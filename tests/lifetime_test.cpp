@@ -34,8 +34,8 @@ TEST_CASE("eight threads with solvers of their own get the same bytes as one") {
         Solver own(testDevice());
         for (std::size_t k = 0; k < 8; ++k) {
           const std::size_t which = (i + k) % 8;
-          right += same_bytes(own.triangulate(inputs[which].points, inputs[which].constraints, options),
-                              expected[which]);
+          right +=
+              same_bytes(own.triangulate(inputs[which].points, inputs[which].constraints, options), expected[which]);
           try {
             own.triangulate(inputs[which].points, std::vector<Constraint>{{0, 1000000 + std::uint32_t(i)}}, options);
           } catch (const Error& error) {  // details are each thread's own

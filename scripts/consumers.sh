@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Proves that the library can be installed and found: builds and runs small programs against it, shared and static,
+# with find_package, pkg-config and FetchContent, each from an empty folder and a fresh prefix.
+# Usage: scripts/consumers.sh [FOLDER]    what is built goes to FOLDER (default: build-consumers), emptied first
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+case ${1-} in -h | --help) sed -n '3,5s/^# //p' "$0"; exit 0 ;; esac
+work=$(realpath -m "${1:-$root/build-consumers}")
+rm -rf "$work"
+mkdir -p "$work"
+sources=$root/tests/consumer
+
+quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; echo "consumers: failed: $*" >&2; exit 1; }; }
+build() { quietly cmake -S "$1" -B "$2" -DCMAKE_BUILD_TYPE=Release "${@:3}"; quietly cmake --build "$2" --parallel 2; }
+run() { echo "consumers: $1: $("${@:2}")"; }
+
+for kind in shared static; do
+  prefix=$work/$kind/prefix
+  [[ $kind == shared ]] && shared=ON || shared=OFF
+  build "$root" "$work/$kind/gcdt" -DBUILD_SHARED_LIBS=$shared -DGCDT_TOOLS=OFF -DGCDT_EXAMPLES=OFF
+  quietly cmake --install "$work/$kind/gcdt" --prefix "$prefix"
+  library=$(dirname "$(find "$prefix" -name 'libgcdt.*' | sort | head -n 1)")
+
+  build "$sources/find_package" "$work/$kind/find_package" -DCMAKE_PREFIX_PATH="$prefix"
+  run "$kind, find_package" "$work/$kind/find_package/consumer"
+
+  # The prefix may be moved: the files in it say where things are from where they are.
+  mv "$prefix" "$prefix-moved"
+  library=${library/#$prefix/$prefix-moved}
+  export PKG_CONFIG_PATH=$library/pkgconfig
+  read -r -a flags <<<"$(pkg-config --cflags --libs gcdt)"
+  quietly cc "$sources/main.c" -o "$work/$kind/c" "${flags[@]}" "-Wl,-rpath,$library"
+  run "$kind, pkg-config, C" "$work/$kind/c"
+  quietly c++ -std=c++17 "$sources/main.cpp" -o "$work/$kind/cpp" "${flags[@]}" "-Wl,-rpath,$library"
+  run "$kind, pkg-config, C++" "$work/$kind/cpp"
+done
+
+# Nothing of the project but the library is built for another's project, and nothing installed.
+build "$sources/subdirectory" "$work/subdirectory" -DGCDT_SOURCE="$root"
+run "FetchContent" "$work/subdirectory/consumer"
+[[ -z $(find "$work/subdirectory" -type f -name 'gcdt' -perm -u+x) ]] || { echo "consumers: the command was built" >&2; exit 1; }
