@@ -94,5 +94,5 @@ def draw(rows, machine, stem, labels, times, phases):
         figure, axes = pyplot.subplots(figsize=(6, 4))
         axes.plot([n for n, _ in sizes], [1e6 * t / n for n, t in sizes], "o-")
         axes.set(xscale="log", xlabel="uniform vertices", ylabel="nanoseconds per vertex", ylim=(0, None))
-        save(figure, "-scaling")
+        save(figure, "-growth")
     return made

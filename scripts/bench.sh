@@ -24,16 +24,17 @@ case ${1-} in
 esac
 list=$kind
 options=()
-suffix=
+quick=
+scaling=
 start=yes
 cgal=
 [[ $kind == gpu ]] || cgal=yes
 while [[ $# -gt 0 ]]; do
   case $1 in
-    --quick) options+=(--quick); suffix=-quick; shift ;;
+    --quick) options+=(--quick); quick=-quick; shift ;;
     --force) options+=(--force); shift ;;
     --with-cgal) cgal=yes; shift ;;
-    --scaling) list=scaling; suffix=-scaling; start=; shift ;;
+    --scaling) list=scaling; scaling=-scaling; start=; shift ;;
     --only) [[ $# -ge 2 ]] || { usage >&2; exit 2; }; options+=(--only "$2"); start=; shift 2 ;;
     *) echo "bench.sh: unknown option $1" >&2; usage >&2; exit 2 ;;
   esac
@@ -89,7 +90,7 @@ commit=${GCDT_BENCH_COMMIT:-$(git -C "$root" describe --always --dirty 2>/dev/nu
 device=${GCDT_DEVICE:-$kind}
 
 status=0
-file=$("$binaries/gcdt_bench" --device "$device" --list "$list" --out "$results" --suffix "$suffix" \
+file=$("$binaries/gcdt_bench" --device "$device" --list "$list" --out "$results" --suffix "$scaling$quick" \
   --anchors "$root/bench/peers/anchors.json" --scratch "$scratch" --command "$command_line" --commit "$commit" \
   "${options[@]}" "${peers[@]}" "${maps[@]}") || status=$?
 [[ -n $file ]] || exit "$status"
