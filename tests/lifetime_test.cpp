@@ -80,8 +80,8 @@ std::size_t growth(int times, Step&& step) {
 
 // What only creating and releasing a context and a queue costs a driver.
 void only_a_context() {
-  const cl::Context context(pocl());
-  const cl::CommandQueue queue(context, pocl());
+  const cl::Context context(app_device());
+  const cl::CommandQueue queue(context, app_device());
 }
 
 // The allocator's own noise, in bytes: less than one byte per thousand of a solver's footprint.

@@ -6,29 +6,21 @@
 
 #include <gcdt/gcdt_cl.hpp>
 
+#include "opencl.hpp"
 #include "solver_fixture.hpp"
 #include "workloads.hpp"
 
 namespace gcdt::test {
 
-/// The CPU device of PoCL. Fails the test if there is none.
-inline cl::Device pocl() {
-  std::vector<cl::Platform> platforms;
-  cl::Platform::get(&platforms);
-  for (const cl::Platform& platform : platforms) {
-    if (platform.getInfo<CL_PLATFORM_NAME>() != "Portable Computing Language") continue;
-    std::vector<cl::Device> devices;
-    platform.getDevices(CL_DEVICE_TYPE_CPU, &devices);
-    if (!devices.empty()) return devices.front();
-  }
-  throw Error(Status::no_device, "the tests need PoCL (Debian and Ubuntu: pocl-opencl-icd)");
-}
+/// The device that testDevice() names. Fails the test if there is none.
+inline cl::Device app_device() { return runtime::all_devices().at(select_device(testDevice())); }
 
 struct App {
   cl::Context context;
   cl::CommandQueue queue;
 
-  explicit App(cl_command_queue_properties properties = 0) : context(pocl()), queue(context, pocl(), properties) {}
+  explicit App(cl_command_queue_properties properties = 0)
+      : context(app_device()), queue(context, app_device(), properties) {}
   App(cl::Context theirs, const cl::Device& device) : context(std::move(theirs)), queue(context, device) {}
 
   template <class T>
