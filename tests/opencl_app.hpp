@@ -15,12 +15,17 @@ namespace gcdt::test {
 /// The device that testDevice() names. Fails the test if there is none.
 inline cl::Device app_device() { return runtime::all_devices().at(select_device(testDevice())); }
 
+/// What the device has of these properties of queues; PoCL has all.
+inline cl_command_queue_properties supported(cl_command_queue_properties wanted) {
+  return wanted & app_device().getInfo<CL_DEVICE_QUEUE_PROPERTIES>();
+}
+
 struct App {
   cl::Context context;
   cl::CommandQueue queue;
 
   explicit App(cl_command_queue_properties properties = 0)
-      : context(app_device()), queue(context, app_device(), properties) {}
+      : context(app_device()), queue(context, app_device(), supported(properties)) {}
   App(cl::Context theirs, const cl::Device& device) : context(std::move(theirs)), queue(context, device) {}
 
   template <class T>

@@ -257,7 +257,8 @@ typedef struct gcdt_statistics {
   uint64_t crossings, constraints_dropped, vertices_added, triangles;
   gcdt_grid grid; /* its struct_size is set by the library */
   /* Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device memory to an
-   * unordered mesh there; full: the whole call, and copying to the host, without building programs; build: that. */
+   * unordered mesh there, sorting the vertices included; full: the whole call, and copying to the host, without
+   * building programs; build: that. */
   double ms_core, ms_full, ms_build, ms_order, ms_insert, ms_constrain, ms_flip, ms_check, ms_output;
   uint64_t rounds_insert, rounds_flip, flips, history_depth, location_steps, launches, read_backs;
   uint64_t crossed_pairs;     /* (triangle, constraint) pairs crossed by the first walk */

@@ -179,7 +179,7 @@ struct Statistics {
   std::uint64_t triangles = 0;
   Grid grid;
   /// Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device
-  /// memory to an unordered mesh there. full: the whole call without building programs.
+  /// memory to an unordered mesh there, sorting included. full: the whole call without building programs.
   struct Milliseconds {
     double read = 0, core = 0, full = 0, write = 0, build = 0;
     double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0;
