@@ -142,7 +142,7 @@ void State::settle() {
 DeviceTriangulation State::triangulate(InputSource source, const Options& options) {
   settle();
   try {
-    runtime.memory().reserve(runtime, device_bytes_needed(source.n, source.m, 0));
+    runtime.memory().begin_call();
     return Pipeline(runtime, primitives, std::move(source), options).run();
   } catch (...) {
     // The caller may do with its buffers what it likes from now on.

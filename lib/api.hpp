@@ -34,7 +34,7 @@ struct State {
 
   runtime::Runtime runtime;
   Primitives primitives;
-  runtime::SlabSource slab_source;
+  runtime::BufferSource buffer_source;
   cl::CommandQueue their_queue;  ///< null: the solver has a context of its own
   std::vector<cl::Event> pending_copies;
   std::uint64_t results = 0;

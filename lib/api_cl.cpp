@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface for applications with an OpenCL context of their own.
 #include "api.hpp"
+#include "workspace.hpp"
 
 // Its header last: opencl.hpp chooses the version of OpenCL.
 #include <gcdt/gcdt_cl.h>
@@ -105,6 +106,10 @@ void wait_for_order(State& state, cl_uint wait_count, const cl_event* wait_list)
     const cl_event event = marker();
     return clWaitForEvents(1, &event);
   });
+}
+
+std::shared_ptr<runtime::DeviceMemory> own_memory(const runtime::BufferSource& source) {
+  return std::make_shared<runtime::BufferPool>(source);
 }
 
 void use_memory(State& state, std::shared_ptr<runtime::DeviceMemory> memory) {
@@ -231,14 +236,13 @@ int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* 
         throw Error(Status::buffers_overlap, name + " is given twice", {i});
       slabs.emplace_back(buffers[i], true);
     }
-    use_memory(state, count == 0 ? std::make_shared<runtime::DeviceMemory>(state.slab_source)
-                                 : std::make_shared<runtime::DeviceMemory>(slabs));
+    use_memory(state, count == 0 ? own_memory(state.buffer_source) : std::make_shared<runtime::Workspace>(slabs));
   });
 }
 
 int32_t gcdt_cl_set_allocator(gcdt_solver* solver, const gcdt_cl_allocator* allocator) {
   return guarded_call(solver ? solver->state.get() : nullptr, [&] {
-    runtime::SlabSource source;
+    runtime::BufferSource source;
     if (allocator) {
       const gcdt_cl_allocator given = read_struct(allocator, "gcdt_cl_allocator");
       require(given.allocate && given.release, "gcdt_cl_allocator.allocate or release is null");
@@ -247,7 +251,7 @@ int32_t gcdt_cl_set_allocator(gcdt_solver* solver, const gcdt_cl_allocator* allo
       };
       source.release = [given](cl_mem memory) { given.release(given.user, memory); };
     }
-    use_memory(*solver->state, std::make_shared<runtime::DeviceMemory>(source));
-    solver->state->slab_source = std::move(source);
+    use_memory(*solver->state, own_memory(source));
+    solver->state->buffer_source = std::move(source);
   });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Device memory in a few large slabs, handed out as sub-buffers. Slabs are kept when what was in them is
-// released, so that a repeated run allocates nothing.
+// Device memory by the block: from a pool of whole buffers (buffer_pool.hpp) or from the caller's workspace
+// (workspace.hpp).
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION
@@ -12,16 +12,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
-#include <map>
 #include <memory>
-#include <vector>
 
 namespace gcdt::runtime {
 
 class Runtime;
 
-/// Device bytes in use now and at the peak, as asked for, and those of all slabs.
+/// Device bytes in use now and at the peak, as asked for, and those held for it.
 struct MemoryMeter {
   std::uint64_t now = 0, peak = 0, held = 0, held_peak = 0;
   void add(std::uint64_t bytes) { peak = std::max(peak, now += bytes); }
@@ -31,19 +28,17 @@ struct MemoryMeter {
   void restart_peaks() { peak = now, held_peak = held; }
 };
 
-/// Where slabs come from; empty functions stand for clCreateBuffer and clReleaseMemObject.
-struct SlabSource {
-  std::function<cl_mem(cl_context context, cl_mem_flags flags, std::size_t bytes, cl_int* code)> allocate;
-  std::function<void(cl_mem)> release;
-};
-
 /// Blocks hold a shared pointer to it, so that they may outlive the Runtime.
 class DeviceMemory : public std::enable_shared_from_this<DeviceMemory> {
- private:
-  struct Slab;
+ protected:
+  /// Where a block lies: in holder number `holder`, `length` bytes from `offset` on.
+  struct Place {
+    std::size_t holder = 0, offset = 0, length = 0;
+    cl::Buffer memory;
+  };
 
  public:
-  /// Part of a slab, handed back with the object.
+  /// At least as many bytes as were asked for, handed back with the object.
   class Block {
    public:
     Block() = default;
@@ -54,71 +49,53 @@ class DeviceMemory : public std::enable_shared_from_this<DeviceMemory> {
       return *this;
     }
     ~Block() {
-      if (owner_) owner_->give_back(*this);
+      if (!owner_) return;
+      owner_->meter_.remove(asked_);
+      owner_->give_back(place_);
     }
-    cl_mem handle() const { return memory_(); }
+    cl_mem handle() const { return place_.memory(); }
 
    private:
     friend class DeviceMemory;
     void swap(Block& other) {
       std::swap(owner_, other.owner_);
-      std::swap(slab_, other.slab_);
-      std::swap(offset_, other.offset_);
-      std::swap(length_, other.length_);
+      std::swap(place_, other.place_);
       std::swap(asked_, other.asked_);
-      std::swap(memory_, other.memory_);
     }
     std::shared_ptr<DeviceMemory> owner_;
-    Slab* slab_ = nullptr;
-    std::size_t offset_ = 0, length_ = 0, asked_ = 0;
-    cl::Buffer memory_;
+    Place place_;
+    std::size_t asked_ = 0;
   };
 
-  /// Memory of its own, from `source`.
-  explicit DeviceMemory(SlabSource source) : source_(std::move(source)) {}
-  /// The caller's buffers, which are retained, and nothing else.
-  explicit DeviceMemory(const std::vector<cl::Buffer>& workspace);
-  ~DeviceMemory();
+  DeviceMemory() = default;
+  virtual ~DeviceMemory() = default;
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
-  /// `bytes` of a slab: of the first one that has room, and there of the smallest gap; else a new slab. As long
-  /// as none is given back, a repeated sequence of calls takes the same places, by induction over the calls and
-  /// the slabs: a later slab is only looked at when all before it have no room, which is when it was made.
-  /// Throws out_of_memory, or workspace_too_small with the bytes needed.
-  Block take(Runtime& runtime, const char* name, std::size_t bytes);
+  /// `name` is for error messages. Throws out_of_memory, or workspace_too_small with the bytes needed.
+  Block take(Runtime& runtime, const char* name, std::size_t bytes) {
+    Block block;
+    block.place_ = find(runtime, name, bytes);
+    block.owner_ = shared_from_this();
+    block.asked_ = bytes;
+    meter_.add(bytes);
+    return block;
+  }
 
-  /// Makes room for `bytes` beside what is in use, in as few slabs as the device allows, if it can.
-  void reserve(Runtime& runtime, std::uint64_t bytes);
-
-  /// Gives back every slab with nothing in it.
-  void trim();
-
-  bool is_workspace() const { return workspace_; }
-  /// Whether a byte of [begin, end) of `slab`, if it is one, may be handed out.
-  bool is_free(cl_mem slab, std::size_t begin, std::size_t end) const;
-  /// Whether `memory` is one of the slabs.
-  bool holds(cl_mem memory) const;
+  /// A new call of the library begins: what it takes is compared with what the last one took.
+  virtual void begin_call() {}
+  /// Gives back what nobody uses.
+  virtual void trim() {}
+  /// Whether a byte of [begin, end) of `memory` may be handed out.
+  virtual bool is_free(cl_mem memory, std::size_t begin, std::size_t end) const = 0;
+  /// Whether blocks lie in `memory`.
+  virtual bool holds(cl_mem memory) const = 0;
   MemoryMeter& meter() { return meter_; }
 
- private:
-  struct Slab {
-    cl::Buffer memory;
-    std::size_t bytes = 0, used = 0;
-    std::map<std::size_t, std::size_t> gaps;  ///< length by offset; neighbouring gaps are one
-  };
-  bool place(Block& block, std::size_t length);
-  Slab& add_slab(Runtime& runtime, const char* name, std::size_t bytes);
-  cl_int try_slab(Runtime& runtime, const char* name, std::size_t bytes, cl::Buffer& memory);
-  void add_gap(Slab& slab, std::size_t offset, std::size_t length);
-  void give_back(Block& block);
-  void drop(Slab& slab);
-  [[noreturn]] void fail_for_size(const Runtime& runtime, const char* name, std::size_t bytes) const;
-
-  SlabSource source_;
-  bool workspace_ = false;
+ protected:
+  virtual Place find(Runtime& runtime, const char* name, std::size_t bytes) = 0;
+  virtual void give_back(Place& place) = 0;
   MemoryMeter meter_;
-  std::vector<std::unique_ptr<Slab>> slabs_;
 };
 
 }  // namespace gcdt::runtime

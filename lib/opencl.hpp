@@ -15,7 +15,7 @@
 
 #include <gcdt/types.hpp>
 
-#include "device_memory.hpp"
+#include "buffer_pool.hpp"
 
 namespace gcdt::runtime {
 
@@ -220,7 +220,7 @@ class Runtime {
   cl::CommandQueue queue_;
   Log log_;
   std::size_t alignment_ = 0;
-  std::shared_ptr<DeviceMemory> memory_ = std::make_shared<DeviceMemory>(SlabSource{});
+  std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});
   Geometry geometry_;
   std::map<std::string, cl::Program> programs_;
   std::map<std::pair<std::string, std::string>, Kernel> kernels_;

@@ -80,9 +80,9 @@ GCDT_API int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_com
  * while a result lives. */
 GCDT_API int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* buffers);
 
-/* Where the solver takes device memory from, in few large buffers, and where it gives them back. `allocate` returns a
- * buffer of `context`, or null and a code; `release` gets each buffer once, at trim, at the change of a hook or
- * workspace, or when solver and results are gone. The rules of gcdt_log_function hold. */
+/* Where the solver takes device memory from, some forty buffers that it keeps, and where it gives them back. `allocate`
+ * returns a buffer of `context`, or null and a code; `release` gets each buffer once, at trim, at the change of a hook
+ * or workspace, or when solver and results are gone. The rules of gcdt_log_function hold. */
 typedef struct gcdt_cl_allocator {
   size_t struct_size;
   cl_mem (*allocate)(void* user, cl_context context, cl_mem_flags flags, size_t bytes, cl_int* code);
