@@ -6,11 +6,16 @@
 // nobody claimed in this round by try-lock (flip_propagate). One round is these two kernels, or one
 // pass of flip_rounds, which does whole rounds inside one work-group with the same functions.
 //
-// Lists: an edge that is not in the list for the next round is legal or constrained. Proof: a flip puts
-// the four edges around it into the local worklist or the list; an edge leaves the worklist only if
+// The queue: the edges to be tested next have the mark GCDT_MARK_QUEUED. While they are many, that is all, and
+// a round finds them by a sweep over the marks: in order of their numbers, which is nearly the order in the plane,
+// so that neighbours are tested together (flip_sweep, flip_mark). When they are few they stand in a list too
+// (flip_gather, then flip_test and flip_propagate).
+//
+// An edge that is not queued for the next round is legal or constrained. Proof: a flip puts
+// the four edges around it into the local worklist or the queue; an edge leaves the worklist only if
 // it is constrained, has no other side, is flipped, is legal with both its faces owned here (a later
-// change of either is made here too, and puts it back), or is put into the list. An edge that is legal
-// against a face owned elsewhere goes into the list as well: two work-items that change its two
+// change of either is made here too, and puts it back), or is queued. An edge that is legal
+// against a face owned elsewhere is queued as well: two work-items that change its two
 // faces at the same time may each see the other's old face, both find it legal, and both be wrong.
 #include "append.h"
 #include "mesh.h"
@@ -35,13 +40,17 @@ static inline Claim make_claim(uint stamp, uint bits) {
 
 static inline bool claimed_now(uint word, Claim c) { return (word >> c.bits) == c.stamp; }
 
+// The face references on both sides of edge e.
+static inline uint2 faces_of_edge(Mesh mesh, uint e) { return ((global const uint2*)mesh.edge_faces)[e]; }
+
 // Is the edge with face references `near` and `far` illegal? Reads of a far face that another
 // work-item is changing give a worthless answer: the caller must own the face before acting on it.
 static bool is_illegal(Mesh mesh, uint near, uint far) {
-  const uint4 c = rotate_to(mesh.corners[GCDT_REF_FACE(near)], GCDT_REF_CORNER(near));
-  const uint d = element(mesh.corners[GCDT_REF_FACE(far)], GCDT_REF_CORNER(far));
-  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, c.z), load_vertex(mesh.points, mesh.n, c.x),
-                        load_vertex(mesh.points, mesh.n, c.y), load_vertex(mesh.points, mesh.n, d));
+  const uint4 c = mesh.corners[GCDT_REF_FACE(near)], opposite = mesh.corners[GCDT_REF_FACE(far)];
+  const uint4 r = rotate_to(c, GCDT_REF_CORNER(near));
+  const uint d = element(opposite, GCDT_REF_CORNER(far));
+  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x),
+                        load_vertex(mesh.points, mesh.n, r.y), load_vertex(mesh.points, mesh.n, d));
 }
 
 //   before: t = (b, x, y), u = (d, y, x)        after: t = (b, x, d), u = (d, y, b)
@@ -51,14 +60,14 @@ static bool is_illegal(Mesh mesh, uint near, uint far) {
 //      \ u /                                            \|/
 //        d                                              d
 // Writes only words of the two faces, which the caller owns (L1). The claim words keep `ticket`.
-// `around` gets the owned sides' codes of the four edges around.
-static void flip_edge(Mesh mesh, uint e, uint ticket, private uint* around) {
-  const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
-  const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
-  const uint4 ct = rotate_to(mesh.corners[t], GCDT_REF_CORNER(ref0)),
-              st = rotate_to(mesh.sides[t], GCDT_REF_CORNER(ref0));
-  const uint4 cu = rotate_to(mesh.corners[u], GCDT_REF_CORNER(ref1)),
-              su = rotate_to(mesh.sides[u], GCDT_REF_CORNER(ref1));
+// `refs`, `corners_t`, `corners_u`: its faces and their corners. `around` gets the owned sides' codes of the four
+// edges around.
+static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, uint ticket,
+                      private uint* around) {
+  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
+  const uint4 st = rotate_to(mesh.sides[t], GCDT_REF_CORNER(refs.x)),
+              su = rotate_to(mesh.sides[u], GCDT_REF_CORNER(refs.y));
+  const uint4 ct = rotate_to(corners_t, GCDT_REF_CORNER(refs.x)), cu = rotate_to(corners_u, GCDT_REF_CORNER(refs.y));
   mesh.corners[t] = (uint4)(ct.x, ct.y, cu.x, ticket);
   mesh.corners[u] = (uint4)(cu.x, ct.z, ct.x, ticket);
   mesh.sides[t] = (uint4)(su.y, GCDT_SIDE(e, 0u), st.z, 0u);
@@ -75,9 +84,32 @@ static void flip_edge(Mesh mesh, uint e, uint ticket, private uint* around) {
   around[3] = su.z;
 }
 
-// Puts e into the list once: the mark bit decides by atomic_or.
-static void queue_edge(uint e, volatile global uint* edge_marks, Appender queue) {
-  if (!(atomic_or(edge_marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED)) append(queue, e);
+// Where edges go that are to be tested in the next round: their marks and, if `listed`, a list.
+typedef struct Queue {
+  volatile global uint* marks;
+  bool listed;
+  Appender list;
+} Queue;
+
+static inline Queue make_list_queue(volatile global uint* marks, Appender list) {
+  Queue q;
+  q.marks = marks;
+  q.listed = true;
+  q.list = list;
+  return q;
+}
+
+static inline Queue make_mark_queue(volatile global uint* marks) {
+  Queue q;
+  q.marks = marks;
+  q.listed = false;
+  return q;
+}
+
+// Into the list at most once: the mark bit decides by atomic_or.
+static inline void queue_edge(Queue q, uint e) {
+  const uint old = atomic_or(q.marks + e, GCDT_MARK_QUEUED);
+  if (q.listed && !(old & GCDT_MARK_QUEUED)) append(q.list, e);
 }
 
 // Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is
@@ -88,33 +120,35 @@ static bool try_lock(Mesh mesh, uint face, uint ticket, Claim c) {
   return !claimed_now(old, c) && atomic_cmpxchg(word, old, ticket) == old;
 }
 
-static void test_and_claim(Mesh mesh, global uint* edge_marks, Claim c, uint e, Appender illegal) {
-  const uint marks = edge_marks[e];
-  edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
-  if (marks & GCDT_MARK_CONSTRAINED) return;
-  const uint near = mesh.edge_faces[2u * e], far = mesh.edge_faces[2u * e + 1u];
-  if (near == GCDT_NONE || far == GCDT_NONE || !is_illegal(mesh, near, far)) return;
+// Edge e, not constrained.
+static void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
+  const uint2 refs = faces_of_edge(mesh, e);
+  if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || !is_illegal(mesh, refs.x, refs.y)) return;
   const uint ticket = make_ticket(c.stamp, c.bits, e);
-  atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(near)), ticket);
-  atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(far)), ticket);
+  atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(refs.x)), ticket);
+  atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(refs.y)), ticket);
   append(illegal, e);
 }
 
-// Flips e, which owns both its faces under `ticket`, and what follows from it. Ends: every pass takes
+// Takes e out of the queue; true if it is to be tested.
+static inline bool leaves_queue(global uint* edge_marks, uint e) {
+  const uint marks = edge_marks[e];
+  edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
+  return !(marks & GCDT_MARK_CONSTRAINED);
+}
+
+// Goes on flipping around e, which was flipped under `ticket`. Ends: every pass takes
 // an edge from the worklist, and edges are added only by flips, at most GCDT_FLIP_CHAIN.
-static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Claim c, uint e, uint ticket,
-                               Appender queue) {
+static uint propagate(Mesh mesh, Claim c, uint ticket, private uint* around, Queue queue) {
   uint work[GCDT_FLIP_WORKLIST];
-  uint around[4];
   uint size = 0, flips = 1;
-  flip_edge(mesh, e, ticket, around);
   for (uint i = 0; i < 4u; ++i) work[size++] = around[i];
   while (size > 0u) {
     const uint code = work[--size];
     const uint edge = GCDT_SIDE_EDGE(code);
-    if (edge_marks[edge] & GCDT_MARK_CONSTRAINED) continue;
+    if (queue.marks[edge] & GCDT_MARK_CONSTRAINED) continue;
     if (flips == GCDT_FLIP_CHAIN) {
-      queue_edge(edge, edge_marks, queue);
+      queue_edge(queue, edge);
       continue;
     }
     const uint near = mesh.edge_faces[code], far = mesh.edge_faces[code ^ 1u];
@@ -124,64 +158,135 @@ static uint flip_and_propagate(Mesh mesh, volatile global uint* edge_marks, Clai
     const bool illegal = is_illegal(mesh, near, far);
     if (owned && !illegal) continue;
     if (!illegal || (!owned && !try_lock(mesh, face, ticket, c))) {
-      queue_edge(edge, edge_marks, queue);
+      queue_edge(queue, edge);
       continue;
     }
-    flip_edge(mesh, edge, ticket, around);
+    const uint2 refs = faces_of_edge(mesh, edge);
+    flip_edge(mesh, edge, refs, mesh.corners[GCDT_REF_FACE(refs.x)], mesh.corners[GCDT_REF_FACE(refs.y)], ticket,
+              around);
     ++flips;
     for (uint i = 0; i < 4u; ++i) {
       if (size < GCDT_FLIP_WORKLIST)
         work[size++] = around[i];
       else
-        queue_edge(GCDT_SIDE_EDGE(around[i]), edge_marks, queue);
+        queue_edge(queue, GCDT_SIDE_EDGE(around[i]));
     }
   }
   return flips;
 }
 
-static uint flip_if_won(Mesh mesh, volatile global uint* edge_marks, Claim c, uint e, Appender queue) {
+// Flips e if it owns both its faces; they were claimed before this launch or not at all, so corners read with the
+// ticket beside them are right. Returns the number of flips.
+static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
+  uint around[4];
   const uint ticket = make_ticket(c.stamp, c.bits, e);
-  const uint t = GCDT_REF_FACE(mesh.edge_faces[2u * e]), u = GCDT_REF_FACE(mesh.edge_faces[2u * e + 1u]);
-  if (*claim_word(mesh.corners, t) == ticket && *claim_word(mesh.corners, u) == ticket)
-    return flip_and_propagate(mesh, edge_marks, c, e, ticket, queue);
-  queue_edge(e, edge_marks, queue);
-  return 0;
+  const uint2 refs = faces_of_edge(mesh, e);
+  const uint4 ct = mesh.corners[GCDT_REF_FACE(refs.x)], cu = mesh.corners[GCDT_REF_FACE(refs.y)];
+  if (ct.w != ticket || cu.w != ticket) {
+    queue_edge(queue, e);
+    return 0;
+  }
+  flip_edge(mesh, e, refs, ct, cu, ticket, around);
+#if GCDT_FLIP_CHAIN > 1
+  return propagate(mesh, c, ticket, around, queue);
+#else
+  // A constrained edge leaves the queue unseen.
+  for (uint i = 0; i < 4u; ++i) queue_edge(queue, GCDT_SIDE_EDGE(around[i]));
+  return 1;
+#endif
 }
 
 static void test_tiles(Mesh mesh, global uint* edge_marks, Claim c, global const uint* list, uint count,
                        Appender illegal) {
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
-    if (i < count) test_and_claim(mesh, edge_marks, c, list[i], illegal);
+    if (i < count && leaves_queue(edge_marks, list[i])) test_and_claim(mesh, c, list[i], illegal);
     append_flush(illegal, APPEND_CAPACITY / 2u);
   }
   append_flush(illegal, 0u);
 }
 
-static uint flip_tiles(Mesh mesh, volatile global uint* edge_marks, Claim c, global const uint* illegal, uint count,
-                       Appender queue) {
+static uint flip_tiles(Mesh mesh, Claim c, global const uint* illegal, uint count, Queue queue) {
   uint flips = 0;
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
-    if (i < count) flips += flip_if_won(mesh, edge_marks, c, illegal[i], queue);
-    append_flush(queue, APPEND_CAPACITY / 2u);
+    if (i < count) flips += flip_if_won(mesh, c, illegal[i], queue);
+    append_flush(queue.list, APPEND_CAPACITY / 2u);
   }
-  append_flush(queue, 0u);
+  append_flush(queue.list, 0u);
   return flips;
 }
 
-// One work-item per edge of the mesh so far. Writes the list of all edges; work-item 0 its length.
-// No race: each its own word. After: list_test[0] edges are to be tested in round 0.
-kernel void flip_seed(uint edges, global uint* list, volatile global Counters* counters) {
-  for (uint e = get_global_id(0); e < edges; e += get_global_size(0)) list[e] = e;
-  if (get_global_id(0) == 0) {
-    counters->list_test[0] = edges;
-    counters->list_test[1] = 0u;
-    counters->list_test[2] = 0u;
-    counters->list_flip[0] = 0u;
-    counters->list_flip[1] = 0u;
+// ---- Rounds by sweeps -----------------------------------------------------------------------------
+
+// Edges of a tile: enough that the queued ones among them fill a group.
+#define SWEEP_TILE 512u
+#define FOR_EACH_SWEEP(tile, edges) \
+  for (uint tile = get_group_id(0) * SWEEP_TILE; tile < (edges); tile += get_num_groups(0) * SWEEP_TILE)
+
+// One work-group per tile of edges. Takes the queued ones (`all`: every one) out of the queue, gathers those that
+// are not constrained in local memory, tests them, and lets illegal ones claim their faces. Reads the mesh, which
+// nobody changes in this launch. Writes mark words of its own edges, claim words (atomic_max: the
+// greatest ticket wins whatever the order) and the list of illegal edges (append.h). After: an illegal edge owns its
+// two faces, or one of them has a better claim; no edge is queued.
+kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS,
+                       global uint* edge_marks, global uint* illegal, volatile global Counters* counters) {
+  DECLARE_APPENDER(found);
+  local uint queued[SWEEP_TILE];
+  local uint queued_count;
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Claim c = make_claim(stamp, bits);
+  const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
+  FOR_EACH_SWEEP(tile, edges) {
+    if (get_local_id(0) == 0) queued_count = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint end = min(tile + SWEEP_TILE, edges);
+    for (uint e = tile + get_local_id(0); e < end; e += get_local_size(0)) {
+      const uint marks = edge_marks[e];
+      if (marks & GCDT_MARK_QUEUED) edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
+      if ((all || (marks & GCDT_MARK_QUEUED)) && !(marks & GCDT_MARK_CONSTRAINED))
+        queued[atomic_inc((volatile local uint*)&queued_count)] = e;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint count = queued_count;
+    for (uint first = 0; first < count; first += get_local_size(0)) {
+      if (first + get_local_id(0) < count) test_and_claim(mesh, c, queued[first + get_local_id(0)], a);
+      append_flush(a, APPEND_CAPACITY / 2u);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
   }
+  append_flush(a, 0u);
 }
+
+// One work-item per illegal edge, as flip_propagate, but the queue is the marks alone.
+kernel void flip_mark(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
+                      global const uint* illegal, volatile global Counters* counters) {
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Claim c = make_claim(stamp, bits);
+  const Queue queue = make_mark_queue(edge_marks);
+  const uint count = counters->list_flip[round & 1u];
+  if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
+  uint flips = 0;
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) flips += flip_if_won(mesh, c, illegal[i], queue);
+  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
+}
+
+// One work-item per edge. Puts those that are queued (`all`: every one) into the list for `round`, whose length was
+// 0; marks stay. No race: append.h. After: list_test of the round counts the list.
+kernel void flip_gather(uint all, uint edges, uint round, global const uint* edge_marks, global uint* list,
+                        volatile global Counters* counters) {
+  DECLARE_APPENDER(queued);
+  const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[round % 3u]);
+  FOR_EACH_TILE(tile, edges) {
+    const uint e = tile + get_local_id(0);
+    if (e < edges && (all || (edge_marks[e] & GCDT_MARK_QUEUED))) append(a, e);
+    append_flush(a, APPEND_CAPACITY / 2u);
+  }
+  append_flush(a, 0u);
+}
+
+// ---- Rounds by lists ------------------------------------------------------------------------------
 
 // One work-item per edge in list_test[round % 3]. Reads the mesh, which nobody changes in this launch.
 // Writes the edge's own mark word (an edge stands in the list once), the claim words of its faces
@@ -214,7 +319,7 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
   const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
   const uint count = counters->list_flip[round & 1u];
   if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
-  const uint flips = flip_tiles(mesh, edge_marks, c, illegal, count, a);
+  const uint flips = flip_tiles(mesh, c, illegal, count, make_list_queue(edge_marks, a));
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }
 
@@ -241,7 +346,7 @@ kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_
     if (get_local_id(0) == 0) counters->list_flip[(now + 1u) & 1u] = 0u;
     const Appender queue =
         make_appender(gathered_items, gathered_gathered, list, &counters->list_test[(now + 1u) % 3u]);
-    flips += flip_tiles(mesh, edge_marks, c, illegal, count, queue);
+    flips += flip_tiles(mesh, c, illegal, count, make_list_queue(edge_marks, queue));
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flip.hpp"
 
+#include <tuple>
+
 namespace gcdt {
 
 namespace {
@@ -10,6 +12,11 @@ namespace {
 constexpr std::uint32_t one_group_edges = 2048;
 constexpr std::uint32_t one_group_rounds = 1024;
 constexpr std::uint32_t rounds_per_read = 4;
+// From so many edges on, rounds sweep over the marks of all edges, and for as long as a round has at least this
+// share of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
+constexpr std::uint32_t least_sweep = 1u << 17, sweep_share = 128;
+// Edges that a work-item of a sweep looks at.
+constexpr std::uint32_t sweep_items = 4;
 
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
@@ -31,10 +38,13 @@ class Flipping {
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
     clear_claims(runtime_, mesh_, faces_);
-    runtime_.launch("flip", "flip_seed", runtime::over(edges_), edges_, lists_.first, counters_.buffer());
     const std::uint64_t limit = 1024 + 64ull * edges_;
-    std::uint64_t total = 0;
-    for (std::uint32_t pending = edges_; pending > 0;) {
+    const bool swept = edges_ >= least_sweep;
+    if (swept) sweep(limit, ticker);
+    runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!swept), edges_, round_, mesh_.edge_marks,
+                    lists_.first, counters_.buffer());
+    std::uint64_t total = round_;
+    for (std::uint32_t pending = swept ? counters_.read().list_test[round_ % 3] : edges_; pending > 0;) {
       const std::uint32_t rounds_before = counters_.last().rounds;
       const std::uint32_t launched = pending <= one_group_edges ? rounds_in_one_group() : rounds_wide(pending);
       const device::Counters& c = counters_.read();
@@ -43,24 +53,50 @@ class Flipping {
       stamps_.take(in_group);
       total += launched + in_group;
       pending = c.list_test[round_ % 3];
-      if (total > limit) throw Error(Status::round_limit, "flip: illegal edges are left after the limit of rounds");
-      ticker.tick("flip", double(faces_) / mesh_.faces());
+      check(total, limit, ticker);
     }
     return {total, wide(counters_.last().flips_low, counters_.last().flips_high)};
   }
 
  private:
+  // Rounds by sweeps. The first takes all edges. Ends: see run().
+  void sweep(std::uint64_t limit, Ticker& ticker) {
+    for (std::uint32_t illegal = edges_; illegal > edges_ / sweep_share;) {
+      for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
+        renew_stamps();
+        const cl_uint stamp = stamps_.take();
+        launch("flip_sweep", edges_ / sweep_items, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
+               lists_.second);
+        launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
+      }
+      illegal = counters_.read().list_flip[(round_ - 1) & 1];
+      check(round_, limit, ticker);
+    }
+  }
+
+  void check(std::uint64_t rounds, std::uint64_t limit, Ticker& ticker) const {
+    if (rounds > limit) throw Error(Status::round_limit, "flip: illegal edges are left after the limit of rounds");
+    ticker.tick("flip", double(faces_) / mesh_.faces());
+  }
+
+  // Arguments in the order of all kernels that flip: scalars, stamp bits, mesh, marks, lists, counters.
+  template <class Scalars, class... Lists>
+  void launch(const char* kernel, std::uint32_t items, const Scalars& scalars, const Lists&... lists) {
+    std::apply(
+        [&](const auto&... scalar) {
+          runtime_.launch("flip", kernel, runtime::over(items), scalar..., stamps_.bits(), mesh_.n, vertices_.points,
+                          mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists..., counters_.buffer());
+        },
+        scalars);
+  }
+
   // Launches are as wide as the list was when last read; lists shrink, and a longer one is only slower.
   std::uint32_t rounds_wide(std::uint32_t pending) {
     for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
-      runtime_.launch("flip", "flip_test", runtime::over(pending), round_, stamp, stamps_.bits(), mesh_.n,
-                      vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
-                      lists_.second, counters_.buffer());
-      runtime_.launch("flip", "flip_propagate", runtime::over(pending), round_, stamp, stamps_.bits(), mesh_.n,
-                      vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists_.second,
-                      lists_.first, counters_.buffer());
+      launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
+      launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
     }
     return rounds_per_read;
   }
