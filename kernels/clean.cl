@@ -29,8 +29,8 @@ kernel void clean_gather(uint count, global const uint* list, global const uint2
 }
 
 // One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
-// (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1). No race: each part has its
-// own word, or its own range. After: counts[part] for every part, 0 beyond the last.
+// (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1, only parts that have some). No race: each
+// part has its own word, or its own range. After: counts[part] for every part, 0 beyond the last.
 kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
                        global const uint* begins, global uint* counts, global uint* hits,
                        volatile global Counters* counters) {
@@ -41,7 +41,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
   uint steps = 0;
   for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
     uint found = 0;
-    if (part < parts) {
+    if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = ends[c];
       Walk w;
@@ -54,7 +54,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
           ++found;
           event = walk_turn(&w, mesh, w.hit, faces);
         } else {
-          event = walk_cross(&w, mesh);
+          event = walk_cross(&w, mesh, look_behind(&w, mesh));
         }
       }
       if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);

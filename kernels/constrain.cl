@@ -49,11 +49,15 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
         ++pairs;
       }
     }
+    Compared seen_left = nothing_compared(), seen_right = nothing_compared();
     // Ends: every edge crossed lies further along the piece.
     while (event == WALK_CROSS) {
-      reduce_piece(near_left(near, w.code), c, &w, w.left, 0u, mesh, ends, counters);
-      reduce_piece(near_right(near, w.code), c, &w, w.right, 0u, mesh, ends, counters);
-      event = walk_cross(&w, mesh);
+      volatile global uint *left = near_left(near, w.code), *right = near_right(near, w.code);
+      const uint at_left = *left, at_right = *right;
+      const Behind behind = look_behind(&w, mesh);
+      reduce_piece(left, at_left, c, &w, w.left, 0u, &seen_left, mesh, ends, counters);
+      reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, ends, counters);
+      event = walk_cross(&w, mesh, behind);
       *claim_word(mesh.corners, w.face) = FACE_CROSSED;
       ++pairs;
     }
@@ -124,13 +128,16 @@ kernel void constrain_count(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, NE
       uint event =
           walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
       while (event == WALK_CROSS) {
+        const Behind behind = look_behind(&w, mesh);
         left += owns_left(&w, near, c) ? 1u : 0u;
         right += owns_right(&w, near, c) ? 1u : 0u;
         const uint word = *claim_word(mesh.corners, w.face);
-        if (w.third_side != 0 && word >= FACE_HEXAGON)
-          reduce_piece(far + 3u * (word - FACE_HEXAGON) + cut_corner(&w), c, &w, w.third_side > 0 ? w.right : w.left,
-                       1u, mesh, ends, counters);
-        event = walk_cross(&w, mesh);
+        if (w.third_side != 0 && word >= FACE_HEXAGON) {
+          volatile global uint* at = far + 3u * (word - FACE_HEXAGON) + cut_corner(&w);
+          Compared seen = nothing_compared();
+          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, ends, counters);
+        }
+        event = walk_cross(&w, mesh, behind);
       }
     }
     counts_left[part] = left;
@@ -195,6 +202,7 @@ kernel void constrain_chain(uint pieces, uint right_begin, GCDT_WALK_PARAMETERS,
       write_chain(chains, right - 1u, w.a, c, &w, mesh, counters);
     }
     while (event == WALK_CROSS) {
+      const Behind behind = look_behind(&w, mesh);
       const uint word = *claim_word(mesh.corners, w.face);
       if (w.third_side != 0 && word >= FACE_HEXAGON) {
         const uint at = 3u * (word - FACE_HEXAGON) + cut_corner(&w);
@@ -202,7 +210,7 @@ kernel void constrain_chain(uint pieces, uint right_begin, GCDT_WALK_PARAMETERS,
       }
       if (owns_left(&w, near, c)) write_chain(chains, left++, w.left, c, &w, mesh, counters);
       if (owns_right(&w, near, c)) write_chain(chains, right++, w.right, c, &w, mesh, counters);
-      event = walk_cross(&w, mesh);
+      event = walk_cross(&w, mesh, behind);
     }
     if (w.k + 1u == w.parts) {
       write_chain(chains, left, w.b, c, &w, mesh, counters);

@@ -42,7 +42,7 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_P
         continue;
       }
       if (event != WALK_CROSS) break;
-      event = walk_cross(&w, mesh);
+      event = walk_cross(&w, mesh, look_behind(&w, mesh));
     }
     if (event == WALK_FAILED || event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }

@@ -224,6 +224,16 @@ static uint flip_tiles(Mesh mesh, Claim c, global const uint* illegal, uint coun
 #define FOR_EACH_SWEEP(tile, edges) \
   for (uint tile = get_group_id(0) * SWEEP_TILE; tile < (edges); tile += get_num_groups(0) * SWEEP_TILE)
 
+// The marks of edges first .. first + 3, those that exist; first is a multiple of 4.
+static inline void load_marks(private uint* marks, global const uint* edge_marks, uint first, uint edges) {
+  if (first + 4u <= edges) {
+    const uint4 four = *(global const uint4*)(edge_marks + first);
+    marks[0] = four.x, marks[1] = four.y, marks[2] = four.z, marks[3] = four.w;
+  } else {
+    for (uint i = 0; i < 4u; ++i) marks[i] = first + i < edges ? edge_marks[first + i] : 0u;
+  }
+}
+
 // One work-group per tile of edges. Takes the queued ones (`all`: every one) out of the queue, gathers those that
 // are not constrained in local memory, tests them, and lets illegal ones claim their faces. Reads the mesh, which
 // nobody changes in this launch. Writes mark words of its own edges, claim words (atomic_max: the
@@ -241,11 +251,14 @@ kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, 
     if (get_local_id(0) == 0) queued_count = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint end = min(tile + SWEEP_TILE, edges);
-    for (uint e = tile + get_local_id(0); e < end; e += get_local_size(0)) {
-      const uint marks = edge_marks[e];
-      if (marks & GCDT_MARK_QUEUED) edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
-      if ((all || (marks & GCDT_MARK_QUEUED)) && !(marks & GCDT_MARK_CONSTRAINED))
-        queued[atomic_inc((volatile local uint*)&queued_count)] = e;
+    for (uint first = tile + 4u * get_local_id(0); first < end; first += 4u * get_local_size(0)) {
+      uint marks[4];
+      load_marks(marks, edge_marks, first, edges);
+      for (uint i = 0; i < 4u && first + i < end; ++i) {
+        if (marks[i] & GCDT_MARK_QUEUED) edge_marks[first + i] = marks[i] & ~GCDT_MARK_QUEUED;
+        if ((all || (marks[i] & GCDT_MARK_QUEUED)) && !(marks[i] & GCDT_MARK_CONSTRAINED))
+          queued[atomic_inc((volatile local uint*)&queued_count)] = first + i;
+      }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint count = queued_count;

@@ -43,20 +43,44 @@ static int compare_pieces(Vertex a1, Vertex b1, Vertex a2, Vertex b2, Vertex u) 
   return PIECES_CROSS;
 }
 
-// Makes *word the piece nearest to u (farthest = 0) or farthest from it (farthest = 1), of itself and
-// c; equal places go to the smaller number. A total order if no pieces cross, so the order of
+// The last comparison on one side of a walk. Along a run of edges around u it is mostly asked again.
+typedef struct Compared {
+  uint u, piece;
+  int order;
+} Compared;
+
+static inline Compared nothing_compared(void) {
+  Compared seen;
+  seen.u = GCDT_NONE;
+  seen.piece = GCDT_NONE;
+  seen.order = SAME_PLACE;
+  return seen;
+}
+
+// Compares `piece` with the walk's own, c, from u.
+static int compare_with_walk(private Compared* seen, uint piece, const private Walk* w, uint u, Mesh mesh,
+                             global const uint2* ends) {
+  if (seen->u != u || seen->piece != piece) {
+    const uint2 e = ends[piece];
+    seen->u = u;
+    seen->piece = piece;
+    seen->order = compare_pieces(load_vertex(mesh.points, mesh.n, e.x), load_vertex(mesh.points, mesh.n, e.y), w->va,
+                                 w->vb, load_vertex(mesh.points, mesh.n, u));
+  }
+  return seen->order;
+}
+
+// Makes *word, which was `current`, the piece nearest to u (farthest = 0) or farthest from it (farthest = 1), of
+// itself and c; equal places go to the smaller number. A total order if no pieces cross, so the order of
 // work-items cannot matter; crossing ones set the failure bit. Ends: the word changes only to nearer
 // (farther) pieces, so each exchange that fails does so for another of finitely many.
-static void reduce_piece(volatile global uint* word, uint c, const private Walk* w, uint u, uint farthest, Mesh mesh,
-                         global const uint2* ends, volatile global Counters* counters) {
-  const Vertex vu = load_vertex(mesh.points, mesh.n, u);
-  uint current = *word;
+static void reduce_piece(volatile global uint* word, uint current, uint c, const private Walk* w, uint u, uint farthest,
+                         private Compared* seen, Mesh mesh, global const uint2* ends,
+                         volatile global Counters* counters) {
   for (;;) {
     if (current == c) return;
     if (current != GCDT_NONE) {
-      const uint2 e = ends[current];
-      const int order = compare_pieces(load_vertex(mesh.points, mesh.n, e.x), load_vertex(mesh.points, mesh.n, e.y),
-                                       w->va, w->vb, vu);
+      const int order = compare_with_walk(seen, current, w, u, mesh, ends);
       if (order == PIECES_CROSS) {
         atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
         return;

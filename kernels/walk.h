@@ -100,14 +100,14 @@ static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
 }
 
 // The exit edge is opposite corner `third` of the face, whose rotated corners are c = (third, right,
-// left): seen from inside, the line leaves an edge from its right to its left end.
-static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, int third_side) {
+// left): seen from inside, the line leaves an edge from its right to its left end. `sides` are the face's.
+static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
   w->third = third;
   w->third_side = third_side;
   w->right = c.y;
   w->left = c.z;
   w->hit = GCDT_NONE;
-  w->code = element(mesh.sides[w->face], third);
+  w->code = element(sides, third);
   if (w->k + 1u < w->parts &&
       gcdt_orient2d_division(load_vertex(mesh.points, mesh.n, c.y), load_vertex(mesh.points, mesh.n, c.z), w->va, w->vb,
                              w->k + 1u, w->parts) > 0)
@@ -122,26 +122,26 @@ static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, int th
 //   two                          the walk runs along their edge, in the direction that has the third corner on
 //                                the side where it is
 static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
-  const uint4 c = mesh.corners[w->face];
+  const uint4 c = mesh.corners[w->face], sides = mesh.sides[w->face];
   const int s0 = side_of(w, mesh, c.x), s1 = side_of(w, mesh, c.y), s2 = side_of(w, mesh, c.z);
   const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
   if (zeros == 0) {
     const uint k = (s1 < 0 && s2 > 0) ? 0u : (s2 < 0 && s0 > 0) ? 1u : (s0 < 0 && s1 > 0) ? 2u : 3u;
     if (k == 3u) return WALK_FAILED;
-    return come_to_edge(w, mesh, k, rotate_to(c, k), k == 0u ? s0 : k == 1u ? s1 : s2);
+    return come_to_edge(w, mesh, k, rotate_to(c, k), sides, k == 0u ? s0 : k == 1u ? s1 : s2);
   }
   if (zeros == 1) {
     const uint k = s0 == 0 ? 0u : s1 == 0 ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
     const int right = k == 0u ? s1 : k == 1u ? s2 : s0, left = k == 0u ? s2 : k == 1u ? s0 : s1;
-    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, 0);
+    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, sides, 0);
     if (right > 0 && left < 0) return come_to_vertex(w, mesh, r.x, GCDT_NONE);
     return WALK_FAILED;
   }
   if (zeros == 2) {
     const uint k = s0 != 0 ? 0u : s1 != 0 ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
-    return come_to_vertex(w, mesh, (s0 + s1 + s2) > 0 ? r.z : r.y, element(mesh.sides[w->face], k));
+    return come_to_vertex(w, mesh, (s0 + s1 + s2) > 0 ? r.z : r.y, element(sides, k));
   }
   return WALK_FAILED;
 }
@@ -160,19 +160,33 @@ static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, 
   return w->face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
 }
 
+// What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for both at once.
+typedef struct Behind {
+  uint ref;  // of the face behind, or GCDT_NONE
+  uint4 corners, sides;
+  Vertex apex;  // across from the edge
+} Behind;
+
+static inline Behind look_behind(const private Walk* w, Mesh mesh) {
+  Behind b;
+  b.ref = mesh.edge_faces[w->code ^ 1u];
+  const uint face = b.ref == GCDT_NONE ? w->face : GCDT_REF_FACE(b.ref);
+  b.corners = mesh.corners[face];
+  b.sides = mesh.sides[face];
+  b.apex = load_vertex(mesh.points, mesh.n, element(b.corners, GCDT_REF_CORNER(b.ref)));
+  return b;
+}
+
 // Crosses the exit edge. In the face behind it, (z, left, right) counter-clockwise, the sign of z
 // alone decides: left of the line, the exit is right -> z; right of it, z -> left.
-static uint walk_cross(private Walk* w, Mesh mesh) {
-  const uint ref = mesh.edge_faces[w->code ^ 1u];
-  if (ref == GCDT_NONE) return WALK_FAILED;
-  const uint j = GCDT_REF_CORNER(ref);
-  w->face = GCDT_REF_FACE(ref);
-  const uint4 c = mesh.corners[w->face];
-  const uint z = element(c, j);
-  const int s = side_of(w, mesh, z);
-  if (s == 0) return come_to_vertex(w, mesh, z, GCDT_NONE);
+static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
+  if (b.ref == GCDT_NONE) return WALK_FAILED;
+  const uint j = GCDT_REF_CORNER(b.ref);
+  w->face = GCDT_REF_FACE(b.ref);
+  const int s = gcdt_sign64(gcdt_orient2d(w->va, w->vb, b.apex));
+  if (s == 0) return come_to_vertex(w, mesh, element(b.corners, j), GCDT_NONE);
   const uint third = s > 0 ? next_corner(j) : previous_corner(j);
-  return come_to_edge(w, mesh, third, rotate_to(c, third), s > 0 ? 1 : -1);
+  return come_to_edge(w, mesh, third, rotate_to(b.corners, third), b.sides, s > 0 ? 1 : -1);
 }
 
 // Goes on from the vertex z just hit, a corner of the face: turns counter-clockwise around z to the
@@ -180,14 +194,14 @@ static uint walk_cross(private Walk* w, Mesh mesh) {
 // directions, and exactly one direction is right.
 static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
   for (uint step = 0; step < limit; ++step) {
-    const uint4 c = mesh.corners[w->face];
+    const uint4 c = mesh.corners[w->face], sides = mesh.sides[w->face];
     const uint k = c.x == z ? 0u : c.y == z ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
     const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);
-    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, 0);
-    if (right == 0 && left > 0) return come_to_vertex(w, mesh, r.y, element(mesh.sides[w->face], previous_corner(k)));
-    if (right < 0 && left == 0) return come_to_vertex(w, mesh, r.z, element(mesh.sides[w->face], next_corner(k)));
-    const uint ref = mesh.edge_faces[element(mesh.sides[w->face], next_corner(k)) ^ 1u];
+    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, sides, 0);
+    if (right == 0 && left > 0) return come_to_vertex(w, mesh, r.y, element(sides, previous_corner(k)));
+    if (right < 0 && left == 0) return come_to_vertex(w, mesh, r.z, element(sides, next_corner(k)));
+    const uint ref = mesh.edge_faces[element(sides, next_corner(k)) ^ 1u];
     if (ref == GCDT_NONE) return WALK_FAILED;
     w->face = GCDT_REF_FACE(ref);
   }
