@@ -80,7 +80,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
 
 Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
                       cl_uint count, unsigned bits) {
-  primitives_.sort(keys, sources, count, 2 * bits);
+  primitives_.sort_by_prefix(keys, sources, count, 2 * bits, bits);
   auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
   runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
   primitives_.exclusive_scan(firsts, firsts, count);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "grid.hpp"
+#include "phase.hpp"
 
 namespace gcdt {
 
@@ -15,6 +16,8 @@ namespace {
 constexpr cl_uint rows_read = 64;
 constexpr cl_uint survey_columns = 6, quantise_columns = 2;
 constexpr unsigned morton_bits = 62;
+// The sort begins with as many high bits as tell n evenly spread vertices apart, and these: 16 cells a vertex.
+constexpr unsigned spare_bits = 4;
 
 /// Every vertex's Morton code and number.
 struct Keys {
@@ -178,7 +181,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   runtime.finish();
   const double built = runtime.build_ms();
   const auto start = std::chrono::steady_clock::now();
-  primitives.sort(keys.codes, keys.numbers, n, morton_bits);
+  primitives.sort_by_prefix(keys.codes, keys.numbers, n, morton_bits, bit_width(n) + spare_bits);
   primitives.release();
 
   auto before = runtime.allocate<cl_uint>("distinct before", n + 1);

@@ -22,7 +22,7 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners,
                  keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
-  if (triangles != 0) primitives.sort(keys, refs, mesh.faces(), 2 * bits);
+  if (triangles != 0) primitives.sort_by_prefix(keys, refs, mesh.faces(), 2 * bits, bits);
   primitives.release();
   return triangles;
 }

@@ -18,6 +18,11 @@ constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group
 constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
 // The most elements that one work-item walks: llvmpipe silently ends any loop after 65535 rounds.
 constexpr std::size_t longest_walk = 60000;
+// So many keys one work-group sorts in local memory (SORT_SMALL in sort_finish.cl).
+constexpr std::size_t few_keys = 2048;
+// Runs that a work-item sorts by insertion are so long at most; below so many keys the radix passes are launches only.
+constexpr cl_uint longest_run = 32;
+constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
 
 // Scratch that is exchanged with a caller's buffer must leave the caller its capacity, not more.
@@ -59,16 +64,16 @@ void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl
 
 template <class Key>
 void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_uint>& values, std::size_t count,
-                            unsigned bits, Buffer<Key>& other_keys) {
-  if (count < 2 || bits == 0) return;
+                            unsigned low, unsigned bits, Buffer<Key>& other_keys) {
+  if (count < 2) return;
   const bool serial = walk_ == Walk::serial;
   const unsigned digit_bits = serial ? serial_digit_bits : group_digit_bits;
   const Parts cut_at = cut(count, serial ? sort_span_serial : sort_span_group);
   match(runtime_, other_keys, "other half of the keys", keys.size());
   match(runtime_, other_values_, "other half of the values", values.size());
   runtime_.reserve(digit_table_, "digit counts", (std::size_t{1} << digit_bits) * cut_at.parts + 1);
-  // Ends after ceil(bits / digit_bits) passes; each leaves the pairs in order of the bits seen so far.
-  for (cl_uint shift = 0; shift < bits; shift += digit_bits) {
+  // Ends after ceil((bits - low) / digit_bits) passes; each leaves the pairs in order of the bits seen so far.
+  for (cl_uint shift = low; shift < bits; shift += digit_bits) {
     const cl_uint mask = (1u << std::min(digit_bits, bits - shift)) - 1u;
     runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut_at.range, cut_at.count, cut_at.span,
                     cut_at.parts, shift, mask, keys, digit_table_);
@@ -81,17 +86,45 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 }
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
-  sort_pairs(walk_ == Walk::serial ? "sort64_serial" : "sort64_group", keys, values, count, std::min(bits, 64u),
-             other_keys64_);
+  bits = std::min(bits, 64u);
+  if (count <= few_keys)
+    sort_few(keys, values, count, bits);
+  else
+    sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
+}
+
+void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+  if (count < 2 || bits == 0) return;
+  match(runtime_, other_keys64_, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
+  runtime_.launch("sort_finish", "sort_small", runtime::one_group(), static_cast<cl_uint>(count), mask, keys, values,
+                  other_keys64_, other_values_);
+  std::swap(keys, other_keys64_);
+  std::swap(values, other_values_);
+}
+
+void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
+                                unsigned prefix) {
+  const unsigned digit = walk_ == Walk::serial ? serial_digit_bits : group_digit_bits;
+  prefix = (prefix + digit - 1) / digit * digit;
+  if (count < least_by_prefix || prefix + digit >= bits) return sort(keys, values, count, bits);
+  const cl_uint low = bits - prefix, n = static_cast<cl_uint>(count);
+  sort_pairs(sort64(), keys, values, count, low, bits, other_keys64_);
+  runtime_.reserve(unordered_, "order of keys", 1);
+  runtime_.fill<cl_uint>(unordered_, 0, 1);
+  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, low, longest_run, keys, values);
+  runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
+  if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }
 
 void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
-  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, std::min(bits, 32u),
+  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, 0, std::min(bits, 32u),
              other_keys32_);
 }
 
 void Primitives::release() {
-  for (auto* scratch : {&part_sums_, &digit_table_, &other_values_, &other_keys32_}) *scratch = {};
+  for (auto* scratch : {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_}) *scratch = {};
   other_keys64_ = {};
 }
 

@@ -6,7 +6,7 @@
 
 namespace gcdt {
 
-/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host.
+/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host but sort_by_prefix.
 class Primitives {
  public:
   /// How a part of the input is walked (kernels/primitives.cl): `serial` by one work-item, which suits
@@ -32,6 +32,12 @@ class Primitives {
   void sort(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 64);
   void sort(runtime::Buffer<cl_uint>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 32);
 
+  /// The same order by other work: sorts by the highest `prefix` of the `bits`, then mends the runs of keys that agree
+  /// in them. Keys have no bit from `bits` on. Cheaper if such runs are short, dearer by that first sort if one is
+  /// longer than some tens. May block.
+  void sort_by_prefix(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
+                      unsigned bits, unsigned prefix);
+
   /// Releases the scratch.
   void release();
 
@@ -44,11 +50,13 @@ class Primitives {
   Parts cut(std::size_t count, std::size_t least_span) const;
   template <class Key>
   void sort_pairs(const char* program, runtime::Buffer<Key>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
-                  unsigned bits, runtime::Buffer<Key>& other_keys);
+                  unsigned low, unsigned bits, runtime::Buffer<Key>& other_keys);
+  void sort_few(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
+  const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;
   Walk walk_;
-  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_;
+  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_;
   runtime::Buffer<cl_ulong> other_keys64_;
 };
 

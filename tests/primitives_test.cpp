@@ -93,7 +93,7 @@ std::vector<T> with_guards(std::vector<T> values, std::size_t count) {
 }
 
 template <class Key>
-void check_sort(Primitives& primitives, std::vector<Key> keys, unsigned bits) {
+void check_sort(Primitives& primitives, std::vector<Key> keys, unsigned bits, unsigned prefix = 0) {
   const std::size_t count = keys.size();
   Words values(count);
   std::iota(values.begin(), values.end(), 7u);
@@ -111,7 +111,11 @@ void check_sort(Primitives& primitives, std::vector<Key> keys, unsigned bits) {
   auto key_buffer = guarded(keys);
   auto value_buffer = guarded(values);
   const std::size_t capacity = key_buffer.size();
-  primitives.sort(key_buffer, value_buffer, count, bits);
+  if constexpr (sizeof(Key) == 8)
+    prefix != 0 ? primitives.sort_by_prefix(key_buffer, value_buffer, count, bits, prefix)
+                : primitives.sort(key_buffer, value_buffer, count, bits);
+  else
+    primitives.sort(key_buffer, value_buffer, count, bits);
   CHECK(contents(key_buffer, count) == keys_wanted);
   CHECK(contents(value_buffer, count) == values_wanted);
   CHECK(key_buffer.size() == capacity);
@@ -223,6 +227,35 @@ TEST_CASE("equal keys keep their order, sorted and reversed keys sort, and one o
     primitives.release();
     check_sort(primitives, random_words(5000, 10), 32);
   }
+}
+
+TEST_CASE("a sort by prefix equals the sort, with short runs, long ones, and equal keys") {
+  constexpr cl_ulong all = (1ull << 62) - 1;
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : {std::size_t{1000}, std::size_t{20000}}) {
+      CAPTURE(count);
+      check_sort(primitives, random_keys(count, 21, all), 62, 18);
+      // about 20, then 1000 keys of each prefix, and runs of equal keys within them
+      check_sort(primitives, random_keys(count, 22, all & ~(0xFFFull << 40)), 62, 22);
+      check_sort(primitives, random_keys(count, 23, 0x3C0000000000000Full), 62, 20);
+      std::vector<cl_ulong> steps(count);
+      for (std::size_t i = 0; i < count; ++i) steps[i] = i / 100 << 30 | (i * 7919 % 100);
+      check_sort(primitives, steps, 62, 32);
+      std::sort(steps.begin(), steps.end());
+      check_sort(primitives, steps, 62, 32);
+    }
+  });
+}
+
+TEST_CASE("few keys sort by their low bits, equal ones in order") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : {2u, 3u, 1023u, 1024u, 1025u, 2048u, 2049u}) {
+      CAPTURE(count);
+      check_sort(primitives, random_keys(count, count, 0xFFull), 64);
+      check_sort(primitives, random_keys(count, count, ~0ull), 64);
+      check_sort(primitives, random_keys(count, count, ~0ull), 7);
+    }
+  });
 }
 
 TEST_CASE("a million 64-bit keys sort by 62 bits") {
