@@ -224,14 +224,29 @@ static uint flip_tiles(Mesh mesh, Claim c, global const uint* illegal, uint coun
 #define FOR_EACH_SWEEP(tile, edges) \
   for (uint tile = get_group_id(0) * SWEEP_TILE; tile < (edges); tile += get_num_groups(0) * SWEEP_TILE)
 
-// The marks of edges first .. first + 3, those that exist; first is a multiple of 4.
-static inline void load_marks(private uint* marks, global const uint* edge_marks, uint first, uint edges) {
+// Takes the edges first .. first + 3, those that exist, out of the queue; first is a multiple of 4. Bit i: edge
+// first + i was in it (or `all`), and is not constrained.
+static inline uint take_marks(uint all, global uint* edge_marks, uint first, uint edges) {
+  uint marks[4] = {GCDT_MARK_CONSTRAINED, GCDT_MARK_CONSTRAINED, GCDT_MARK_CONSTRAINED, GCDT_MARK_CONSTRAINED};
   if (first + 4u <= edges) {
     const uint4 four = *(global const uint4*)(edge_marks + first);
     marks[0] = four.x, marks[1] = four.y, marks[2] = four.z, marks[3] = four.w;
   } else {
-    for (uint i = 0; i < 4u; ++i) marks[i] = first + i < edges ? edge_marks[first + i] : 0u;
+    for (uint i = 0; first + i < edges; ++i) marks[i] = edge_marks[first + i];
   }
+  uint taken = 0;
+  for (uint i = 0; i < 4u; ++i) {
+    if (marks[i] & GCDT_MARK_QUEUED) edge_marks[first + i] = marks[i] & ~GCDT_MARK_QUEUED;
+    if ((all || (marks[i] & GCDT_MARK_QUEUED)) && !(marks[i] & GCDT_MARK_CONSTRAINED)) taken |= 1u << i;
+  }
+  return taken;
+}
+
+// The place of bit i among those set: how many are set before it.
+static inline uint place_of_bit(volatile local const uint* taken, uint i) {
+  uint before = 0;
+  for (uint word = 0; word < i / 32u; ++word) before += popcount(taken[word]);
+  return i % 32u == 0u ? before : before + popcount(taken[i / 32u] << (32u - i % 32u));
 }
 
 // One work-group per tile of edges. Takes the queued ones (`all`: every one) out of the queue, gathers those that
@@ -243,23 +258,23 @@ kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, 
                        global uint* edge_marks, global uint* illegal, volatile global Counters* counters) {
   DECLARE_APPENDER(found);
   local uint queued[SWEEP_TILE];
+  volatile local uint taken[SWEEP_TILE / 32u];
   local uint queued_count;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
   FOR_EACH_SWEEP(tile, edges) {
-    if (get_local_id(0) == 0) queued_count = 0u;
+    for (uint i = get_local_id(0); i < SWEEP_TILE / 32u; i += get_local_size(0)) taken[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
-    const uint end = min(tile + SWEEP_TILE, edges);
-    for (uint first = tile + 4u * get_local_id(0); first < end; first += 4u * get_local_size(0)) {
-      uint marks[4];
-      load_marks(marks, edge_marks, first, edges);
-      for (uint i = 0; i < 4u && first + i < end; ++i) {
-        if (marks[i] & GCDT_MARK_QUEUED) edge_marks[first + i] = marks[i] & ~GCDT_MARK_QUEUED;
-        if ((all || (marks[i] & GCDT_MARK_QUEUED)) && !(marks[i] & GCDT_MARK_CONSTRAINED))
-          queued[atomic_inc((volatile local uint*)&queued_count)] = first + i;
-      }
+    for (uint i = 4u * get_local_id(0); i < SWEEP_TILE; i += 4u * get_local_size(0)) {
+      const uint four = take_marks(all, edge_marks, tile + i, edges);
+      if (four != 0u) atomic_or(taken + i / 32u, four << (i % 32u));
     }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    // In order: neighbours in a list share cache lines. Each bit has its own place.
+    for (uint i = get_local_id(0); i < SWEEP_TILE; i += get_local_size(0))
+      if (taken[i / 32u] >> (i % 32u) & 1u) queued[place_of_bit(taken, i)] = tile + i;
+    if (get_local_id(0) == 0) queued_count = place_of_bit(taken, SWEEP_TILE);
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint count = queued_count;
     for (uint first = 0; first < count; first += get_local_size(0)) {
