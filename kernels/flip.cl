@@ -59,29 +59,27 @@ static bool is_illegal(Mesh mesh, uint near, uint far) {
 //     x-----y       edges of u: e, fy (x-d), fx (d-y)  x t|u y    u: (e_x, e, f_x)
 //      \ u /                                            \|/
 //        d                                              d
-// Writes only words of the two faces, which the caller owns (L1). The claim words keep `ticket`.
+// b keeps its place in t and d in u, so that e_y and f_x stay where they are: scattered words are what a flip costs.
+// Writes only words of the two faces, which the caller owns (L1). The claim words stay.
 // `refs`, `corners_t`, `corners_u`: its faces and their corners. `around` gets the owned sides' codes of the four
 // edges around.
-static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, uint ticket,
-                      private uint* around) {
+static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
   const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
-  const uint4 st = rotate_to(mesh.sides[t], GCDT_REF_CORNER(refs.x)),
-              su = rotate_to(mesh.sides[u], GCDT_REF_CORNER(refs.y));
-  const uint4 ct = rotate_to(corners_t, GCDT_REF_CORNER(refs.x)), cu = rotate_to(corners_u, GCDT_REF_CORNER(refs.y));
-  mesh.corners[t] = (uint4)(ct.x, ct.y, cu.x, ticket);
-  mesh.corners[u] = (uint4)(cu.x, ct.z, ct.x, ticket);
-  mesh.sides[t] = (uint4)(su.y, GCDT_SIDE(e, 0u), st.z, 0u);
-  mesh.sides[u] = (uint4)(st.y, GCDT_SIDE(e, 1u), su.z, 0u);
-  mesh.edge_faces[2u * e] = GCDT_FACE_REF(t, 1u);
-  mesh.edge_faces[2u * e + 1u] = GCDT_FACE_REF(u, 1u);
-  mesh.edge_faces[su.y] = GCDT_FACE_REF(t, 0u);
-  mesh.edge_faces[st.z] = GCDT_FACE_REF(t, 2u);
-  mesh.edge_faces[st.y] = GCDT_FACE_REF(u, 0u);
-  mesh.edge_faces[su.z] = GCDT_FACE_REF(u, 2u);
-  around[0] = su.y;
-  around[1] = st.z;
-  around[2] = st.y;
-  around[3] = su.z;
+  const uint b = GCDT_REF_CORNER(refs.x), d = GCDT_REF_CORNER(refs.y);
+  const uint x = next_corner(b), y = previous_corner(b), y_of_u = next_corner(d), x_of_u = previous_corner(d);
+  const uint4 st = mesh.sides[t], su = mesh.sides[u];
+  const uint ex = element(st, x), fy = element(su, y_of_u);
+  mesh.corners[t] = with_element(corners_t, y, element(corners_u, d));
+  mesh.corners[u] = with_element(corners_u, x_of_u, element(corners_t, b));
+  mesh.sides[t] = with_element(with_element(st, b, fy), x, GCDT_SIDE(e, 0u));
+  mesh.sides[u] = with_element(with_element(su, d, ex), y_of_u, GCDT_SIDE(e, 1u));
+  ((global uint2*)mesh.edge_faces)[e] = (uint2)(GCDT_FACE_REF(t, x), GCDT_FACE_REF(u, y_of_u));
+  mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
+  mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
+  around[0] = fy;
+  around[1] = element(st, y);
+  around[2] = ex;
+  around[3] = element(su, x_of_u);
 }
 
 // Where edges go that are to be tested in the next round: their marks and, if `listed`, a list.
@@ -162,8 +160,7 @@ static uint propagate(Mesh mesh, Claim c, uint ticket, private uint* around, Que
       continue;
     }
     const uint2 refs = faces_of_edge(mesh, edge);
-    flip_edge(mesh, edge, refs, mesh.corners[GCDT_REF_FACE(refs.x)], mesh.corners[GCDT_REF_FACE(refs.y)], ticket,
-              around);
+    flip_edge(mesh, edge, refs, mesh.corners[GCDT_REF_FACE(refs.x)], mesh.corners[GCDT_REF_FACE(refs.y)], around);
     ++flips;
     for (uint i = 0; i < 4u; ++i) {
       if (size < GCDT_FLIP_WORKLIST)
@@ -186,7 +183,7 @@ static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
     queue_edge(queue, e);
     return 0;
   }
-  flip_edge(mesh, e, refs, ct, cu, ticket, around);
+  flip_edge(mesh, e, refs, ct, cu, around);
 #if GCDT_FLIP_CHAIN > 1
   return propagate(mesh, c, ticket, around, queue);
 #else

@@ -128,6 +128,7 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
 }
 
 //  v inside t:  child 0 = (v, p1, p2) in slot t, child 1 = (v, p2, p0) in 2v+1, child 2 = (v, p0, p1) in 2v+2.
+//  Side s.x stays where it is, opposite corner 0 of slot t.
 //  Spoke j has side 0 in child j+2 (opposite its corner 2) and side 1 in child j+1 (its corner 1).
 static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
   const uint4 c = mesh.corners[t], s = mesh.sides[t];
@@ -140,7 +141,6 @@ static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
   mesh.sides[t] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);
   mesh.sides[slot1] = (uint4)(s.y, GCDT_SIDE(e0, 1u), GCDT_SIDE(e2, 0u), 0u);
   mesh.sides[slot2] = (uint4)(s.z, GCDT_SIDE(e1, 1u), GCDT_SIDE(e0, 0u), 0u);
-  mesh.edge_faces[s.x] = GCDT_FACE_REF(t, 0u);
   mesh.edge_faces[s.y] = GCDT_FACE_REF(slot1, 0u);
   mesh.edge_faces[s.z] = GCDT_FACE_REF(slot2, 0u);
   mesh.edge_faces[GCDT_SIDE(e0, 0u)] = GCDT_FACE_REF(slot2, 2u);

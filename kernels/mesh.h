@@ -39,6 +39,11 @@ static inline uint previous_corner(uint k) { return k == 0u ? 2u : k - 1u; }
 
 static inline uint element(uint4 a, uint k) { return k == 0u ? a.x : k == 1u ? a.y : a.z; }
 
+// a with element k replaced.
+static inline uint4 with_element(uint4 a, uint k, uint value) {
+  return (uint4)(k == 0u ? value : a.x, k == 1u ? value : a.y, k == 2u ? value : a.z, a.w);
+}
+
 // (a[k], a[k+1], a[k+2]); w stays.
 static inline uint4 rotate_to(uint4 a, uint k) { return k == 0u ? a : k == 1u ? a.yzxw : a.zxyw; }
 
