@@ -86,7 +86,7 @@ static inline u64 distance_squared(int2 p, int2 q) {
 }
 
 // Of the coarser vertices `unit` and `unit` + 1 along the curve, in units of level `level` - 1, the one nearer to
-// p: where the curve jumps, one of them is often still close. `coarse` vertices are coarser.
+// p: where the curve jumps, one of them is often still close. There are coarser ones up to unit `coarse`.
 static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
                                         uint unit, int2 p) {
   const uint before = gcdt_vertex_of_rank(levels, level - 1u, unit);
@@ -95,11 +95,15 @@ static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, 
   return distance_squared(p, points[before]) <= distance_squared(p, points[after]) ? before : after;
 }
 
-// A coarser vertex close to vertex v.
-static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
-                                      uint v) {
-  const uint unit = gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u];
-  return nearer_coarse_vertex(levels, level, points, coarse, unit, points[v]);
+// A face of the top layer close to vertex v: at a coarser vertex before or after it on the curve, or the root if
+// v's triangulation has none.
+static inline uint face_near_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                    History h, uint v) {
+  if (level == 0u) return root_of(points, n, v);
+  const uint2 units = coarse_units(levels, level, points, n, h.begin, v);
+  if (units.x == units.y) return root_of(points, n, v);
+  const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
+  return h.vertex_face[nearer_coarse_vertex(levels, level, points, units.y, unit, points[v])];
 }
 
 // Visibility walk in the top layer from face `t` to a face that holds the germ in its closure.

@@ -99,10 +99,10 @@ void Pipeline::run_steps() {
 // last level is left unflipped: constraints are enforced first, and located by its history tree.
 void Pipeline::insert() {
   if (!mesh_.corners.allocated()) {
-    mesh_ = make_mesh(runtime_, vertices_.n());
-    lists_ = make_work_lists(runtime_, vertices_.n());
+    mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
+    lists_ = make_work_lists(runtime_, vertices_.n(), vertices_.roots);
   }
-  if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels);
+  if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   insert_root(runtime_, vertices_, mesh_);
   for (unsigned level = 0; level < vertices_.levels.count; ++level) {
