@@ -32,13 +32,15 @@ Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSourc
       counters_(runtime) {}
 
 template <class Step>
-void Pipeline::timed(double& ms, Step&& step) {
+void Pipeline::timed(const char* phase, double& ms, Step&& step) {
+  runtime_.tracer().begin_phase(phase);
   const double built = runtime_.build_ms();
   const auto start = std::chrono::steady_clock::now();
   step();
   runtime_.finish();
   ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
         (runtime_.build_ms() - built);
+  runtime_.tracer().end_phase();
 }
 
 DeviceTriangulation Pipeline::run() {
@@ -68,7 +70,7 @@ void Pipeline::run_steps() {
   const std::uint64_t launches = runtime_.launches(), reads = runtime_.read_backs();
   const double built = runtime_.build_ms();
   auto& ms = statistics_.ms;
-  timed(ms.order, [&] {
+  timed("order", ms.order, [&] {
     ticker_.enter(0, order_share);
     ticker_.tick("order", 0);
     DeviceInput input = source_.load();
@@ -80,11 +82,11 @@ void Pipeline::run_steps() {
     primitives_.release();
   });
   ticker_.enter(order_share, insert_share);
-  timed(ms.insert, [&] { insert(); });
+  timed("insert", ms.insert, [&] { insert(); });
   ticker_.enter(insert_share, constrain_share);
-  timed(ms.constrain, [&] { constrain_all(); });
+  timed("constrain", ms.constrain, [&] { constrain_all(); });
   ticker_.enter(constrain_share, flip_share);
-  timed(ms.flip, [&] { flip_all(); });
+  timed("flip", ms.flip, [&] { flip_all(); });
   ticker_.enter(flip_share, 1);
   output();
   ms.core = sort_ms_ + ms.insert + ms.constrain - clean_ms_ + ms.flip;
@@ -132,7 +134,7 @@ void Pipeline::constrain_all() {
   }
   ticker_.tick("constrain", 0);
   cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, constraints_, std::uint32_t(source_.n));
-  timed(clean_ms_, [&] { clean({}); });
+  timed("clean", clean_ms_, [&] { clean({}); });
   ticker_.tick("constrain", 0.3);
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
@@ -184,7 +186,7 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
   runtime_.write(result_.dropped, dropped.data(), dropped.size());
   std::vector<cl_uint> wanted(source_.m, 1);
   for (const std::uint32_t d : dropped) wanted[d] = 0;
-  timed(clean_ms_, [&] { clean(wanted); });
+  timed("clean", clean_ms_, [&] { clean(wanted); });
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   const ConstrainResult second = enforce();
   if (second.failed)
@@ -220,15 +222,15 @@ void Pipeline::flip_all() { count_flips(flip(runtime_, vertices_, mesh_, lists_,
 void Pipeline::output() {
   auto& ms = statistics_.ms;
   OrderedMesh ordered;
-  timed(ms.output, [&] {
+  timed("output", ms.output, [&] {
     ticker_.tick("output", 0);
     history_ = {};
     lists_ = {};
     ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, options_.canonical);
     mesh_ = {};
   });
-  if (options_.check) timed(ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
-  timed(ms.output, [&] {
+  if (options_.check) timed("check", ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
+  timed("output", ms.output, [&] {
     result_.representatives = number_by_input(runtime_, vertices_, ordered);
     number_by_input(runtime_, vertices_, pieces_);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);

@@ -53,9 +53,9 @@ class Pipeline {
   ConstrainResult enforce();
   void count_flips(const FlipResult& flipped);
 
-  /// Runs a step and adds its wall time, without building programs, to `ms`.
+  /// Runs a step and adds its wall time, without building programs, to `ms`. `phase` is its name in a trace.
   template <class Step>
-  void timed(double& ms, Step&& step);
+  void timed(const char* phase, double& ms, Step&& step);
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;
