@@ -166,6 +166,8 @@ class Runtime {
   }
   Geometry& geometry() { return geometry_; }
   Tracer& tracer() { return tracer_; }
+  /// From now on programs are built for meshes of many triangulations (kernels/forest.h).
+  void build_for_forests() { for_forests_ = true; }
   /// Options that every program is built with; part of the cache key.
   std::string build_options() const;
 
@@ -230,6 +232,7 @@ class Runtime {
   std::map<std::pair<std::string, std::string>, Kernel> kernels_;
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
+  bool for_forests_ = false;
   bool emulate_mul_hi_ = false;  ///< the device's own is wrong
 };
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline.hpp"
 
-#include <chrono>
-
 #include "check.hpp"
 #include "crossings.hpp"
 
@@ -13,8 +11,6 @@ namespace {
 // The coarsest level goes into the symbolic triangle at once. Small enough for one work-group, large
 // enough that the levels below it would cost more launches than they save flips.
 constexpr std::uint32_t coarsest_level = 256;
-
-constexpr std::size_t pairs_in_message = 10;
 
 // What the steps take of a call with as many constraints as vertices, roughly, added up: only progress
 // is told by it.
@@ -31,16 +27,8 @@ Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSourc
       ticker_(options.progress),
       counters_(runtime) {}
 
-template <class Step>
-void Pipeline::timed(const char* phase, double& ms, Step&& step) {
-  runtime_.tracer().begin_phase(phase);
-  const double built = runtime_.build_ms();
-  const auto start = std::chrono::steady_clock::now();
-  step();
-  runtime_.finish();
-  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
-        (runtime_.build_ms() - built);
-  runtime_.tracer().end_phase();
+OrderResult Pipeline::order_points(InputPoints points) {
+  return order(runtime_, primitives_, std::move(points), options_.grid, coarsest_level);
 }
 
 DeviceTriangulation Pipeline::run() {
@@ -75,7 +63,7 @@ void Pipeline::run_steps() {
     ticker_.tick("order", 0);
     DeviceInput input = source_.load();
     constraints_ = std::move(input.constraints);
-    OrderResult ordered = order(runtime_, primitives_, std::move(input.points), options_.grid, coarsest_level);
+    OrderResult ordered = order_points(std::move(input.points));
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
     sort_ms_ = ordered.sort_ms;
@@ -195,26 +183,13 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
 }
 
 void Pipeline::reject(const std::vector<Constraint>& crossings) {
-  std::vector<std::uint64_t> indices;
-  std::string list;
   auto one = runtime_.allocate<cl_uint2>("ends of a constraint", 1);  // the host may not read the caller's buffer
-  auto ends = [&](std::uint32_t c) {
+  const auto ends = [&](std::uint32_t c) {
     runtime_.copy(constraints_, one, 1, c);
     const cl_uint2 e = runtime_.read_one(one);
-    return std::to_string(c) + " (" + std::to_string(e.s[0]) + "-" + std::to_string(e.s[1]) + ")";
+    return Constraint{e.s[0], e.s[1]};
   };
-  for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i) {
-    indices.insert(indices.end(), {crossings[i][0], crossings[i][1]});
-    list += (i ? ", " : "") + ends(crossings[i][0]) + " and " + ends(crossings[i][1]);
-  }
-  std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") +
-                        " of constraints cross: " + list;
-  if (crossings.size() > pairs_in_message) message += ", ...";
-  if (vertices_.grid.kind == Grid::Kind::rounded)
-    message +=
-        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid or drop "
-        "crossing constraints";
-  throw Error(Status::constraints_cross, message, indices, crossings.size());
+  throw crossings_error(crossings, ends, vertices_.grid.kind == Grid::Kind::rounded);
 }
 
 void Pipeline::flip_all() { count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_)); }
