@@ -86,7 +86,7 @@ static inline u64 distance_squared(int2 p, int2 q) {
 }
 
 // Of the coarser vertices `unit` and `unit` + 1 along the curve, in units of level `level` - 1, the one nearer to
-// p: where the curve jumps, one of them is often still close. `coarse` vertices are coarser.
+// p: where the curve jumps, one of them is often still close. There are coarser ones up to unit `coarse`.
 static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
                                         uint unit, int2 p) {
   const uint before = gcdt_vertex_of_rank(levels, level - 1u, unit);
@@ -95,45 +95,55 @@ static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, 
   return distance_squared(p, points[before]) <= distance_squared(p, points[after]) ? before : after;
 }
 
-// A coarser vertex close to vertex v.
-static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
-                                      uint v) {
-  const uint unit = gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u];
-  return nearer_coarse_vertex(levels, level, points, coarse, unit, points[v]);
+// A face of the top layer close to vertex v: at a coarser vertex before or after it on the curve, or the root if
+// v's triangulation has none.
+static inline uint face_near_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                    History h, uint v) {
+  if (level == 0u) return root_of(points, n, v);
+  const uint2 units = coarse_units(levels, level, points, n, h.begin, v);
+  if (units.x == units.y) return root_of(points, n, v);
+  const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
+  return h.vertex_face[nearer_coarse_vertex(levels, level, points, units.y, unit, points[v])];
 }
 
 // Visibility walk in the top layer from face `t` to a face that holds the germ in its closure.
 // The top layer is Delaunay (regular for the tie rule's heights, symbols included), so the walk
 // visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose opposite
-// edge holds a plain vertex, or 3.
+// edge holds a plain vertex, or 3. Where two edges lead on, it takes the two sides in turn: always the same one makes
+// walks go round (twice as many steps).
 static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint t, uint limit,
                                   private uint* steps, private uint* zero) {
-  uint from = GCDT_NONE;
+  uint4 c = h.top_corners[t], across = h.top_neighbours[t];
+  Vertex x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y), z = load_vertex(points, n, c.z);
+  uint k = 0;  // corner x; but in the first face, the walk came in across from it
+  int sx = germ_side(g, y, z);
   for (uint step = 0; step < limit; ++step) {
-    const uint4 c = h.top_corners[t];
-    const uint4 across = h.top_neighbours[t];
-    const Vertex v0 = load_vertex(points, n, c.x), v1 = load_vertex(points, n, c.y), v2 = load_vertex(points, n, c.z);
+    const int sy = germ_side(g, z, x), sz = germ_side(g, x, y);
     ++*steps;
-    *zero = 3u;
-    uint target = GCDT_NONE;
-    if (across.x != from || from == GCDT_NONE) {
-      const int s = germ_side(g, v1, v2);
-      if (s < 0) target = across.x;
-      if (s == 0) *zero = 0u;
+    if (sx >= 0 && sy >= 0 && sz >= 0) {
+      *zero = sx == 0 ? k : sy == 0 ? next_corner(k) : sz == 0 ? previous_corner(k) : 3u;
+      return t;
     }
-    if (target == GCDT_NONE && (across.y != from || from == GCDT_NONE)) {
-      const int s = germ_side(g, v2, v0);
-      if (s < 0) target = across.y;
-      if (s == 0) *zero = 1u;
+    // The edge that the walk leaves through becomes y-z, seen from behind.
+    const uint from = t;
+    if (sy < 0 && (sz >= 0 || (step & 1u))) {
+      t = element(across, next_corner(k));
+      y = x;
+    } else if (sz < 0) {
+      t = element(across, previous_corner(k));
+      z = x;
+    } else {
+      t = element(across, k);
+      const Vertex swap = y;
+      y = z;
+      z = swap;
     }
-    if (target == GCDT_NONE && (across.z != from || from == GCDT_NONE)) {
-      const int s = germ_side(g, v0, v1);
-      if (s < 0) target = across.z;
-      if (s == 0) *zero = 2u;
-    }
-    if (target == GCDT_NONE) return t;
-    from = t;
-    t = target;
+    if (t == GCDT_NONE) return t;
+    sx = 1;
+    c = h.top_corners[t];
+    across = h.top_neighbours[t];
+    k = across.x == from ? 0u : across.y == from ? 1u : 2u;
+    x = load_vertex(points, n, element(c, k));
   }
   return GCDT_NONE;
 }

@@ -29,33 +29,33 @@ static inline bool inserted_in(History h, uint v, uint round) {
   return v >= h.begin && v < h.end && (h.shape[v - h.begin] >> 8) == round;
 }
 
-// One spoke number of a face split by m: s_j joins m and p_j. For an edge split: 0 the second half of
-// the edge, 1 and 2 the spokes to the apex of side 0 and 1. A vertex brings exactly three edges.
-static inline uint new_edge(uint m, uint j) { return 3u + 3u * m + j; }
+// A vertex brings exactly three edges. new_edge(mesh, m, j) of a face split by m is the spoke that joins m and p_j; of
+// an edge split: 0 the second half of the edge, 1 and 2 the spokes to the apex of side 0 and 1. It brings two faces:
+// f1 = new_face(mesh, m, 0) and f2 = new_face(mesh, m, 1).
 
 // The face (m, p1, p2) in slot t was the first child of a face split by m in the last round: which
 // child holds v, or which spoke? p0 is found in child 2 = (m, p0, p1).
 static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
   const uint4 c = mesh.corners[t];
   const Vertex vm = load_vertex(mesh.points, mesh.n, m);
-  const i64 s0 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, mesh.corners[2u * m + 2u].y), v);
+  const i64 s0 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, mesh.corners[new_face(mesh, m, 1u)].y), v);
   const i64 s1 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.y), v);
   const i64 s2 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.z), v);
   if (s1 > 0 && s2 < 0) return t;
-  if (s2 > 0 && s0 < 0) return 2u * m + 1u;
-  if (s0 > 0 && s1 < 0) return 2u * m + 2u;
-  return ON_EDGE | new_edge(m, s0 == 0 ? 0u : s1 == 0 ? 1u : 2u);
+  if (s2 > 0 && s0 < 0) return new_face(mesh, m, 0u);
+  if (s0 > 0 && s1 < 0) return new_face(mesh, m, 1u);
+  return ON_EDGE | new_edge(mesh, m, s0 == 0 ? 0u : s1 == 0 ? 1u : 2u);
 }
 
 // Slot t holds (m, a, b), first child of one side of an edge split by m in the last round; its
-// sibling (m, c, a) is 2m+1 on side 0 and 2m+2 on side 1.
+// sibling (m, c, a) is f1 on side 0 and f2 on side 1.
 static uint child_of_side(Mesh mesh, Vertex v, uint m, uint t) {
   const uint a = mesh.corners[t].y;
-  const uint side = mesh.corners[2u * m + 1u].z == a ? 0u : 1u;
+  const uint side = mesh.corners[new_face(mesh, m, 0u)].z == a ? 0u : 1u;
   const i64 s = gcdt_orient2d(load_vertex(mesh.points, mesh.n, m), load_vertex(mesh.points, mesh.n, a), v);
   if (s > 0) return t;
-  if (s < 0) return 2u * m + 1u + side;
-  return ON_EDGE | new_edge(m, 1u + side);
+  if (s < 0) return new_face(mesh, m, side);
+  return ON_EDGE | new_edge(mesh, m, 1u + side);
 }
 
 // v lies on edge e. If a vertex m was inserted on e in the last round, e is now one half and the new
@@ -68,7 +68,7 @@ static uint half_of_edge(Mesh mesh, History h, Vertex v, uint e, uint round) {
   const uint m = first ? r.y : r.z;
   const Vertex vm = load_vertex(mesh.points, mesh.n, m), b = load_vertex(mesh.points, mesh.n, first ? r.z : r.y);
   const i64 along = (b.x - vm.x) * (v.x - vm.x) + (b.y - vm.y) * (v.y - vm.y);
-  return ON_EDGE | (along > 0 ? e : new_edge(m, 0u));
+  return ON_EDGE | (along > 0 ? e : new_edge(mesh, m, 0u));
 }
 
 // The faces that a vertex must own to be inserted: one, or both sides of its edge.
@@ -119,21 +119,22 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
     return;
   }
   volatile global uint* next = (volatile global uint*)(h.nodes + (m - h.begin));
+  const uint slot1 = new_face(mesh, m, 0u), slot2 = new_face(mesh, m, 1u);
   uint child;
   if ((h.shape[m - h.begin] & 3u) == SHAPE_FACE)
-    child = t == 2u * m + 1u ? 1u : t == 2u * m + 2u ? 2u : 0u;
+    child = t == slot1 ? 1u : t == slot2 ? 2u : 0u;
   else
-    child = t == 2u * m + 1u ? 1u : t == 2u * m + 2u ? 3u : next[2] == HISTORY_REF(t, HISTORY_LEAF) ? 2u : 0u;
+    child = t == slot1 ? 1u : t == slot2 ? 3u : next[2] == HISTORY_REF(t, HISTORY_LEAF) ? 2u : 0u;
   next[child] = ref;
 }
 
-//  v inside t:  child 0 = (v, p1, p2) in slot t, child 1 = (v, p2, p0) in 2v+1, child 2 = (v, p0, p1) in 2v+2.
+//  v inside t:  child 0 = (v, p1, p2) in slot t, child 1 = (v, p2, p0) in f1, child 2 = (v, p0, p1) in f2.
 //  Side s.x stays where it is, opposite corner 0 of slot t.
 //  Spoke j has side 0 in child j+2 (opposite its corner 2) and side 1 in child j+1 (its corner 1).
 static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
   const uint4 c = mesh.corners[t], s = mesh.sides[t];
-  const uint slot1 = 2u * v + 1u, slot2 = 2u * v + 2u;
-  const uint e0 = new_edge(v, 0u), e1 = new_edge(v, 1u), e2 = new_edge(v, 2u);
+  const uint slot1 = new_face(mesh, v, 0u), slot2 = new_face(mesh, v, 1u);
+  const uint e0 = new_edge(mesh, v, 0u), e1 = new_edge(mesh, v, 1u), e2 = new_edge(mesh, v, 2u);
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
   mesh.corners[t] = (uint4)(v, c.y, c.z, 0u);
   mesh.corners[slot1] = (uint4)(v, c.z, c.x, 0u);
@@ -172,18 +173,20 @@ static void split_side(Mesh mesh, uint v, uint t, uint k, uint slot, uint half_b
 
 // v on edge e between side 0 (a, b, c) in slot t and side 1 (d, c, b) in slot u:
 //        a                 e keeps the half b-v, the new edge is v-c:
-//       /|\                side 0: (v, a, b) in t, (v, c, a) in 2v+1
-//      b-v-c               side 1: (v, d, c) in u, (v, b, d) in 2v+2
+//       /|\                side 0: (v, a, b) in t, (v, c, a) in f1
+//      b-v-c               side 1: (v, d, c) in u, (v, b, d) in f2
 //       \|/
 //        d
 static void split_edge(Mesh mesh, History h, Round r, uint v, uint e) {
   const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
   const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
-  const uint far_half = new_edge(v, 0u), slot1 = 2u * v + 1u, slot2 = 2u * v + 2u;
+  const uint far_half = new_edge(mesh, v, 0u), slot1 = new_face(mesh, v, 0u), slot2 = new_face(mesh, v, 1u);
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
   hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
-  split_side(mesh, v, t, GCDT_REF_CORNER(ref0), slot1, GCDT_SIDE(e, 0u), GCDT_SIDE(far_half, 0u), new_edge(v, 1u));
-  split_side(mesh, v, u, GCDT_REF_CORNER(ref1), slot2, GCDT_SIDE(far_half, 1u), GCDT_SIDE(e, 1u), new_edge(v, 2u));
+  split_side(mesh, v, t, GCDT_REF_CORNER(ref0), slot1, GCDT_SIDE(e, 0u), GCDT_SIDE(far_half, 0u),
+             new_edge(mesh, v, 1u));
+  split_side(mesh, v, u, GCDT_REF_CORNER(ref1), slot2, GCDT_SIDE(far_half, 1u), GCDT_SIDE(e, 1u),
+             new_edge(mesh, v, 2u));
   h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(slot1, HISTORY_LEAF),
                                  HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(slot2, HISTORY_LEAF));
   h.shape[v - h.begin] = (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
@@ -207,16 +210,18 @@ static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global 
   return 0u;
 }
 
-// One work-item. Writes the symbolic triangle as face 0 with edges 0, 1, 2 that have no other side.
-// No race: one work-item. After: a mesh without finite vertices.
+// One work-item per root (one, but in forests). Writes the symbolic triangle as face p with edges 3p, 3p+1, 3p+2
+// that have no other side. No race: each its own words. After: a mesh without finite vertices.
 kernel void insert_root(GCDT_MESH_PARAMETERS) {
-  (void)points;
-  if (get_global_id(0) != 0) return;
-  corners[0] = (uint4)(n, n + 1u, n + 2u, 0u);
-  sides[0] = (uint4)(GCDT_SIDE(0u, 0u), GCDT_SIDE(1u, 0u), GCDT_SIDE(2u, 0u), 0u);
-  for (uint k = 0; k < 3u; ++k) {
-    edge_faces[2u * k] = GCDT_FACE_REF(0u, k);
-    edge_faces[2u * k + 1u] = GCDT_NONE;
+  const uint roots = root_count(points, n);
+  for (uint p = get_global_id(0); p < roots; p += get_global_size(0)) {
+    const uint v = n + 3u * p, e = 3u * p;
+    corners[p] = (uint4)(v, v + 1u, v + 2u, 0u);
+    sides[p] = (uint4)(GCDT_SIDE(e, 0u), GCDT_SIDE(e + 1u, 0u), GCDT_SIDE(e + 2u, 0u), 0u);
+    for (uint k = 0; k < 3u; ++k) {
+      edge_faces[2u * (e + k)] = GCDT_FACE_REF(p, k);
+      edge_faces[2u * (e + k) + 1u] = GCDT_NONE;
+    }
   }
 }
 
@@ -248,12 +253,12 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   local uint sum;
   const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
   const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
-  const uint top_faces = gcdt_face_count(begin);
+  const uint top_faces = gcdt_forest_faces(begin, mesh.roots);
   uint steps = 0;
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
   for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
     const uint i = v - begin;
-    const uint start = level > 0 ? h.vertex_face[coarse_vertex_near(levels, level, points, begin, v)] : 0u;
+    const uint start = face_near_vertex(levels, level, points, n, h, v);
     Germ g;
     g.p = load_vertex(points, n, v);
     g.q = g.p;

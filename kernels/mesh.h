@@ -3,11 +3,12 @@
 #ifndef GCDT_MESH_H
 #define GCDT_MESH_H
 
+#include "forest.h"
 #include "predicates.h"
 
 // Layout and ownership: shared.h.
 typedef struct Mesh {
-  u32 n;
+  u32 n, roots;
   global const int2* points;
   global uint4* corners;
   global uint4* sides;
@@ -20,6 +21,7 @@ typedef struct Mesh {
 static inline Mesh make_mesh(GCDT_MESH_PARAMETERS) {
   Mesh mesh;
   mesh.n = n;
+  mesh.roots = root_count(points, n);
   mesh.points = points;
   mesh.corners = corners;
   mesh.sides = sides;
@@ -28,10 +30,14 @@ static inline Mesh make_mesh(GCDT_MESH_PARAMETERS) {
 }
 
 static inline Vertex load_vertex(global const int2* points, uint n, uint v) {
-  if (v >= n) return gcdt_symbolic_vertex((int)(v - n));
+  if (v >= n) return gcdt_symbolic_vertex((int)symbol_of(v, n));
   const int2 p = points[v];
   return gcdt_finite_vertex(p.x, p.y);
 }
+
+// The faces and edges that vertex v brings: two and three.
+static inline uint new_face(Mesh mesh, uint v, uint i) { return gcdt_forest_faces(v, mesh.roots) + i; }
+static inline uint new_edge(Mesh mesh, uint v, uint j) { return gcdt_forest_edges(v, mesh.roots) + j; }
 
 // Corner numbers are 0, 1, 2, cyclic.
 static inline uint next_corner(uint k) { return k == 2u ? 0u : k + 1u; }

@@ -176,7 +176,8 @@ kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAM
         gcdt_orient2d(load_vertex(points, n, c.x), load_vertex(points, n, c.y), load_vertex(points, n, c.z)) > 0;
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
-      right = right && code < 2u * gcdt_edge_count(n) && edge_faces[code] == GCDT_FACE_REF(t, k);
+      right =
+          right && code < 2u * gcdt_forest_edges(n, root_count(points, n)) && edge_faces[code] == GCDT_FACE_REF(t, k);
     }
     if (!right) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
   }

@@ -29,12 +29,14 @@ typedef struct Walk {
 
 // ---- Where a part begins -------------------------------------------------------------------------
 
-// A vertex of the top layer close to a grid point: its neighbours on the curve, found by bisection. Ends: the
-// range halves.
-static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint count,
-                                    int2 at) {
+// A face of the top layer close to a grid point of vertex a's triangulation: at the point's neighbours on the curve,
+// found by bisection. Ends: the range halves.
+static inline uint face_near_point(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, History h,
+                                   uint a, int2 at) {
   const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
-  uint low = 0, high = count;
+  const uint2 units = coarse_units(levels, level, points, n, h.begin, a);
+  uint low = units.x, high = units.y;
+  if (low == high) return root_of(points, n, a);
   while (high - low > 1u) {
     const uint middle = low + (high - low) / 2u;
     const int2 p = points[gcdt_vertex_of_rank(levels, level - 1u, middle)];
@@ -43,7 +45,7 @@ static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, glob
     else
       high = middle;
   }
-  return nearer_coarse_vertex(levels, level, points, count, low, at);
+  return h.vertex_face[nearer_coarse_vertex(levels, level, points, units.y, low, at)];
 }
 
 // A face whose closure holds division point k, moved infinitely little towards b.
@@ -54,18 +56,16 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh m
   g.q = vb;
   g.k = k;
   g.parts = parts;
-  uint start = 0;
-  if (level > 0) {
-    uint v;
-    if (k == 0u) {
-      v = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, h.begin, a);
-    } else {
-      // Only a place to start from: rounding does not matter. |difference| * k < 2^31 * 2^31.
-      const int2 at =
-          (int2)((int)(va.x + (vb.x - va.x) * (i64)k / (i64)parts), (int)(va.y + (vb.y - va.y) * (i64)k / (i64)parts));
-      v = coarse_vertex_at(levels, level, mesh.points, h.begin, at);
-    }
-    start = h.vertex_face[v];
+  uint start;
+  if (level == 0u) {
+    start = root_of(mesh.points, mesh.n, a);
+  } else if (k == 0u) {
+    start = a < h.begin ? h.vertex_face[a] : face_near_vertex(levels, level, mesh.points, mesh.n, h, a);
+  } else {
+    // Only a place to start from: rounding does not matter. |difference| * k < 2^31 * 2^31.
+    const int2 at =
+        (int2)((int)(va.x + (vb.x - va.x) * (i64)k / (i64)parts), (int)(va.y + (vb.y - va.y) * (i64)k / (i64)parts));
+    start = face_near_point(levels, level, mesh.points, mesh.n, h, a, at);
   }
   uint zero;
   const uint top = walk_top_layer(mesh.points, mesh.n, h, g, start, gcdt_face_count(h.begin), steps, &zero);

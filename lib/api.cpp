@@ -129,9 +129,23 @@ gcdt_device_info device_info(const DeviceInfo& info) {
   return c;
 }
 
-runtime::Log read_log(const gcdt_solver_options& options) {
-  if (!options.log) return {};
-  return [call = options.log, user = options.log_user](int level, const char* message) { call(user, level, message); };
+gcdt_solver_options read_solver_options(const gcdt_solver_options* options) {
+  if (options) return read_struct(options, "gcdt_solver_options", offsetof(gcdt_solver_options, trace));
+  return GCDT_SOLVER_OPTIONS_INIT;
+}
+
+runtime::Log read_log(gcdt_log_function call, void* user) {
+  if (!call) return {};
+  return [call, user](int level, const char* message) { call(user, level, message); };
+}
+
+Trace read_trace(gcdt_trace_function call, void* user) {
+  if (!call) return {};
+  return [call, user](const TraceSpan& span) {
+    const gcdt_trace_span c = {sizeof c,          span.device.c_str(), span.device_number, span.phase.c_str(),
+                               span.name.c_str(), span.on_device,      span.begin_ns,      span.end_ns};
+    call(user, &c);
+  };
 }
 
 void State::settle() {
@@ -147,6 +161,7 @@ DeviceTriangulation State::triangulate(InputSource source, const Options& option
   } catch (...) {
     // The caller may do with its buffers what it likes from now on.
     runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
+    runtime.tracer().clear();
     primitives.release();
     throw;
   }
@@ -201,13 +216,13 @@ int32_t gcdt_device_select(const char* spec, size_t* number, int32_t* ambiguous)
 int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** solver) {
   return guarded(nullptr, [&] {
     require(solver, "solver is null");
-    gcdt_solver_options given = GCDT_SOLVER_OPTIONS_INIT;
-    if (options) given = read_struct(options, "gcdt_solver_options");
+    const gcdt_solver_options given = read_solver_options(options);
     const std::size_t number = runtime::choose_device(given.device ? given.device : "", nullptr);
     const std::vector<cl::Device> all = runtime::all_devices();
     if (number >= all.size()) throw Error(Status::no_device, "the chosen OpenCL device is gone");
     auto made = std::make_unique<gcdt_solver>();
-    made->state = std::make_shared<State>(cl::Context(), all[number], read_log(given));
+    made->state = std::make_shared<State>(cl::Context(), all[number], read_log(given.log, given.log_user),
+                                          read_trace(given.trace, given.trace_user));
     *solver = made.release();
   });
 }

@@ -6,6 +6,7 @@
 #include <gcdt/gcdt.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstring>
 #include <new>
 #include <optional>
@@ -24,8 +25,8 @@ struct Detail {
 
 /// What a solver and its results share. It lives as long as the last of them.
 struct State {
-  State(const cl::Context& context, const cl::Device& device, runtime::Log log)
-      : runtime(context, device, {}, std::move(log)), primitives(runtime) {}
+  State(const cl::Context& context, const cl::Device& device, runtime::Log log, Trace trace)
+      : runtime(context, device, {}, std::move(log), std::move(trace)), primitives(runtime) {}
 
   /// Waits for copies out of results that may be gone by now.
   void settle();
@@ -110,7 +111,10 @@ Points read_points(const gcdt_input& input);
 Constraints read_constraints(const gcdt_input& input);
 gcdt_device_info device_info(const DeviceInfo& info);
 gcdt_grid write_grid(const Grid& grid);
-runtime::Log read_log(const gcdt_solver_options& options);
+/// `options` may be null.
+gcdt_solver_options read_solver_options(const gcdt_solver_options* options);
+runtime::Log read_log(gcdt_log_function call, void* user);
+Trace read_trace(gcdt_trace_function call, void* user);
 
 /// One of the arrays of a result.
 struct Array {

@@ -126,14 +126,14 @@ int32_t gcdt_cl_solver_create(cl_command_queue queue, const gcdt_solver_options*
   return guarded(nullptr, [&] {
     require(queue, "queue is null");
     require(solver, "solver is null");
-    gcdt_solver_options given = GCDT_SOLVER_OPTIONS_INIT;
-    if (options) given = read_struct(options, "gcdt_solver_options");
+    const gcdt_solver_options given = read_solver_options(options);
     require(!given.device, "gcdt_solver_options.device must be null: the queue has a device");
     const cl::Context context(queue_info<cl_context>(nullptr, queue, CL_QUEUE_CONTEXT), true);
     const cl::Device device(queue_info<cl_device_id>(nullptr, queue, CL_QUEUE_DEVICE), true);
     if (!runtime::usable(device)) throw Error(Status::no_device, "the queue's device has no compiler or no OpenCL 1.2");
     auto made = std::make_unique<gcdt_solver>();
-    made->state = std::make_shared<State>(context, device, read_log(given));
+    made->state = std::make_shared<State>(context, device, read_log(given.log, given.log_user),
+                                          read_trace(given.trace, given.trace_user));
     made->state->their_queue = cl::CommandQueue(queue, true);
     *solver = made.release();
   });

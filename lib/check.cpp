@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "check.h"
+#include "forest.hpp"
 
 namespace gcdt {
 
@@ -49,6 +50,7 @@ class Checker {
         ordered_(ordered),
         vertices_(vertices),
         pieces_(pieces),
+        edges_expected_(pieces.count),
         report_(runtime.allocate<CheckReport>("check report", 1)) {
     found_ = {};
     std::fill(std::begin(found_.first), std::end(found_.first), GCDT_NONE);
@@ -63,6 +65,44 @@ class Checker {
   }
 
   void check_mesh() {
+    check_parts([&](const Buffer<cl_uint>&, const Buffer<cl_uint>&) {
+      if (found_.least_corners != 1)
+        fail("the boundary has " + std::to_string(found_.least_corners) +
+                 " least corners, not 1: it is several polygons or winds more than once",
+             {});
+      if (std::uint64_t{ordered_.triangles} + 2 + found_.hull_vertices != std::uint64_t{2} * vertices_.n())
+        name_unused_vertex();
+    });
+  }
+
+  /// What holds for the whole holds for each problem. Numbers in messages count through the run.
+  void check_forest(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
+    check_parts([&](const Buffer<cl_uint>& next, const Buffer<cl_uint>& previous) {
+      const cl_uint n = vertices_.n(), problems = vertices_.roots;
+      auto hull = runtime_.allocate<cl_uint>("check hulls", problems),
+           least = runtime_.allocate<cl_uint>("check least corners", problems),
+           bad = runtime_.allocate<cl_uint>("check problems", 2);
+      runtime_.fill<cl_uint>(hull, 0, problems);
+      runtime_.fill<cl_uint>(least, 0, problems);
+      runtime_.fill<cl_uint>(bad, GCDT_NONE, 1);
+      runtime_.fill<cl_uint>(bad, 0, 1, 1);
+      runtime_.launch("check_forest", "check_forest_boundary", over(n), n, vertices_.points, next, previous, hull,
+                      least);
+      runtime_.launch("check_forest", "check_forest_counts", over(problems), problems, n, vertices_.points,
+                      first_triangle, first_piece, hull, least, bad);
+      runtime_.launch("check_forest", "check_forest_lines", over(n), n, vertices_.levels_buffer, vertices_.points,
+                      first_triangle, bad);
+      const cl_uint problem = runtime_.read_one(bad);
+      if (problem != GCDT_NONE)
+        fail("the triangles of problem " + std::to_string(problem) + " of the run do not cover its hull once", {});
+      edges_expected_ = pieces_.count - runtime_.read_one(bad, 1);
+    });
+  }
+
+ private:
+  /// `cover` finds out whether the hull is covered once, from the boundary.
+  template <class Cover>
+  void check_parts(Cover&& cover) {
     const cl_uint n = vertices_.n(), count = ordered_.triangles;
     auto next = runtime_.allocate<cl_uint>("check boundary", n),
          previous = runtime_.allocate<cl_uint>("check boundary", n);
@@ -74,17 +114,12 @@ class Checker {
                     next, previous, report_);
     runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
     judge(0, GCDT_CHECK_UNUSED);
-    if (found_.least_corners != 1)
-      fail("the boundary has " + std::to_string(found_.least_corners) +
-               " least corners, not 1: it is several polygons or winds more than once",
-           {});
-    if (std::uint64_t{count} + 2 + found_.hull_vertices != std::uint64_t{2} * n) name_unused_vertex();
+    cover(next, previous);
     judge(GCDT_CHECK_FLAG, GCDT_CHECK_MISSING);
-    if (found_.constrained_edges != pieces_.count) name_missing_piece();
+    if (found_.constrained_edges != edges_expected_) name_missing_piece();
     judge(GCDT_CHECK_DELAUNAY, GCDT_CHECK_KINDS);
   }
 
- private:
   [[noreturn]] void fail(const std::string& what, std::vector<std::uint64_t> indices) {
     throw Error(Status::check_failed, "check: " + what, std::move(indices));
   }
@@ -150,8 +185,8 @@ class Checker {
     runtime_.launch("check", "mark_pieces", over(ordered_.triangles), cl_uint{ordered_.triangles},
                     vertices_.levels_buffer, ordered_.corners, ordered_.constrained, cl_uint{pieces_.count},
                     pieces_.ends, marks);
-    name_unmarked(pieces_.count, 3, GCDT_CHECK_MISSING, marks);
-    fail(std::to_string(found_.constrained_edges) + " edges are flagged for " + std::to_string(pieces_.count) +
+    if (edges_expected_ == pieces_.count) name_unmarked(pieces_.count, 3, GCDT_CHECK_MISSING, marks);
+    fail(std::to_string(found_.constrained_edges) + " edges are flagged for " + std::to_string(edges_expected_) +
              " pieces",
          {});
   }
@@ -166,6 +201,7 @@ class Checker {
   const OrderedMesh& ordered_;
   const Vertices& vertices_;
   const Pieces& pieces_;
+  std::uint32_t edges_expected_;  ///< pieces of problems with triangles
   Buffer<CheckReport> report_;
   CheckReport found_;
   bool read_ = false;
@@ -179,6 +215,11 @@ void check(Runtime& runtime, Primitives&, const OrderedMesh& ordered, const Vert
     checker.check_empty();
   else
     checker.check_mesh();
+}
+
+void check_forest(Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces,
+                  const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
+  Checker(runtime, ordered, vertices, pieces).check_forest(first_triangle, first_piece);
 }
 
 }  // namespace gcdt

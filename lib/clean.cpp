@@ -12,6 +12,13 @@ runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constrain
   return staged;
 }
 
+Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t vertices) {
+  return Error(Status::index_out_of_range,
+               "constraint " + std::to_string(constraint) + ": its " + (end == 1 ? "second" : "first") +
+                   " end is no vertex; there are " + std::to_string(vertices),
+               {constraint, end});
+}
+
 Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
                  const runtime::Buffer<cl_uint2>& constraints, std::uint32_t inputs)
     : runtime_(runtime),
@@ -32,11 +39,7 @@ Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
   runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
                   wanted_buffer, all, ends, kept, bad);
   const cl_uint first_bad = runtime_.read_one(bad);
-  if (first_bad != GCDT_NONE)
-    throw Error(Status::index_out_of_range,
-                "constraint " + std::to_string(first_bad / 2) + ": its " + (first_bad % 2 ? "second" : "first") +
-                    " end is no vertex; there are " + std::to_string(inputs_),
-                {first_bad / 2, first_bad % 2});
+  if (first_bad != GCDT_NONE) throw index_error(first_bad / 2, first_bad % 2, inputs_);
   primitives_.exclusive_scan(kept, kept, count_);
   Kept result;
   result.count = runtime_.read_one(kept, count_);

@@ -15,6 +15,9 @@ struct CleanResult {
 /// Copies constraints from host memory.
 runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constraints);
 
+/// Constraint `constraint` has an end (0 or 1) that is none of the `vertices`.
+Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t vertices);
+
 /// clean() may be called several times with different selections of the same constraints.
 class Cleaner {
  public:

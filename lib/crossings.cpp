@@ -10,6 +10,8 @@ using runtime::over;
 
 namespace {
 
+constexpr std::size_t pairs_in_message = 10;
+
 // Crossing pairs of pieces, by number of the piece.
 std::vector<cl_uint2> crossing_pieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
                                       const Pieces& pieces, PhaseCounters& counters) {
@@ -68,6 +70,28 @@ std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& pr
   // Two straight constraints meet in one point, so each pair occurs once.
   std::sort(all.begin(), all.end());
   return all;
+}
+
+Error crossings_error(const std::vector<Constraint>& crossings, const std::function<Constraint(std::uint32_t)>& ends,
+                      bool rounded) {
+  std::vector<std::uint64_t> indices;
+  std::string list;
+  const auto named = [&](std::uint32_t c) {
+    const Constraint e = ends(c);
+    return std::to_string(c) + " (" + std::to_string(e[0]) + "-" + std::to_string(e[1]) + ")";
+  };
+  for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i) {
+    indices.insert(indices.end(), {crossings[i][0], crossings[i][1]});
+    list += (i ? ", " : "") + named(crossings[i][0]) + " and " + named(crossings[i][1]);
+  }
+  std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") +
+                        " of constraints cross: " + list;
+  if (crossings.size() > pairs_in_message) message += ", ...";
+  if (rounded)
+    message +=
+        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid or drop "
+        "crossing constraints";
+  return Error(Status::constraints_cross, message, indices, crossings.size());
 }
 
 std::vector<std::uint32_t> drop_crossing(const std::vector<Constraint>& crossings) {

@@ -2,6 +2,7 @@
 // Which constraints cross (kernels/crossings.cl), and which are kept (contract, section 3).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "walk.hpp"
@@ -13,6 +14,10 @@ namespace gcdt {
 /// the pairs do not fit the device.
 std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
                                        const Pieces& pieces, PhaseCounters& counters);
+
+/// The error that names the first ten of the pairs; `ends(c)` are the input vertices of constraint c.
+Error crossings_error(const std::vector<Constraint>& crossings, const std::function<Constraint(std::uint32_t)>& ends,
+                      bool rounded);
 
 /// In input order, a constraint is dropped if and only if it crosses an earlier one that was kept.
 /// Returns the dropped ones, ascending.

@@ -28,8 +28,8 @@ class Flipping {
         mesh_(mesh),
         lists_(lists),
         counters_(counters),
-        faces_(device::gcdt_face_count(vertices_in_mesh)),
-        edges_(device::gcdt_edge_count(vertices_in_mesh)),
+        faces_(mesh.faces(vertices_in_mesh)),
+        edges_(mesh.edges(vertices_in_mesh)),
         stamps_(edges_) {}
 
   /// Ends: a flip lowers the lifted surface (heights |p|^2, and infinitesimal ones for the tie rule), so an

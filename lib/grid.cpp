@@ -126,6 +126,16 @@ void set_decimal_cell(Grid& grid, std::uint64_t units, int decimals) {
 
 }  // namespace
 
+Survey survey_of(const std::uint64_t* maxima) {
+  Survey result;
+  for (int axis = 0; axis < 2; ++axis) {
+    result.least[axis] = device::gcdt_from_ordered(~maxima[2 * axis]);
+    result.most[axis] = device::gcdt_from_ordered(maxima[2 * axis + 1]);
+  }
+  if (maxima[4] != 0) result.trailing_exponent = static_cast<int>(~maxima[4]) + GCDT_LEAST_EXPONENT;
+  return result;
+}
+
 double cell_edge(std::uint64_t units, int decimals, int exponent) {
   if (units == 0) return std::ldexp(1.0, exponent);
   return nearest_double(std::to_string(units) + "e" + std::to_string(-decimals));

@@ -18,6 +18,9 @@ struct Survey {
   std::optional<int> trailing_exponent;          ///< all coordinates are multiples of 2^e; none: all are 0
 };
 
+/// From the maxima of kernel `survey` (kernels/order.cl), of finite coordinates.
+Survey survey_of(const std::uint64_t* maxima);
+
 /// A grid, and how coordinates get there: by `decimals` if present, else by `scale`.
 struct ChosenGrid {
   Grid grid;

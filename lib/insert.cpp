@@ -34,7 +34,7 @@ class LevelInsertion {
         remaining_(history.end - history.begin) {}
 
   void locate() {
-    const cl_uint faces = device::gcdt_face_count(history_.begin);
+    const cl_uint faces = mesh_.faces(history_.begin);
     runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
     launch("insert_freeze", runtime::over(faces), std::tie(faces));
     stamps_.take();
@@ -80,7 +80,7 @@ class LevelInsertion {
   // Before the stamps run out the claim words are cleared and the standing votes are cast again.
   void renew_stamps(std::uint32_t wanted) {
     if (stamps_.left() >= wanted) return;
-    clear_claims(runtime_, mesh_, device::gcdt_face_count(history_.end));
+    clear_claims(runtime_, mesh_, mesh_.faces(history_.end));
     stamps_.restart();
     stamps_.take();
     launch("insert_revote", over_remaining(), standing_round(), list(round_), counters_.buffer());
@@ -116,12 +116,12 @@ class LevelInsertion {
 
 }  // namespace
 
-History make_history(runtime::Runtime& runtime, const device::Levels& levels) {
+History make_history(runtime::Runtime& runtime, const device::Levels& levels, std::uint32_t roots) {
   const std::size_t coarse = levels.begin[levels.count - 1];
   std::size_t largest = 0;
   for (std::uint32_t j = 0; j < levels.count; ++j)
     largest = std::max<std::size_t>(largest, levels.begin[j + 1] - levels.begin[j]);
-  const std::size_t top_faces = 2 * coarse + 1;
+  const std::size_t top_faces = 2 * coarse + roots;
   History history;
   history.top_corners = runtime.allocate<cl_uint4>("top layer corners", top_faces);
   history.top_neighbours = runtime.allocate<cl_uint4>("top layer neighbours", top_faces);
@@ -132,7 +132,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels) {
 }
 
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
-  runtime.launch("insert", "insert_root", runtime::over(1), mesh.n, vertices.points, mesh.corners, mesh.sides,
+  runtime.launch("insert", "insert_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.corners, mesh.sides,
                  mesh.edge_faces);
 }
 

@@ -15,9 +15,9 @@ struct History {
 };
 
 /// Buffers for the largest level; sizes in `required_bytes`.
-History make_history(runtime::Runtime& runtime, const device::Levels& levels);
+History make_history(runtime::Runtime& runtime, const device::Levels& levels, std::uint32_t roots = 1);
 
-/// Makes the mesh hold the symbolic triangle alone.
+/// Makes the mesh hold the symbolic triangles alone.
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
 
 /// Inserts the vertices of `level` into the mesh of the levels before, which must be Delaunay.

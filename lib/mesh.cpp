@@ -5,9 +5,10 @@
 
 namespace gcdt {
 
-Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n) {
+Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
   Mesh mesh;
   mesh.n = n;
+  mesh.roots = roots;
   mesh.corners = runtime.allocate<cl_uint4>("corners", mesh.faces());
   mesh.sides = runtime.allocate<cl_uint4>("sides", mesh.faces());
   mesh.edge_faces = runtime.allocate<cl_uint>("edge faces", 2 * std::size_t(mesh.edges()));
@@ -20,8 +21,8 @@ void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t fac
   runtime.launch("mesh", "mesh_clear_claims", runtime::over(faces), faces, mesh.corners);
 }
 
-WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n) {
-  const std::size_t edges = device::gcdt_edge_count(n);
+WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
+  const std::size_t edges = device::gcdt_forest_edges(n, roots);
   return {runtime.allocate<cl_uint>("work list", edges), runtime.allocate<cl_uint>("second work list", edges)};
 }
 

@@ -8,15 +8,19 @@
 
 namespace gcdt {
 
-/// A triangulation of the symbolic triangle with all n finite vertices in it when complete.
+/// A triangulation of the symbolic triangle with all n finite vertices in it when complete; or several, one for each
+/// root (kernels/forest.h).
 struct Mesh {
-  std::uint32_t n = 0;
+  std::uint32_t n = 0, roots = 1;
   runtime::Buffer<cl_uint4> corners, sides;  ///< 2n+1 faces
   runtime::Buffer<cl_uint> edge_faces;       ///< 2 (3n+3) face references
   runtime::Buffer<cl_uint> edge_marks;       ///< 3n+3 words of mark bits
 
-  std::uint32_t faces() const { return device::gcdt_face_count(n); }
-  std::uint32_t edges() const { return device::gcdt_edge_count(n); }
+  std::uint32_t faces() const { return faces(n); }
+  std::uint32_t edges() const { return edges(n); }
+  /// While it holds the first `vertices` vertices.
+  std::uint32_t faces(std::uint32_t vertices) const { return device::gcdt_forest_faces(vertices, roots); }
+  std::uint32_t edges(std::uint32_t vertices) const { return device::gcdt_forest_edges(vertices, roots); }
 };
 
 /// The distinct vertices on the grid, numbered level by level (kernels/levels.h).
@@ -24,9 +28,10 @@ struct Vertices {
   Grid grid;
   device::Levels levels = {};
   runtime::Buffer<device::Levels> levels_buffer;  ///< one element
-  runtime::Buffer<cl_int2> points;                ///< n grid points
+  runtime::Buffer<cl_int2> points;                ///< n grid points; of a forest, what kernels/forest.h says behind
   runtime::Buffer<cl_uint> vertex_input;          ///< n: the representative's input number
   runtime::Buffer<cl_uint> input_vertex;          ///< one per input point: its vertex
+  std::uint32_t roots = 1;                        ///< triangulations in one mesh
   std::uint32_t n() const { return levels.n; }
 };
 

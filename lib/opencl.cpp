@@ -21,8 +21,13 @@ constexpr std::size_t least_alignment = 128;
 
 Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
 
-Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log)
-    : device_(device), hook_(std::move(hook)), info_(describe(device)), context_(context), log_(std::move(log)) {
+Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace)
+    : device_(device),
+      hook_(std::move(hook)),
+      info_(describe(device)),
+      context_(context),
+      log_(std::move(log)),
+      tracer_(std::move(trace), info_.name) {
   if (!context_())
     call("clCreateContext", info_.name.c_str(), [&] {
       cl_int code;
@@ -31,7 +36,8 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     });
   call("clCreateCommandQueue", info_.name.c_str(), [&] {
     cl_int code;
-    queue_ = cl::CommandQueue(context_, device_, cl::QueueProperties::None, &code);
+    queue_ = cl::CommandQueue(context_, device_,
+                              tracer_.on() ? cl::QueueProperties::Profiling : cl::QueueProperties::None, &code);
     return code;
   });
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
@@ -93,6 +99,7 @@ void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t 
   ++read_backs_;
   call("clEnqueueReadBuffer", "",
        [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
+  tracer_.waited();
 }
 
 void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
@@ -123,7 +130,9 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   const std::size_t global = groups * local;
   ++launches_;
   call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
-    return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, nullptr);
+    return tracer_.launch(kernel.name, [&](cl_event* event) {
+      return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, event);
+    });
   });
 }
 

@@ -16,6 +16,7 @@
 #include <gcdt/types.hpp>
 
 #include "buffer_pool.hpp"
+#include "trace.hpp"
 
 namespace gcdt::runtime {
 
@@ -85,7 +86,8 @@ class Runtime {
   /// (lib/selftest.cpp). Throws device_failed, naming what is wrong.
   explicit Runtime(const cl::Device& device, CallHook hook = {});
   /// The same on `device` of a context that is there, with a private in-order queue; a null context: a new one.
-  Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log);
+  /// The queue has profiling if there is a trace.
+  Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace = {});
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
 
@@ -163,6 +165,9 @@ class Runtime {
     if (log_) log_(level, message.c_str());
   }
   Geometry& geometry() { return geometry_; }
+  Tracer& tracer() { return tracer_; }
+  /// From now on programs are built for meshes of many triangulations (kernels/forest.h).
+  void build_for_forests() { for_forests_ = true; }
   /// Options that every program is built with; part of the cache key.
   std::string build_options() const;
 
@@ -219,6 +224,7 @@ class Runtime {
   cl::Context context_;
   cl::CommandQueue queue_;
   Log log_;
+  Tracer tracer_;
   std::size_t alignment_ = 0;
   std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});
   Geometry geometry_;
@@ -226,6 +232,7 @@ class Runtime {
   std::map<std::pair<std::string, std::string>, Kernel> kernels_;
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
+  bool for_forests_ = false;
   bool emulate_mul_hi_ = false;  ///< the device's own is wrong
 };
 

@@ -55,25 +55,13 @@ struct Maxima {
   }
 };
 
-[[noreturn]] void throw_at(Status status, const char* what, std::uint64_t coordinate) {
-  const std::uint64_t vertex = coordinate / 2, axis = coordinate % 2;
-  throw Error(status, std::string(axis == 0 ? "x" : "y") + " of vertex " + std::to_string(vertex) + what,
-              {vertex, axis});
-}
-
 Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
   Maxima maxima(runtime, staged.n, survey_columns);
   runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows,
                  maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
-  if (found[5] != 0) throw_at(Status::coordinate_not_finite, " is not a finite number", ~found[5]);
-  Survey result;
-  for (int axis = 0; axis < 2; ++axis) {
-    result.least[axis] = device::gcdt_from_ordered(~found[2 * axis]);
-    result.most[axis] = device::gcdt_from_ordered(found[2 * axis + 1]);
-  }
-  if (found[4] != 0) result.trailing_exponent = static_cast<int>(~found[4]) + GCDT_LEAST_EXPONENT;
-  return result;
+  if (found[5] != 0) throw coordinate_error(Status::coordinate_not_finite, " is not a finite number", ~found[5]);
+  return survey_of(found.data());
 }
 
 std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const InputPoints& staged, const Survey& survey,
@@ -124,7 +112,7 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
   runtime.launch("order", "quantise", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, scale,
                  maxima.rows, keys.codes, keys.numbers, maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
-  if (found[1] != 0) throw_at(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
+  if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
   keys.grid.largest_move = move_length(found[0], chosen.scale);
   return keys;
 }
@@ -146,6 +134,12 @@ OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid
 }
 
 }  // namespace
+
+Error coordinate_error(Status status, const char* what, std::uint64_t coordinate) {
+  const std::uint64_t vertex = coordinate / 2, axis = coordinate % 2;
+  return Error(status, std::string(axis == 0 ? "x" : "y") + " of vertex " + std::to_string(vertex) + what,
+               {vertex, axis});
+}
 
 cl_uint coordinates_type(Points::Type type) {
   return type == Points::Type::float64   ? GCDT_COORDINATES_FLOAT64

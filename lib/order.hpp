@@ -15,6 +15,9 @@ struct InputPoints {
   runtime::Buffer<cl_ulong> coordinates;
 };
 
+/// What is wrong with coordinate 2 * vertex + axis.
+Error coordinate_error(Status status, const char* what, std::uint64_t coordinate);
+
 /// GCDT_COORDINATES_... of a type, and the words of 8 bytes that a vertex takes.
 cl_uint coordinates_type(Points::Type type);
 std::size_t words_per_vertex(Points::Type type);

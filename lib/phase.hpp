@@ -7,7 +7,7 @@
 namespace gcdt {
 
 /// Allocates a mesh for n vertices, no edge constrained; contents otherwise undefined.
-Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n);
+Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots = 1);
 
 /// Sets the claim words of the first `faces` faces to 0.
 void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t faces);
@@ -16,7 +16,7 @@ void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t fac
 struct WorkLists {
   runtime::Buffer<cl_uint> first, second;
 };
-WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n);
+WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots = 1);
 
 /// Bits that hold `value`; 0 for 0.
 unsigned bit_width(std::uint64_t value);

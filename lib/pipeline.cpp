@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline.hpp"
 
-#include <chrono>
-
 #include "check.hpp"
 #include "crossings.hpp"
 
@@ -13,8 +11,6 @@ namespace {
 // The coarsest level goes into the symbolic triangle at once. Small enough for one work-group, large
 // enough that the levels below it would cost more launches than they save flips.
 constexpr std::uint32_t coarsest_level = 256;
-
-constexpr std::size_t pairs_in_message = 10;
 
 // What the steps take of a call with as many constraints as vertices, roughly, added up: only progress
 // is told by it.
@@ -31,14 +27,8 @@ Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSourc
       ticker_(options.progress),
       counters_(runtime) {}
 
-template <class Step>
-void Pipeline::timed(double& ms, Step&& step) {
-  const double built = runtime_.build_ms();
-  const auto start = std::chrono::steady_clock::now();
-  step();
-  runtime_.finish();
-  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
-        (runtime_.build_ms() - built);
+OrderResult Pipeline::order_points(InputPoints points) {
+  return order(runtime_, primitives_, std::move(points), options_.grid, coarsest_level);
 }
 
 DeviceTriangulation Pipeline::run() {
@@ -68,23 +58,23 @@ void Pipeline::run_steps() {
   const std::uint64_t launches = runtime_.launches(), reads = runtime_.read_backs();
   const double built = runtime_.build_ms();
   auto& ms = statistics_.ms;
-  timed(ms.order, [&] {
+  timed("order", ms.order, [&] {
     ticker_.enter(0, order_share);
     ticker_.tick("order", 0);
     DeviceInput input = source_.load();
     constraints_ = std::move(input.constraints);
-    OrderResult ordered = order(runtime_, primitives_, std::move(input.points), options_.grid, coarsest_level);
+    OrderResult ordered = order_points(std::move(input.points));
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
     sort_ms_ = ordered.sort_ms;
     primitives_.release();
   });
   ticker_.enter(order_share, insert_share);
-  timed(ms.insert, [&] { insert(); });
+  timed("insert", ms.insert, [&] { insert(); });
   ticker_.enter(insert_share, constrain_share);
-  timed(ms.constrain, [&] { constrain_all(); });
+  timed("constrain", ms.constrain, [&] { constrain_all(); });
   ticker_.enter(constrain_share, flip_share);
-  timed(ms.flip, [&] { flip_all(); });
+  timed("flip", ms.flip, [&] { flip_all(); });
   ticker_.enter(flip_share, 1);
   output();
   ms.core = sort_ms_ + ms.insert + ms.constrain - clean_ms_ + ms.flip;
@@ -99,10 +89,10 @@ void Pipeline::run_steps() {
 // last level is left unflipped: constraints are enforced first, and located by its history tree.
 void Pipeline::insert() {
   if (!mesh_.corners.allocated()) {
-    mesh_ = make_mesh(runtime_, vertices_.n());
-    lists_ = make_work_lists(runtime_, vertices_.n());
+    mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
+    lists_ = make_work_lists(runtime_, vertices_.n(), vertices_.roots);
   }
-  if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels);
+  if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   insert_root(runtime_, vertices_, mesh_);
   for (unsigned level = 0; level < vertices_.levels.count; ++level) {
@@ -132,7 +122,7 @@ void Pipeline::constrain_all() {
   }
   ticker_.tick("constrain", 0);
   cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, constraints_, std::uint32_t(source_.n));
-  timed(clean_ms_, [&] { clean({}); });
+  timed("clean", clean_ms_, [&] { clean({}); });
   ticker_.tick("constrain", 0.3);
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
@@ -184,7 +174,7 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
   runtime_.write(result_.dropped, dropped.data(), dropped.size());
   std::vector<cl_uint> wanted(source_.m, 1);
   for (const std::uint32_t d : dropped) wanted[d] = 0;
-  timed(clean_ms_, [&] { clean(wanted); });
+  timed("clean", clean_ms_, [&] { clean(wanted); });
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   const ConstrainResult second = enforce();
   if (second.failed)
@@ -193,26 +183,13 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
 }
 
 void Pipeline::reject(const std::vector<Constraint>& crossings) {
-  std::vector<std::uint64_t> indices;
-  std::string list;
   auto one = runtime_.allocate<cl_uint2>("ends of a constraint", 1);  // the host may not read the caller's buffer
-  auto ends = [&](std::uint32_t c) {
+  const auto ends = [&](std::uint32_t c) {
     runtime_.copy(constraints_, one, 1, c);
     const cl_uint2 e = runtime_.read_one(one);
-    return std::to_string(c) + " (" + std::to_string(e.s[0]) + "-" + std::to_string(e.s[1]) + ")";
+    return Constraint{e.s[0], e.s[1]};
   };
-  for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i) {
-    indices.insert(indices.end(), {crossings[i][0], crossings[i][1]});
-    list += (i ? ", " : "") + ends(crossings[i][0]) + " and " + ends(crossings[i][1]);
-  }
-  std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") +
-                        " of constraints cross: " + list;
-  if (crossings.size() > pairs_in_message) message += ", ...";
-  if (vertices_.grid.kind == Grid::Kind::rounded)
-    message +=
-        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid or drop "
-        "crossing constraints";
-  throw Error(Status::constraints_cross, message, indices, crossings.size());
+  throw crossings_error(crossings, ends, vertices_.grid.kind == Grid::Kind::rounded);
 }
 
 void Pipeline::flip_all() { count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_)); }
@@ -220,15 +197,15 @@ void Pipeline::flip_all() { count_flips(flip(runtime_, vertices_, mesh_, lists_,
 void Pipeline::output() {
   auto& ms = statistics_.ms;
   OrderedMesh ordered;
-  timed(ms.output, [&] {
+  timed("output", ms.output, [&] {
     ticker_.tick("output", 0);
     history_ = {};
     lists_ = {};
     ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, options_.canonical);
     mesh_ = {};
   });
-  if (options_.check) timed(ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
-  timed(ms.output, [&] {
+  if (options_.check) timed("check", ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
+  timed("output", ms.output, [&] {
     result_.representatives = number_by_input(runtime_, vertices_, ordered);
     number_by_input(runtime_, vertices_, pieces_);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);

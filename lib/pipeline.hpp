@@ -2,6 +2,8 @@
 // The paper on one screen: order, insert, constrain, flip, then output and check.
 #pragma once
 
+#include <chrono>
+
 #include "clean.hpp"
 #include "constrain.hpp"
 #include "flip.hpp"
@@ -31,20 +33,28 @@ struct DeviceTriangulation {
   Statistics statistics;
 };
 
-/// One triangulation on one device.
+/// One triangulation on one device; or many in one mesh, by overriding what is not the same then (forest.hpp).
 class Pipeline {
  public:
   Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSource source, const Options& options);
   /// Throws Error; see gcdt_triangulate.
   DeviceTriangulation run();
+  virtual ~Pipeline() = default;
+
+ protected:
+  virtual OrderResult order_points(InputPoints points);
+  [[noreturn]] virtual void reject(const std::vector<Constraint>& crossings);
+  virtual void output();
+
+  /// Runs a step and adds its wall time, without building programs, to `ms`. `phase` is its name in a trace.
+  template <class Step>
+  void timed(const char* phase, double& ms, Step&& step);
 
  private:
   void insert();
   void constrain_all();
   void resolve_crossings(const ConstrainResult& first);
-  [[noreturn]] void reject(const std::vector<Constraint>& crossings);
   void flip_all();
-  void output();
   void finish_statistics();
   void run_steps();
   [[noreturn]] void ask_for_workspace(const Error& error) const;
@@ -53,10 +63,7 @@ class Pipeline {
   ConstrainResult enforce();
   void count_flips(const FlipResult& flipped);
 
-  /// Runs a step and adds its wall time, without building programs, to `ms`.
-  template <class Step>
-  void timed(double& ms, Step&& step);
-
+ protected:
   runtime::Runtime& runtime_;
   Primitives& primitives_;
   InputSource source_;
@@ -76,6 +83,18 @@ class Pipeline {
   Pieces pieces_;
   double sort_ms_ = 0, clean_ms_ = 0;
 };
+
+template <class Step>
+void Pipeline::timed(const char* phase, double& ms, Step&& step) {
+  runtime_.tracer().begin_phase(phase);
+  const double built = runtime_.build_ms();
+  const auto start = std::chrono::steady_clock::now();
+  step();
+  runtime_.finish();
+  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
+        (runtime_.build_ms() - built);
+  runtime_.tracer().end_phase();
+}
 
 /// See gcdt_required_bytes (lib/memory.cpp).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed);

@@ -14,6 +14,7 @@ std::string Runtime::build_options() const {
   // A GPU has more edges than work-items to flip them, and a work-item that flips on makes its group wait:
   // no propagation is fastest there (bench/NOTES.md). A CPU wins by the rounds that propagation saves.
   if (info_.is_gpu) options += " -DGCDT_FLIP_CHAIN=1";
+  if (for_forests_) options += " -DGCDT_FOREST";
   if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
   if (!hook_.options.empty()) options += " " + hook_.options;
   return options;

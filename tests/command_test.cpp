@@ -101,7 +101,8 @@ TEST_CASE("help and version are no errors") {
   Session session;
   CHECK(contains(session.good("--help"), "triangulate"));
   CHECK(session.good("--version").compare(0, 5, "gcdt ") == 0);
-  for (const char* option : {"--crossing", "--grid", "--device", "--verify", "--stats", "--quiet", ".vtu", "Status:"})
+  for (const char* option :
+       {"--crossing", "--grid", "--device", "--verify", "--stats", "--trace", "--quiet", ".vtu", "Status:"})
     CHECK(contains(session.good("triangulate --help"), option));
   CHECK(contains(session.good("verify --help"), "OUTPUT"));
   CHECK(!session.good("devices --help").empty());
@@ -117,7 +118,6 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "verify in.poly",
                                 "triangulate in.poly --no-such-option",
                                 "triangulate in.poly --tiles 2",
-                                "triangulate in.poly --trace t.json",
                                 "triangulate in.poly --domain holes",
                                 "triangulate in.poly --crossing split",
                                 "triangulate in.poly -o",
@@ -128,6 +128,8 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "triangulate in.poly -o out.ele -o ./out.ele",
                                 "triangulate in.poly -o out.ele --stats out.ele",
                                 "triangulate in.poly --stats in.poly",
+                                "triangulate in.poly --trace in.poly",
+                                "triangulate in.poly --stats t.json --trace t.json",
                                 "triangulate in.poly in.poly",
                                 "triangulate in.obj",
                                 "triangulate in.poly --grid 1",
@@ -453,4 +455,31 @@ TEST_CASE("progress is shown on a terminal, cleared at the end, and not if quiet
   REQUIRE(seen.size() >= 4);
   CHECK(seen.substr(seen.size() - 4) == "\r\x1b[K");
   CHECK(on_terminal("triangulate in.poly -o o.ele --quiet") == "");
+}
+
+TEST_CASE("the trace is JSON in Chrome's format: every launch lies within a phase of its row") {
+  Session session;
+  session.write("in.poly", random_poly(400, 0));
+  session.good("triangulate in.poly --quiet --trace t.json --stats s.json");
+  const auto trace = nlohmann::json::parse(session.read("t.json"));
+  const auto statistics = nlohmann::json::parse(session.read("s.json"));
+  std::size_t launches = 0;
+  for (const auto& event : trace.at("traceEvents")) {
+    if (event.at("ph") == "M") {
+      CHECK(event.at("args").at("name").is_string());
+      continue;
+    }
+    CHECK(event.at("ph") == "X");
+    CHECK(event.at("ts").get<double>() >= 0);
+    if (event.at("cat") != "launch") continue;
+    ++launches;
+    bool held = false;
+    for (const auto& phase : trace.at("traceEvents"))
+      held = held || (phase.at("ph") == "X" && phase.at("cat") == "phase" && phase.at("tid") == event.at("tid") &&
+                      phase.at("ts").get<double>() <= event.at("ts").get<double>() &&
+                      phase.at("ts").get<double>() + phase.at("dur").get<double>() >=
+                          event.at("ts").get<double>() + event.at("dur").get<double>() - 1e-3);
+    CHECK(held);
+  }
+  CHECK(launches == statistics.at("launches").get<std::size_t>());
 }

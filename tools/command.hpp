@@ -16,7 +16,7 @@ namespace gcdt::command {
 struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
-  std::string crossing = "reject", grid, device, statistics;
+  std::string crossing = "reject", grid, device, statistics, trace;
   bool verify = false, quiet = false;
 };
 

@@ -57,6 +57,9 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   app->add_flag("--verify", arguments.verify,
                 "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");
+  app->add_option("--trace", arguments.trace,
+                  "Write where the time went, phase by phase and launch by launch, in Chrome's trace-event format")
+      ->type_name("FILE.json");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(triangulate_help) + status_help);
   app->callback([&arguments] { command::triangulate(arguments); });

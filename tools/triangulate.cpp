@@ -10,6 +10,7 @@
 #include "io/paths.hpp"
 #include "progress.hpp"
 #include "statistics.hpp"
+#include "trace.hpp"
 
 namespace gcdt::command {
 
@@ -22,6 +23,7 @@ using io::Failure;
 std::vector<std::string> written_paths(const TriangulateArguments& arguments) {
   std::vector<std::string> paths = arguments.outputs;
   if (!arguments.statistics.empty()) paths.push_back(arguments.statistics);
+  if (!arguments.trace.empty()) paths.push_back(arguments.trace);
   return paths;
 }
 
@@ -54,14 +56,15 @@ std::string chosen_device(const TriangulateArguments& arguments) {
   return std::to_string(number);
 }
 
-Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options) {
+Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options,
+                       TraceRecord& trace) {
   ProgressLine line(!arguments.quiet);
   options.progress = [&](const char* phase, double done) {
     line.show(phase, done);
     return !interrupted();
   };
   try {
-    Solver solver(chosen_device(arguments));
+    Solver solver(chosen_device(arguments), {}, arguments.trace.empty() ? Trace() : trace.sink());
     return solver.triangulate(input.vertices, input.constraints, options);
   } catch (const Error& error) {
     throw explained(error, input, options);
@@ -79,12 +82,14 @@ void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
 
-void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics) {
+void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics,
+                   const TraceRecord& trace) {
   const Stopwatch write;
   io::OutputFiles files(stop_if_interrupted);
   for (const std::string& path : arguments.outputs) io::writer_for(io::lower_extension(path))(files.add(path), result);
   if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
   if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics));
+  if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
   stop_if_interrupted();
   files.commit();
 }
@@ -104,13 +109,14 @@ void triangulate(const TriangulateArguments& arguments) {
   check_overwrites_no_input(arguments, input.files);
   stop_if_interrupted();
 
-  Triangulation mesh = computed(input, arguments, options);
+  TraceRecord trace;
+  Triangulation mesh = computed(input, arguments, options, trace);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
   if (arguments.verify) prove(input, mesh, options.crossing);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, {input, mesh}, statistics);
+  write_outputs(arguments, {input, mesh}, statistics, trace);
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes) note(text);
   if (arguments.outputs.empty()) print(statistics_table(statistics));

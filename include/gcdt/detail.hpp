@@ -132,17 +132,33 @@ inline std::unique_ptr<LogFunction> boxed(LogFunction log) {
   return log ? std::make_unique<LogFunction>(std::move(log)) : nullptr;
 }
 
-/// What a log function throws is dropped.
-inline gcdt_solver_options solver_options(LogFunction* log) {
+inline std::unique_ptr<Trace> boxed(Trace trace) { return trace ? std::make_unique<Trace>(std::move(trace)) : nullptr; }
+
+/// For a log function behind `user`. What it throws is dropped.
+inline void call_log(void* user, std::int32_t level, const char* message) {
+  try {
+    (*static_cast<LogFunction*>(user))(level, message);
+  } catch (...) {
+  }
+}
+
+/// For a trace behind `user`. What it throws is dropped.
+inline void call_trace(void* user, const gcdt_trace_span* c) {
+  try {
+    TraceSpan span;
+    span.device = c->device, span.device_number = c->device_number;
+    span.phase = c->phase, span.name = c->name, span.on_device = c->on_device != 0;
+    span.begin_ns = c->begin_ns, span.end_ns = c->end_ns;
+    (*static_cast<Trace*>(user))(span);
+  } catch (...) {
+  }
+}
+
+/// `log` and `trace` may be null.
+inline gcdt_solver_options solver_options(LogFunction* log, Trace* trace = nullptr) {
   gcdt_solver_options c = GCDT_SOLVER_OPTIONS_INIT;
-  if (!log) return c;
-  c.log_user = log;
-  c.log = [](void* user, std::int32_t level, const char* message) {
-    try {
-      (*static_cast<LogFunction*>(user))(level, message);
-    } catch (...) {
-    }
-  };
+  if (log) c.log = call_log, c.log_user = log;
+  if (trace) c.trace = call_trace, c.trace_user = trace;
   return c;
 }
 

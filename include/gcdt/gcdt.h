@@ -123,14 +123,31 @@ GCDT_API int32_t gcdt_device_select(const char* spec, size_t* number, int32_t* a
 typedef void (*gcdt_log_function)(void* user, int32_t level, const char* message);
 enum { GCDT_LOG_WARNING = 1, GCDT_LOG_INFORMATION = 2 };
 
+/* Something that took time: a phase of a call, as the host saw it, or one launch on the device. Launches lie within
+ * the phase and one after the other; inner phases lie within outer ones. */
+typedef struct gcdt_trace_span {
+  size_t struct_size;
+  const char* device;        /* its name; this and the other strings hold during the call only */
+  uint32_t device_number;    /* its place among the devices of a pool; 0 for a solver */
+  const char* phase;         /* the outermost phase: order, insert, constrain, flip, output or check */
+  const char* name;          /* the phase's or the kernel's */
+  int32_t on_device;         /* 1: a launch; drivers without profiling have none */
+  uint64_t begin_ns, end_ns; /* nanoseconds on the host's steady clock */
+} gcdt_trace_span;
+
+/* Called by the thread that is in the call, for phases when they end. The rules of gcdt_log_function hold. */
+typedef void (*gcdt_trace_function)(void* user, const gcdt_trace_span* span);
+
 typedef struct gcdt_solver_options {
   size_t struct_size;
   const char* device;    /* as for gcdt_device_select; must be null where the application gives its own queue */
   gcdt_log_function log; /* programs built, memory taken, device oddities; null: silence */
   void* log_user;
+  gcdt_trace_function trace; /* where the time goes, launch by launch, which costs some; null: not asked */
+  void* trace_user;
 } gcdt_solver_options;
 #define GCDT_SOLVER_OPTIONS_INIT \
-  { sizeof(gcdt_solver_options), NULL, NULL, NULL }
+  { sizeof(gcdt_solver_options), NULL, NULL, NULL, NULL, NULL }
 
 /* A solver on one device, with an OpenCL context of its own. It keeps its programs and device memory between calls: a
  * repeated call of the same size allocates no device memory. `options` may be null. Blocks. */

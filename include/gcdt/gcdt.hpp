@@ -98,8 +98,10 @@ class Result {
 class Solver {
  public:
   /// `device`: as for select_device. Throws no_device or device_failed.
-  explicit Solver(const std::string& device = {}, Log log = {}) : log_(detail::boxed(std::move(log))) {
-    gcdt_solver_options options = detail::solver_options(log_.get());
+  /// `trace`: called for everything that takes time, by the thread that is in a call.
+  explicit Solver(const std::string& device = {}, Log log = {}, Trace trace = {})
+      : log_(detail::boxed(std::move(log))), trace_(detail::boxed(std::move(trace))) {
+    gcdt_solver_options options = detail::solver_options(log_.get(), trace_.get());
     options.device = device.c_str();
     gcdt_solver* solver = nullptr;
     detail::check(gcdt_solver_create(&options, &solver));
@@ -153,7 +155,8 @@ class Solver {
   struct Release {
     void operator()(gcdt_solver* solver) const { gcdt_solver_release(solver); }
   };
-  std::unique_ptr<Log> log_;  // the handle has its address
+  std::unique_ptr<Log> log_;      // the handle has its address
+  std::unique_ptr<Trace> trace_;  // so it does of this
   std::unique_ptr<gcdt_solver, Release> handle_;
   DeviceInfo device_;
 };

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many problems in one run on one device: a forest (kernels/forest.h), from and to host memory.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "forest_order.hpp"
+#include "pipeline.hpp"
+
+namespace gcdt {
+
+/// A ragged batch in the caller's memory: problem p has the vertices [vertex_offsets[p], vertex_offsets[p + 1]) and
+/// so its constraints, whose ends count from its own first vertex.
+struct Batch {
+  std::uint64_t problems = 0;
+  Points::Type type = Points::Type::float64;
+  const void* vertices = nullptr;
+  const std::uint64_t* vertex_offsets = nullptr;
+  const Constraint* constraints = nullptr;
+  const std::uint64_t* constraint_offsets = nullptr;
+
+  std::uint64_t n(std::uint64_t p) const { return vertex_offsets[p + 1] - vertex_offsets[p]; }
+  std::uint64_t m(std::uint64_t p) const { return constraint_offsets[p + 1] - constraint_offsets[p]; }
+};
+
+/// Host memory that is not cleared before it is written.
+struct HostArray {
+  std::unique_ptr<unsigned char[]> bytes;
+  std::size_t size = 0;
+  template <class T>
+  T* make(std::size_t count) {
+    size = count * sizeof(T);
+    bytes.reset(new unsigned char[std::max<std::size_t>(size, 1)]);
+    return reinterpret_cast<T*>(bytes.get());
+  }
+};
+
+/// What one run made of some problems of a batch: every problem's arrays are what it would have alone.
+struct ForestResult {
+  static constexpr std::size_t array_count = 8;  ///< GCDT_TRIANGLES to GCDT_DROPPED
+  std::vector<std::uint32_t> problems;           ///< their numbers in the batch
+  std::vector<Grid> grids;                       ///< of each
+  std::array<HostArray, array_count> arrays;
+  std::array<std::vector<std::uint64_t>, array_count> begins;  ///< elements; P + 1
+  Statistics statistics;
+};
+
+/// Triangulates problems `numbers` of the batch, together at most max_vertices vertices (with 3 more per problem), in
+/// one run. `runtime` builds for forests. Throws InvalidProblems (numbers count in `numbers`), if any has an error of
+/// its own, and Error if something is wrong with the run.
+ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const Batch& batch,
+                                std::vector<std::uint32_t> numbers, const Options& options);
+
+/// Bytes of device memory that a run of so many problems with so many vertices and constraints needs, about.
+std::uint64_t forest_bytes(std::uint64_t problems, std::uint64_t n, std::uint64_t m);
+
+/// The device's proof of a forest: check() problem by problem. `first_triangle`, `first_piece`: where each one's begin.
+void check_forest(runtime::Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces,
+                  const runtime::Buffer<cl_uint>& first_triangle, const runtime::Buffer<cl_uint>& first_piece);
+
+}  // namespace gcdt

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// A forest on one device: every problem's part of a run is what the problem has alone, byte for byte.
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include "batch_cases.hpp"
+#include "forest.hpp"
+#include "solver_fixture.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+struct Device {
+  runtime::Runtime runtime;
+  Primitives primitives;
+  Device() : runtime(runtime::all_devices().at(select_device(testDevice()))), primitives(runtime) {
+    runtime.build_for_forests();
+  }
+};
+
+Device& device() {
+  static Device instance;
+  return instance;
+}
+
+ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& numbers, const Options& options) {
+  return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options);
+}
+
+/// What is wrong with a problem alone.
+Error error_alone(const Workload& problem, const Options& options) {
+  try {
+    solver().triangulate(problem.points, problem.constraints, options);
+  } catch (const Error& error) {
+    return error;
+  }
+  return Error(Status::ok, "nothing");
+}
+
+/// Runs the problems; those with errors of their own, which must be the errors that they have alone, are taken out
+/// until none is left. Returns how many were.
+std::size_t check_same_as_alone(const std::vector<Workload>& problems, const Options& options = {}) {
+  const RaggedBatch batch(problems);
+  std::vector<std::uint32_t> numbers(problems.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  for (std::size_t invalid = 0;;) {
+    try {
+      const ForestResult forest = run(batch, numbers, options);
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        CAPTURE(numbers[i]);
+        const Workload& problem = problems[numbers[i]];
+        const Triangulation alone = solver().triangulate(problem.points, problem.constraints, options);
+        CHECK(difference(part_of(forest, i), alone) == "");
+      }
+      return invalid;
+    } catch (const InvalidProblems& found) {
+      REQUIRE(!found.errors.empty());
+      for (auto e = found.errors.rbegin(); e != found.errors.rend(); ++e) {
+        CAPTURE(numbers[e->first]);
+        const Error alone = error_alone(problems[numbers[e->first]], options);
+        CHECK(e->second.status() == alone.status());
+        CHECK(std::string(e->second.what()) == alone.what());
+        CHECK(e->second.indices() == alone.indices());
+        CHECK(e->second.pair_count() == alone.pair_count());
+        numbers.erase(numbers.begin() + e->first);
+        ++invalid;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a forest of one is the problem alone") {
+  check_same_as_alone({workload("random_pslg", 40)});
+  check_same_as_alone({uniform(3000)});
+}
+
+TEST_CASE("the smallest problems side by side: none, one, two, three vertices, lines, duplicates") {
+  check_same_as_alone(smallest_problems());
+}
+
+TEST_CASE("the corpus in one forest: invalid and crossing problems have their own errors and spoil no other") {
+  const std::vector<Workload> all = corpus({"ok", "crossing", "invalid"});
+  const std::size_t crossing = corpus({"crossing"}).size(), invalid = corpus({"invalid"}).size();
+  CHECK(check_same_as_alone(all) == crossing + invalid);
+  Options drop;
+  drop.crossing = Crossing::drop;
+  CHECK(check_same_as_alone(all, drop) == invalid);
+}
+
+TEST_CASE("a grid that is given holds for every problem, and those outside say so") {
+  Options options;
+  options.grid = FixedGrid{-1000, -1000, "0.001"};
+  CHECK(check_same_as_alone(smallest_problems(), options) == 0);
+  options.grid = FixedGrid{0, 0, "0.001"};
+  const std::size_t outside = check_same_as_alone(corpus({"ok"}), options);
+  CHECK(outside > 0);
+  CHECK(outside < corpus({"ok"}).size());
+}
+
+TEST_CASE("generated problems of all kinds and sizes in one forest, in several levels") {
+  check_same_as_alone(generated_problems());
+}
+
+TEST_CASE("equal problems have equal parts") {
+  check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
+}
