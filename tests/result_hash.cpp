@@ -4,6 +4,7 @@
 // on every device, driver and thread count.
 //   result_hash DEVICE NAME SIZE [RUNS]   one workload, RUNS times
 //   result_hash DEVICE all [MAXIMUM]      the standard list, up to MAXIMUM vertices
+// With GCDT_LAUNCHES in the environment, every launch on the device is printed with its microseconds.
 #include "result_hash.hpp"
 
 #include <algorithm>
@@ -96,7 +97,13 @@ int main(int count, char** arguments) try {
     std::fprintf(stderr, "usage: result_hash DEVICE NAME SIZE [RUNS] | result_hash DEVICE all [MAXIMUM]\n");
     return 2;
   }
-  gcdt::Solver solver(arguments[1]);
+  gcdt::Trace trace;
+  if (std::getenv("GCDT_LAUNCHES"))
+    trace = [](const gcdt::TraceSpan& span) {
+      if (span.on_device)
+        std::printf("    %-24s %9.1f us\n", span.name.c_str(), double(span.end_ns - span.begin_ns) / 1000);
+    };
+  gcdt::Solver solver(arguments[1], {}, trace);
   std::fprintf(stderr, "%s (%s, %s)\n", solver.device().name.c_str(), solver.device().platform.c_str(),
                solver.device().driver.c_str());
   bool good = true;
