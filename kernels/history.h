@@ -80,6 +80,13 @@ static inline int germ_side(Germ g, Vertex a, Vertex b) {
   return s != 0 ? s : gcdt_sign64(gcdt_orient2d(a, b, g.q));
 }
 
+// A grid point near the germ. Rounding does not matter. |difference| * k < 2^31 * 2^31.
+static inline Vertex near_germ(Germ g) {
+  if (g.k == 0u) return g.p;
+  return gcdt_finite_vertex(g.p.x + (g.q.x - g.p.x) * (i64)g.k / (i64)g.parts,
+                            g.p.y + (g.q.y - g.p.y) * (i64)g.k / (i64)g.parts);
+}
+
 static inline u64 distance_squared(int2 p, int2 q) {
   const i64 dx = (i64)p.x - q.x, dy = (i64)p.y - q.y;
   return (u64)(dx * dx) + (u64)(dy * dy);
@@ -109,12 +116,13 @@ static inline uint face_near_vertex(GCDT_LEVELS_POINTER levels, uint level, glob
 // Visibility walk in the top layer from face `t` to a face that holds the germ in its closure.
 // The top layer is Delaunay (regular for the tie rule's heights, symbols included), so the walk
 // visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose opposite
-// edge holds a plain vertex, or 3. Where two edges lead on, it takes the two sides in turn: always the same one makes
-// walks go round (twice as many steps).
+// edge holds a plain vertex, or 3. Where two edges lead on, it takes the one that the straight line from its start
+// crosses: a launch lasts as long as its longest walk.
 static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint t, uint limit,
                                   private uint* steps, private uint* zero) {
   uint4 c = h.top_corners[t], across = h.top_neighbours[t];
   Vertex x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y), z = load_vertex(points, n, c.z);
+  const Vertex origin = x.symbol == 0 ? x : y.symbol == 0 ? y : z, goal = near_germ(g);
   uint k = 0;  // corner x; but in the first face, the walk came in across from it
   int sx = germ_side(g, y, z);
   for (uint step = 0; step < limit; ++step) {
@@ -126,7 +134,7 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
     }
     // The edge that the walk leaves through becomes y-z, seen from behind.
     const uint from = t;
-    if (sy < 0 && (sz >= 0 || (step & 1u))) {
+    if (sy < 0 && (sz >= 0 || gcdt_orient2d(origin, goal, x) > 0)) {
       t = element(across, next_corner(k));
       y = x;
     } else if (sz < 0) {

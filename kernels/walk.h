@@ -62,13 +62,12 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh m
   } else if (k == 0u) {
     start = a < h.begin ? h.vertex_face[a] : face_near_vertex(levels, level, mesh.points, mesh.n, h, a);
   } else {
-    // Only a place to start from: rounding does not matter. |difference| * k < 2^31 * 2^31.
-    const int2 at =
-        (int2)((int)(va.x + (vb.x - va.x) * (i64)k / (i64)parts), (int)(va.y + (vb.y - va.y) * (i64)k / (i64)parts));
-    start = face_near_point(levels, level, mesh.points, mesh.n, h, a, at);
+    const Vertex at = near_germ(g);
+    start = face_near_point(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
   }
   uint zero;
-  const uint top = walk_top_layer(mesh.points, mesh.n, h, g, start, gcdt_face_count(h.begin), steps, &zero);
+  const uint top =
+      walk_top_layer(mesh.points, mesh.n, h, g, start, gcdt_forest_faces(h.begin, mesh.roots), steps, &zero);
   return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
 }
 
