@@ -102,28 +102,31 @@ static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, 
   return distance_squared(p, points[before]) <= distance_squared(p, points[after]) ? before : after;
 }
 
-// A face of the top layer close to vertex v: at a coarser vertex before or after it on the curve, or the root if
-// v's triangulation has none.
-static inline uint face_near_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
-                                    History h, uint v) {
-  if (level == 0u) return root_of(points, n, v);
+// A coarser vertex close to vertex v: before or after it on the curve; GCDT_NONE if v's triangulation has none.
+static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                      History h, uint v) {
+  if (level == 0u) return GCDT_NONE;
   const uint2 units = coarse_units(levels, level, points, n, h.begin, v);
-  if (units.x == units.y) return root_of(points, n, v);
+  if (units.x == units.y) return GCDT_NONE;
   const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
-  return h.vertex_face[nearer_coarse_vertex(levels, level, points, units.y, unit, points[v])];
+  return nearer_coarse_vertex(levels, level, points, units.y, unit, points[v]);
 }
 
-// Visibility walk in the top layer from face `t` to a face that holds the germ in its closure.
-// The top layer is Delaunay (regular for the tie rule's heights, symbols included), so the walk
-// visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose opposite
-// edge holds a plain vertex, or 3. Where two edges lead on, it takes the one that the straight line from its start
-// crosses: a launch lasts as long as its longest walk.
-static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint t, uint limit,
-                                  private uint* steps, private uint* zero) {
+// Visibility walk in the top layer from coarser vertex `from_vertex`, or, if that is GCDT_NONE, from face `root`, to a
+// face that holds the germ in its closure. The top layer is Delaunay (regular for the tie rule's heights, symbols
+// included), so the walk visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose
+// opposite edge holds a plain vertex, or 3. Where two edges lead on, it takes the one that the straight line from
+// its start crosses, and so turns around that vertex first: a launch lasts as long as its longest walk, and at the
+// hull a face of the vertex can reach far away.
+static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint from_vertex, uint root,
+                                  uint limit, private uint* steps, private uint* zero) {
+  uint t = from_vertex == GCDT_NONE ? root : h.vertex_face[from_vertex];
   uint4 c = h.top_corners[t], across = h.top_neighbours[t];
+  uint k = c.y == from_vertex ? 1u : c.z == from_vertex ? 2u : 0u;
+  c = rotate_to(c, k);
   Vertex x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y), z = load_vertex(points, n, c.z);
-  const Vertex origin = x.symbol == 0 ? x : y.symbol == 0 ? y : z, goal = near_germ(g);
-  uint k = 0;  // corner x; but in the first face, the walk came in across from it
+  const Vertex origin = x, goal = near_germ(g);
+  // k: corner x; but in the first face, the walk came in across from it
   int sx = germ_side(g, y, z);
   for (uint step = 0; step < limit; ++step) {
     const int sy = germ_side(g, z, x), sz = germ_side(g, x, y);

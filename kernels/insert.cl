@@ -258,14 +258,14 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
   for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
     const uint i = v - begin;
-    const uint start = face_near_vertex(levels, level, points, n, h, v);
+    const uint from = coarse_vertex_near(levels, level, points, n, h, v);
     Germ g;
     g.p = load_vertex(points, n, v);
     g.q = g.p;
     g.k = 0;
     g.parts = 1;
     uint zero;
-    const uint t = walk_top_layer(points, n, h, g, start, top_faces, &steps, &zero);
+    const uint t = walk_top_layer(points, n, h, g, from, root_of(points, n, v), top_faces, &steps, &zero);
     uint location = t;
     if (t == GCDT_NONE)
       atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;

@@ -29,14 +29,14 @@ typedef struct Walk {
 
 // ---- Where a part begins -------------------------------------------------------------------------
 
-// A face of the top layer close to a grid point of vertex a's triangulation: at the point's neighbours on the curve,
-// found by bisection. Ends: the range halves.
-static inline uint face_near_point(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, History h,
-                                   uint a, int2 at) {
+// The coarser vertex of vertex a's triangulation close to a grid point: of its neighbours on the curve, found by
+// bisection, the nearer; GCDT_NONE if there is none. Ends: the range halves.
+static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                    History h, uint a, int2 at) {
   const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
   const uint2 units = coarse_units(levels, level, points, n, h.begin, a);
   uint low = units.x, high = units.y;
-  if (low == high) return root_of(points, n, a);
+  if (low == high) return GCDT_NONE;
   while (high - low > 1u) {
     const uint middle = low + (high - low) / 2u;
     const int2 p = points[gcdt_vertex_of_rank(levels, level - 1u, middle)];
@@ -45,7 +45,7 @@ static inline uint face_near_point(GCDT_LEVELS_POINTER levels, uint level, globa
     else
       high = middle;
   }
-  return h.vertex_face[nearer_coarse_vertex(levels, level, points, units.y, low, at)];
+  return nearer_coarse_vertex(levels, level, points, units.y, low, at);
 }
 
 // A face whose closure holds division point k, moved infinitely little towards b.
@@ -56,18 +56,17 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh m
   g.q = vb;
   g.k = k;
   g.parts = parts;
-  uint start;
-  if (level == 0u) {
-    start = root_of(mesh.points, mesh.n, a);
-  } else if (k == 0u) {
-    start = a < h.begin ? h.vertex_face[a] : face_near_vertex(levels, level, mesh.points, mesh.n, h, a);
+  uint from;
+  if (k == 0u) {
+    from = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, mesh.n, h, a);
   } else {
     const Vertex at = near_germ(g);
-    start = face_near_point(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
+    from = level == 0u ? GCDT_NONE
+                       : coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
   }
   uint zero;
-  const uint top =
-      walk_top_layer(mesh.points, mesh.n, h, g, start, gcdt_forest_faces(h.begin, mesh.roots), steps, &zero);
+  const uint top = walk_top_layer(mesh.points, mesh.n, h, g, from, root_of(mesh.points, mesh.n, a),
+                                  gcdt_forest_faces(h.begin, mesh.roots), steps, &zero);
   return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
 }
 
