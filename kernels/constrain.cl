@@ -58,7 +58,8 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
       reduce_piece(left, at_left, c, &w, w.left, 0u, &seen_left, mesh, ends, counters);
       reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, ends, counters);
       event = walk_cross(&w, mesh, behind);
-      *claim_word(mesh.corners, w.face) = FACE_CROSSED;
+      // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
+      if (behind.corners.w != FACE_CROSSED) *claim_word(mesh.corners, w.face) = FACE_CROSSED;
       ++pairs;
     }
     if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);

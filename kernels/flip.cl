@@ -274,11 +274,8 @@ kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, 
     if (get_local_id(0) == 0) queued_count = place_of_bit(taken, SWEEP_TILE);
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint count = queued_count;
-    for (uint first = 0; first < count; first += get_local_size(0)) {
-      if (first + get_local_id(0) < count) test_and_claim(mesh, c, queued[first + get_local_id(0)], a);
-      append_flush(a, APPEND_CAPACITY / 2u);
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0)) test_and_claim(mesh, c, queued[i], a);
+    append_flush(a, APPEND_CAPACITY - SWEEP_TILE);
   }
   append_flush(a, 0u);
 }

@@ -15,7 +15,7 @@ constexpr std::size_t gpu_group = 128, cpu_group = 64;
 // The group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels' registers.
 constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
-constexpr std::size_t gpu_groups_per_unit = 16, cpu_groups_per_unit = 64;
+constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 constexpr std::size_t least_alignment = 128;
 }  // namespace
 
