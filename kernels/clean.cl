@@ -35,8 +35,8 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
                        global const uint* begins, global uint* counts, global uint* hits,
                        volatile global Counters* counters) {
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces], faces = gcdt_face_count(n);
   uint steps = 0;
   for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {

@@ -28,8 +28,8 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
                            NEAR_PARAMETERS, global const uint2* ends, global const uint* begins,
                            global uint* piece_edge, volatile global Counters* counters) {
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Near near = make_near(near0, near1);
   const uint parts = begins[pieces];
   uint steps = 0, pairs = 0, existing = 0;
@@ -45,7 +45,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
         ++existing;
       } else {
-        *claim_word(mesh.corners, w.face) = FACE_CROSSED;
+        *claim_word(mesh.face_data, w.face) = FACE_CROSSED;
         ++pairs;
       }
     }
@@ -59,7 +59,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
       reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, ends, counters);
       event = walk_cross(&w, mesh, behind);
       // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
-      if (behind.corners.w != FACE_CROSSED) *claim_word(mesh.corners, w.face) = FACE_CROSSED;
+      if (behind.corners.w != FACE_CROSSED) *claim_word(mesh.face_data, w.face) = FACE_CROSSED;
       ++pairs;
     }
     if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);
@@ -72,9 +72,9 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
 }
 
 // One work-item per face. Flags crossed faces. No race: its own word.
-kernel void constrain_crossed_faces(uint faces, global uint4* corners, global uint* flags) {
+kernel void constrain_crossed_faces(uint faces, global uint4* face_data, global uint* flags) {
   for (uint t = get_global_id(0); t < faces; t += get_global_size(0))
-    flags[t] = *claim_word(corners, t) != 0u ? 1u : 0u;
+    flags[t] = *claim_word(face_data, t) != 0u ? 1u : 0u;
 }
 
 // One work-item per edge. Flags crossed edges; a crossed edge that is a piece means that two pieces
@@ -92,12 +92,12 @@ kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, N
 // One work-item per crossed face. A face whose three corners are each cut off by some piece, nearest to
 // it on both of its edges, is a hexagon: one hole triangle (paper, 6.5). Writes the face's own claim
 // word (hexagons are numbered by an atomic counter: any numbering does). After: counters->hexagons.
-kernel void constrain_hexagons(uint count, global const uint* crossed, global uint4* corners, global const uint4* sides,
-                               NEAR_PARAMETERS, volatile global Counters* counters) {
+kernel void constrain_hexagons(uint count, global const uint* crossed, global uint4* face_data, NEAR_PARAMETERS,
+                               volatile global Counters* counters) {
   const Near near = make_near(near0, near1);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
-    const uint4 s = sides[t];
+    const uint4 s = face_data[GCDT_SIDES(t)];
     // Edge opposite corner 0 runs from corner 1 (right) to corner 2 (left), and so on.
     const uint a1 = *near_right(near, s.z), a2 = *near_left(near, s.y);
     const uint b1 = *near_right(near, s.x), b2 = *near_left(near, s.z);
@@ -105,7 +105,7 @@ kernel void constrain_hexagons(uint count, global const uint* crossed, global ui
     uint word = FACE_CROSSED;
     if (a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2)
       word = FACE_HEXAGON + atomic_inc(&counters->hexagons);
-    *claim_word(corners, t) = word;
+    *claim_word(face_data, t) = word;
   }
 }
 
@@ -115,8 +115,8 @@ kernel void constrain_hexagons(uint count, global const uint* crossed, global ui
 kernel void constrain_count(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS, global const uint2* ends,
                             global const uint* begins, global uint* counts_left, global uint* counts_right,
                             volatile global uint* far, volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Near near = make_near(near0, near1);
   const uint parts = begins[pieces];
   uint steps = 0;
@@ -132,7 +132,7 @@ kernel void constrain_count(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, NE
         const Behind behind = look_behind(&w, mesh);
         left += owns_left(&w, near, c) ? 1u : 0u;
         right += owns_right(&w, near, c) ? 1u : 0u;
-        const uint word = *claim_word(mesh.corners, w.face);
+        const uint word = *claim_word(mesh.face_data, w.face);
         if (w.third_side != 0 && word >= FACE_HEXAGON) {
           volatile global uint* at = far + 3u * (word - FACE_HEXAGON) + cut_corner(&w);
           Compared seen = nothing_compared();
@@ -183,8 +183,8 @@ kernel void constrain_chain(uint pieces, uint right_begin, GCDT_WALK_PARAMETERS,
                             global const uint* right_start, global const uint* far, global uint* chain_vertex,
                             global ulong* chain_distances, global uint* chain_piece, global uint* hole_place,
                             volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Near near = make_near(near0, near1);
   Chains chains;
   chains.vertex = chain_vertex;
@@ -204,7 +204,7 @@ kernel void constrain_chain(uint pieces, uint right_begin, GCDT_WALK_PARAMETERS,
     }
     while (event == WALK_CROSS) {
       const Behind behind = look_behind(&w, mesh);
-      const uint word = *claim_word(mesh.corners, w.face);
+      const uint word = *claim_word(mesh.face_data, w.face);
       if (w.third_side != 0 && word >= FACE_HEXAGON) {
         const uint at = 3u * (word - FACE_HEXAGON) + cut_corner(&w);
         if (far[at] == c) hole_place[at] = w.third_side > 0 ? left - 1u : right;
@@ -293,7 +293,7 @@ static uint not_larger_after(global const ulong* distances, global const ulong* 
 kernel void constrain_triangles(uint length, uint right_begin, uint pieces, constant MinimaLayers* layers,
                                 global const uint* chain_vertex, global const ulong* chain_distances,
                                 global const uint* chain_piece, global const ulong* minima, global const uint* crossed,
-                                global uint4* corners) {
+                                global uint4* face_data) {
   for (uint i = get_global_id(0); i < length; i += get_global_size(0)) {
     const ulong d = chain_distances[i];
     if (d == 0) continue;
@@ -302,14 +302,16 @@ kernel void constrain_triangles(uint length, uint right_begin, uint pieces, cons
     const bool left = i < right_begin;
     // 2c + 1 sentinels stand before it among the left chains, 2 pieces + 2c + 1 among all.
     const uint number = i - 2u * chain_piece[i] - 1u - (left ? 0u : 2u * pieces);
-    corners[crossed[number]] = left ? (uint4)(p, q, chain_vertex[i], 0u) : (uint4)(q, p, chain_vertex[i], 0u);
+    face_data[GCDT_CORNERS(crossed[number])] =
+        left ? (uint4)(p, q, chain_vertex[i], 0u) : (uint4)(q, p, chain_vertex[i], 0u);
   }
 }
 
 // One work-item per hexagon. Writes the hole triangle into its own slot, after the chains' triangles.
 kernel void constrain_fill(uint hexagons, uint first, global const uint* hole_place, global const uint* chain_vertex,
-                           global const uint* crossed, global uint4* corners) {
+                           global const uint* crossed, global uint4* face_data) {
   for (uint h = get_global_id(0); h < hexagons; h += get_global_size(0))
-    corners[crossed[first + h]] = (uint4)(chain_vertex[hole_place[3u * h]], chain_vertex[hole_place[3u * h + 1u]],
-                                          chain_vertex[hole_place[3u * h + 2u]], 0u);
+    face_data[GCDT_CORNERS(crossed[first + h])] =
+        (uint4)(chain_vertex[hole_place[3u * h]], chain_vertex[hole_place[3u * h + 1u]],
+                chain_vertex[hole_place[3u * h + 2u]], 0u);
 }

@@ -16,8 +16,8 @@
 kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
                               global const uint* begins, volatile global uint* starts, volatile global uint* filled,
                               global uint* records, volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces];
   uint steps = 0;
   for (uint part = get_global_id(0); part < parts && part < capacity; part += get_global_size(0)) {
@@ -62,7 +62,7 @@ static bool cross_in_face(Mesh mesh, uint t, uint2 e1, uint2 e2) {
   const i64 s = gcdt_orient2d(a2, b2, a1), r = gcdt_orient2d(a2, b2, b1);
   if (!((s > 0 && r < 0) || (s < 0 && r > 0))) return false;
   if (gcdt_sign64(gcdt_orient2d(a1, b1, a2)) * gcdt_sign64(gcdt_orient2d(a1, b1, b2)) >= 0) return false;
-  const uint4 c = mesh.corners[t], sides = mesh.sides[t];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(t)], sides = mesh.face_data[GCDT_SIDES(t)];
   for (uint k = 0; k < 3u; ++k) {
     const int side = side_of_crossing(load_vertex(mesh.points, mesh.n, element(c, next_corner(k))),
                                       load_vertex(mesh.points, mesh.n, element(c, previous_corner(k))), a1, b1, s, r);
@@ -79,7 +79,7 @@ static bool cross_in_face(Mesh mesh, uint t, uint2 e1, uint2 e2) {
 kernel void crossings_pairs(uint emit, uint faces, GCDT_MESH_PARAMETERS, global const uint2* ends,
                             global const uint* starts, global const uint* records, global uint* counts,
                             global uint2* pairs, volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint total = starts[faces];
   for (uint i = get_global_id(0); i < total; i += get_global_size(0)) {
     const uint t = piece_of_part(starts, faces, i);

@@ -46,7 +46,8 @@ static inline uint2 faces_of_edge(Mesh mesh, uint e) { return ((global const uin
 // Is the edge with face references `near` and `far` illegal? Reads of a far face that another
 // work-item is changing give a worthless answer: the caller must own the face before acting on it.
 static bool is_illegal(Mesh mesh, uint near, uint far) {
-  const uint4 c = mesh.corners[GCDT_REF_FACE(near)], opposite = mesh.corners[GCDT_REF_FACE(far)];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(near))],
+              opposite = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(far))];
   const uint4 r = rotate_to(c, GCDT_REF_CORNER(near));
   const uint d = element(opposite, GCDT_REF_CORNER(far));
   return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x),
@@ -67,12 +68,12 @@ static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corn
   const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
   const uint b = GCDT_REF_CORNER(refs.x), d = GCDT_REF_CORNER(refs.y);
   const uint x = next_corner(b), y = previous_corner(b), y_of_u = next_corner(d), x_of_u = previous_corner(d);
-  const uint4 st = mesh.sides[t], su = mesh.sides[u];
+  const uint4 st = mesh.face_data[GCDT_SIDES(t)], su = mesh.face_data[GCDT_SIDES(u)];
   const uint ex = element(st, x), fy = element(su, y_of_u);
-  mesh.corners[t] = with_element(corners_t, y, element(corners_u, d));
-  mesh.corners[u] = with_element(corners_u, x_of_u, element(corners_t, b));
-  mesh.sides[t] = with_element(with_element(st, b, fy), x, GCDT_SIDE(e, 0u));
-  mesh.sides[u] = with_element(with_element(su, d, ex), y_of_u, GCDT_SIDE(e, 1u));
+  mesh.face_data[GCDT_CORNERS(t)] = with_element(corners_t, y, element(corners_u, d));
+  mesh.face_data[GCDT_CORNERS(u)] = with_element(corners_u, x_of_u, element(corners_t, b));
+  mesh.face_data[GCDT_SIDES(t)] = with_element(with_element(st, b, fy), x, GCDT_SIDE(e, 0u));
+  mesh.face_data[GCDT_SIDES(u)] = with_element(with_element(su, d, ex), y_of_u, GCDT_SIDE(e, 1u));
   ((global uint2*)mesh.edge_faces)[e] = (uint2)(GCDT_FACE_REF(t, x), GCDT_FACE_REF(u, y_of_u));
   mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
   mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
@@ -113,7 +114,7 @@ static inline void queue_edge(Queue q, uint e) {
 // Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is
 // never given back within a round, so a face taken here was not changed since the round began.
 static bool try_lock(Mesh mesh, uint face, uint ticket, Claim c) {
-  volatile global uint* word = claim_word(mesh.corners, face);
+  volatile global uint* word = claim_word(mesh.face_data, face);
   const uint old = *word;
   return !claimed_now(old, c) && atomic_cmpxchg(word, old, ticket) == old;
 }
@@ -123,8 +124,8 @@ static void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
   const uint2 refs = faces_of_edge(mesh, e);
   if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || !is_illegal(mesh, refs.x, refs.y)) return;
   const uint ticket = make_ticket(c.stamp, c.bits, e);
-  atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(refs.x)), ticket);
-  atomic_max(claim_word(mesh.corners, GCDT_REF_FACE(refs.y)), ticket);
+  atomic_max(claim_word(mesh.face_data, GCDT_REF_FACE(refs.x)), ticket);
+  atomic_max(claim_word(mesh.face_data, GCDT_REF_FACE(refs.y)), ticket);
   append(illegal, e);
 }
 
@@ -152,7 +153,7 @@ static uint propagate(Mesh mesh, Claim c, uint ticket, private uint* around, Que
     const uint near = mesh.edge_faces[code], far = mesh.edge_faces[code ^ 1u];
     if (far == GCDT_NONE) continue;
     const uint face = GCDT_REF_FACE(far);
-    const bool owned = *claim_word(mesh.corners, face) == ticket;
+    const bool owned = *claim_word(mesh.face_data, face) == ticket;
     const bool illegal = is_illegal(mesh, near, far);
     if (owned && !illegal) continue;
     if (!illegal || (!owned && !try_lock(mesh, face, ticket, c))) {
@@ -160,7 +161,8 @@ static uint propagate(Mesh mesh, Claim c, uint ticket, private uint* around, Que
       continue;
     }
     const uint2 refs = faces_of_edge(mesh, edge);
-    flip_edge(mesh, edge, refs, mesh.corners[GCDT_REF_FACE(refs.x)], mesh.corners[GCDT_REF_FACE(refs.y)], around);
+    flip_edge(mesh, edge, refs, mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
+              mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))], around);
     ++flips;
     for (uint i = 0; i < 4u; ++i) {
       if (size < GCDT_FLIP_WORKLIST)
@@ -178,7 +180,8 @@ static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
   uint around[4];
   const uint ticket = make_ticket(c.stamp, c.bits, e);
   const uint2 refs = faces_of_edge(mesh, e);
-  const uint4 ct = mesh.corners[GCDT_REF_FACE(refs.x)], cu = mesh.corners[GCDT_REF_FACE(refs.y)];
+  const uint4 ct = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
+              cu = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))];
   if (ct.w != ticket || cu.w != ticket) {
     queue_edge(queue, e);
     return 0;
@@ -257,7 +260,7 @@ kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, 
   local uint queued[SWEEP_TILE];
   volatile local uint taken[SWEEP_TILE / 32u];
   local uint queued_count;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
   FOR_EACH_SWEEP(tile, edges) {
@@ -284,7 +287,7 @@ kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, 
 kernel void flip_mark(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                       global const uint* illegal, volatile global Counters* counters) {
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Queue queue = make_mark_queue(edge_marks);
   const uint count = counters->list_flip[round & 1u];
@@ -318,7 +321,7 @@ kernel void flip_gather(uint all, uint edges, uint round, global const uint* edg
 kernel void flip_test(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                       global const uint* list, global uint* illegal, volatile global Counters* counters) {
   DECLARE_APPENDER(found);
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
   const uint count = counters->list_test[round % 3u];
@@ -336,7 +339,7 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
                            global const uint* illegal, global uint* list, volatile global Counters* counters) {
   DECLARE_APPENDER(queued);
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
   const uint count = counters->list_flip[round & 1u];
@@ -352,7 +355,7 @@ kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_
                         global uint* list, global uint* illegal, volatile global Counters* counters) {
   DECLARE_APPENDER(gathered);
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   uint flips = 0, done = 0;
   for (;;) {
     const uint now = round + done;

@@ -36,24 +36,22 @@
 #define SHAPE_EDGE 2u
 
 typedef struct History {
-  u32 begin, end;                // the level's vertices
-  global uint4* top_corners;     // corners of the top layer's faces; w: reference to node or leaf
-  global uint4* top_neighbours;  // face across from corner k, or GCDT_NONE
-  global uint* vertex_face;      // for each vertex of the top layer: one of its faces
-  global uint4* nodes;           // per vertex of the level: children; before insertion: (location, depth, -, -)
-  global uint* shape;            // per vertex of the level
+  u32 begin, end;            // the level's vertices
+  global uint4* top;         // for each face of the top layer its corners (w: reference to node or leaf), then
+                             // the faces across from them, or GCDT_NONE
+  global uint* vertex_face;  // for each vertex of the top layer: one of its faces
+  global uint4* nodes;       // per vertex of the level: children; before insertion: (location, depth, -, -)
+  global uint* shape;        // per vertex of the level
 } History;
 
-#define GCDT_HISTORY_PARAMETERS                                                                            \
-  uint begin, uint end, global uint4 *top_corners, global uint4 *top_neighbours, global uint *vertex_face, \
-      global uint4 *nodes, global uint *shape
+#define GCDT_HISTORY_PARAMETERS \
+  uint begin, uint end, global uint4 *top, global uint *vertex_face, global uint4 *nodes, global uint *shape
 
 static inline History make_history(GCDT_HISTORY_PARAMETERS) {
   History h;
   h.begin = begin;
   h.end = end;
-  h.top_corners = top_corners;
-  h.top_neighbours = top_neighbours;
+  h.top = top;
   h.vertex_face = vertex_face;
   h.nodes = nodes;
   h.shape = shape;
@@ -121,7 +119,7 @@ static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, gl
 static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint from_vertex, uint root,
                                   uint limit, private uint* steps, private uint* zero) {
   uint t = from_vertex == GCDT_NONE ? root : h.vertex_face[from_vertex];
-  uint4 c = h.top_corners[t], across = h.top_neighbours[t];
+  uint4 c = h.top[GCDT_CORNERS(t)], across = h.top[GCDT_SIDES(t)];
   uint k = c.y == from_vertex ? 1u : c.z == from_vertex ? 2u : 0u;
   c = rotate_to(c, k);
   Vertex x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y), z = load_vertex(points, n, c.z);
@@ -151,8 +149,8 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
     }
     if (t == GCDT_NONE) return t;
     sx = 1;
-    c = h.top_corners[t];
-    across = h.top_neighbours[t];
+    c = h.top[GCDT_CORNERS(t)];
+    across = h.top[GCDT_SIDES(t)];
     k = across.x == from ? 0u : across.y == from ? 1u : 2u;
     x = load_vertex(points, n, element(c, k));
   }
@@ -163,7 +161,7 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
 // is after the level's last split and before any flip. Ends: each step goes one node deeper.
 static inline uint descend_history(global const int2* points, uint n, History h, Germ g, uint top,
                                    private uint* steps) {
-  uint4 c = h.top_corners[top];
+  uint4 c = h.top[GCDT_CORNERS(top)];
   uint ref = c.w;
   while ((ref & 3u) != HISTORY_LEAF) {
     const uint m = ref >> 2, kind = ref & 3u;

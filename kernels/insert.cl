@@ -36,9 +36,10 @@ static inline bool inserted_in(History h, uint v, uint round) {
 // The face (m, p1, p2) in slot t was the first child of a face split by m in the last round: which
 // child holds v, or which spoke? p0 is found in child 2 = (m, p0, p1).
 static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
-  const uint4 c = mesh.corners[t];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
   const Vertex vm = load_vertex(mesh.points, mesh.n, m);
-  const i64 s0 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, mesh.corners[new_face(mesh, m, 1u)].y), v);
+  const i64 s0 =
+      gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 1u))].y), v);
   const i64 s1 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.y), v);
   const i64 s2 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.z), v);
   if (s1 > 0 && s2 < 0) return t;
@@ -50,8 +51,8 @@ static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
 // Slot t holds (m, a, b), first child of one side of an edge split by m in the last round; its
 // sibling (m, c, a) is f1 on side 0 and f2 on side 1.
 static uint child_of_side(Mesh mesh, Vertex v, uint m, uint t) {
-  const uint a = mesh.corners[t].y;
-  const uint side = mesh.corners[new_face(mesh, m, 0u)].z == a ? 0u : 1u;
+  const uint a = mesh.face_data[GCDT_CORNERS(t)].y;
+  const uint side = mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 0u))].z == a ? 0u : 1u;
   const i64 s = gcdt_orient2d(load_vertex(mesh.points, mesh.n, m), load_vertex(mesh.points, mesh.n, a), v);
   if (s > 0) return t;
   if (s < 0) return new_face(mesh, m, side);
@@ -62,7 +63,7 @@ static uint child_of_side(Mesh mesh, Vertex v, uint m, uint t) {
 // edge the other: v's half is the one on its side of m. All are collinear and finite.
 static uint half_of_edge(Mesh mesh, History h, Vertex v, uint e, uint round) {
   const uint ref = mesh.edge_faces[2u * e];
-  const uint4 r = rotate_to(mesh.corners[GCDT_REF_FACE(ref)], GCDT_REF_CORNER(ref));
+  const uint4 r = rotate_to(mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))], GCDT_REF_CORNER(ref));
   const bool first = inserted_in(h, r.y, round);
   if (!first && !inserted_in(h, r.z, round)) return ON_EDGE | e;
   const uint m = first ? r.y : r.z;
@@ -81,8 +82,8 @@ static inline uint2 faces_of_location(Mesh mesh, uint location) {
 static void vote(Mesh mesh, History h, Round r, uint v, uint location) {
   const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
   const uint2 f = faces_of_location(mesh, location);
-  atomic_max(claim_word(mesh.corners, f.x), ticket);
-  if (f.y != f.x) atomic_max(claim_word(mesh.corners, f.y), ticket);
+  atomic_max(claim_word(mesh.face_data, f.x), ticket);
+  if (f.y != f.x) atomic_max(claim_word(mesh.face_data, f.y), ticket);
 }
 
 // Moves v to where the last round's splits have put it. False if v is inserted itself.
@@ -94,9 +95,9 @@ static bool relocate_and_vote(Mesh mesh, History h, Round r, uint v) {
   if (location & ON_EDGE) {
     location = half_of_edge(mesh, h, p, location & ~ON_EDGE, r.number - 1u);
     const uint beside = GCDT_REF_FACE(mesh.edge_faces[2u * (location & ~ON_EDGE)]);
-    if (inserted_in(h, mesh.corners[beside].x, r.number - 1u)) ++depth;
+    if (inserted_in(h, mesh.face_data[GCDT_CORNERS(beside)].x, r.number - 1u)) ++depth;
   } else {
-    const uint m = mesh.corners[location].x;
+    const uint m = mesh.face_data[GCDT_CORNERS(location)].x;
     if (inserted_in(h, m, r.number - 1u)) {
       ++depth;
       location = (h.shape[m - h.begin] & 3u) == SHAPE_FACE ? child_of_face(mesh, p, m, location)
@@ -113,9 +114,9 @@ static bool relocate_and_vote(Mesh mesh, History h, Round r, uint v) {
 // next[2] while the owner of side 1's first child replaces it is harmless, since neither its old nor
 // its new value is then LEAF(t).
 static void hang_node(Mesh mesh, History h, uint t, uint ref) {
-  const uint m = mesh.corners[t].x;
+  const uint m = mesh.face_data[GCDT_CORNERS(t)].x;
   if (m < h.begin || m >= h.end) {
-    h.top_corners[t].w = ref;
+    h.top[GCDT_CORNERS(t)].w = ref;
     return;
   }
   volatile global uint* next = (volatile global uint*)(h.nodes + (m - h.begin));
@@ -132,16 +133,16 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
 //  Side s.x stays where it is, opposite corner 0 of slot t.
 //  Spoke j has side 0 in child j+2 (opposite its corner 2) and side 1 in child j+1 (its corner 1).
 static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
-  const uint4 c = mesh.corners[t], s = mesh.sides[t];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
   const uint slot1 = new_face(mesh, v, 0u), slot2 = new_face(mesh, v, 1u);
   const uint e0 = new_edge(mesh, v, 0u), e1 = new_edge(mesh, v, 1u), e2 = new_edge(mesh, v, 2u);
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
-  mesh.corners[t] = (uint4)(v, c.y, c.z, 0u);
-  mesh.corners[slot1] = (uint4)(v, c.z, c.x, 0u);
-  mesh.corners[slot2] = (uint4)(v, c.x, c.y, 0u);
-  mesh.sides[t] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);
-  mesh.sides[slot1] = (uint4)(s.y, GCDT_SIDE(e0, 1u), GCDT_SIDE(e2, 0u), 0u);
-  mesh.sides[slot2] = (uint4)(s.z, GCDT_SIDE(e1, 1u), GCDT_SIDE(e0, 0u), 0u);
+  mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.y, c.z, 0u);
+  mesh.face_data[GCDT_CORNERS(slot1)] = (uint4)(v, c.z, c.x, 0u);
+  mesh.face_data[GCDT_CORNERS(slot2)] = (uint4)(v, c.x, c.y, 0u);
+  mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);
+  mesh.face_data[GCDT_SIDES(slot1)] = (uint4)(s.y, GCDT_SIDE(e0, 1u), GCDT_SIDE(e2, 0u), 0u);
+  mesh.face_data[GCDT_SIDES(slot2)] = (uint4)(s.z, GCDT_SIDE(e1, 1u), GCDT_SIDE(e0, 0u), 0u);
   mesh.edge_faces[s.y] = GCDT_FACE_REF(slot1, 0u);
   mesh.edge_faces[s.z] = GCDT_FACE_REF(slot2, 0u);
   mesh.edge_faces[GCDT_SIDE(e0, 0u)] = GCDT_FACE_REF(slot2, 2u);
@@ -158,11 +159,11 @@ static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
 // One side of an edge split: face t with apex a at corner k becomes (v, a, b) in slot t and (v, c, a)
 // in `slot`. half_b and half_c are this side's codes of the edge's halves, spoke joins v and a.
 static void split_side(Mesh mesh, uint v, uint t, uint k, uint slot, uint half_b, uint half_c, uint spoke) {
-  const uint4 c = rotate_to(mesh.corners[t], k), s = rotate_to(mesh.sides[t], k);
-  mesh.corners[t] = (uint4)(v, c.x, c.y, 0u);
-  mesh.corners[slot] = (uint4)(v, c.z, c.x, 0u);
-  mesh.sides[t] = (uint4)(s.z, half_b, GCDT_SIDE(spoke, 0u), 0u);
-  mesh.sides[slot] = (uint4)(s.y, GCDT_SIDE(spoke, 1u), half_c, 0u);
+  const uint4 c = rotate_to(mesh.face_data[GCDT_CORNERS(t)], k), s = rotate_to(mesh.face_data[GCDT_SIDES(t)], k);
+  mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.x, c.y, 0u);
+  mesh.face_data[GCDT_CORNERS(slot)] = (uint4)(v, c.z, c.x, 0u);
+  mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.z, half_b, GCDT_SIDE(spoke, 0u), 0u);
+  mesh.face_data[GCDT_SIDES(slot)] = (uint4)(s.y, GCDT_SIDE(spoke, 1u), half_c, 0u);
   mesh.edge_faces[s.z] = GCDT_FACE_REF(t, 0u);
   mesh.edge_faces[s.y] = GCDT_FACE_REF(slot, 0u);
   mesh.edge_faces[half_b] = GCDT_FACE_REF(t, 1u);
@@ -199,7 +200,7 @@ static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global 
   const uint location = h.nodes[v - h.begin].x;
   const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
   const uint2 f = faces_of_location(mesh, location);
-  if (*claim_word(mesh.corners, f.x) != ticket || *claim_word(mesh.corners, f.y) != ticket) return 0u;
+  if (*claim_word(mesh.face_data, f.x) != ticket || *claim_word(mesh.face_data, f.y) != ticket) return 0u;
   const uint depth = h.nodes[v - h.begin].y + 1u;
   if (depth > counters->history_depth) atomic_max(&counters->history_depth, depth);
   if (location & ON_EDGE) {
@@ -216,8 +217,8 @@ kernel void insert_root(GCDT_MESH_PARAMETERS) {
   const uint roots = root_count(points, n);
   for (uint p = get_global_id(0); p < roots; p += get_global_size(0)) {
     const uint v = n + 3u * p, e = 3u * p;
-    corners[p] = (uint4)(v, v + 1u, v + 2u, 0u);
-    sides[p] = (uint4)(GCDT_SIDE(e, 0u), GCDT_SIDE(e + 1u, 0u), GCDT_SIDE(e + 2u, 0u), 0u);
+    face_data[GCDT_CORNERS(p)] = (uint4)(v, v + 1u, v + 2u, 0u);
+    face_data[GCDT_SIDES(p)] = (uint4)(GCDT_SIDE(e, 0u), GCDT_SIDE(e + 1u, 0u), GCDT_SIDE(e + 2u, 0u), 0u);
     for (uint k = 0; k < 3u; ++k) {
       edge_faces[2u * (e + k)] = GCDT_FACE_REF(p, k);
       edge_faces[2u * (e + k) + 1u] = GCDT_NONE;
@@ -229,15 +230,15 @@ kernel void insert_root(GCDT_MESH_PARAMETERS) {
 // each vertex the face of the greatest number (vertex_face starts at 0; atomic_max, so the order of
 // work-items cannot matter). After: the top layer stands apart from the mesh, each face a leaf.
 kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS) {
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   for (uint t = get_global_id(0); t < faces; t += get_global_size(0)) {
-    const uint4 c = mesh.corners[t], s = mesh.sides[t];
+    const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
     const uint a0 = mesh.edge_faces[s.x ^ 1u], a1 = mesh.edge_faces[s.y ^ 1u], a2 = mesh.edge_faces[s.z ^ 1u];
-    h.top_corners[t] = (uint4)(c.x, c.y, c.z, HISTORY_REF(t, HISTORY_LEAF));
-    h.top_neighbours[t] = (uint4)(a0 == GCDT_NONE ? a0 : GCDT_REF_FACE(a0), a1 == GCDT_NONE ? a1 : GCDT_REF_FACE(a1),
-                                  a2 == GCDT_NONE ? a2 : GCDT_REF_FACE(a2), 0u);
-    mesh.corners[t].w = 0u;
+    h.top[GCDT_CORNERS(t)] = (uint4)(c.x, c.y, c.z, HISTORY_REF(t, HISTORY_LEAF));
+    h.top[GCDT_SIDES(t)] = (uint4)(a0 == GCDT_NONE ? a0 : GCDT_REF_FACE(a0), a1 == GCDT_NONE ? a1 : GCDT_REF_FACE(a1),
+                                   a2 == GCDT_NONE ? a2 : GCDT_REF_FACE(a2), 0u);
+    mesh.face_data[GCDT_CORNERS(t)].w = 0u;
     if (c.x < n) atomic_max(h.vertex_face + c.x, t);
     if (c.y < n) atomic_max(h.vertex_face + c.y, t);
     if (c.z < n) atomic_max(h.vertex_face + c.z, t);
@@ -251,8 +252,8 @@ kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMET
 kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                           GCDT_HISTORY_PARAMETERS, global uint* list, volatile global Counters* counters) {
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint top_faces = gcdt_forest_faces(begin, mesh.roots);
   uint steps = 0;
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
@@ -270,7 +271,7 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
     if (t == GCDT_NONE)
       atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;
     else if (zero != 3u)
-      location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.sides[t], zero));
+      location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(t)], zero));
     h.nodes[i] = (uint4)(location, 0u, 0u, 0u);
     h.shape[i] = 0u;
     list[i] = v;
@@ -295,8 +296,8 @@ static void vote_tiles(Mesh mesh, History h, Round r, global const uint* list, u
 kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                         global const uint* list_before, global uint* list, volatile global Counters* counters) {
   DECLARE_APPENDER(left);
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Appender a = make_appender(left_items, left_gathered, list, &counters->list_insert[number & 1u]);
   vote_tiles(mesh, h, make_round(number, stamp, bits), list_before, counters->list_insert[(number & 1u) ^ 1u], a);
 }
@@ -308,8 +309,8 @@ kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS
 kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                          global const uint* list, volatile global Counters* counters) {
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Round r = make_round(number, stamp, bits);
   const uint count = counters->list_insert[number & 1u];
   if (get_global_id(0) == 0) counters->list_insert[(number & 1u) ^ 1u] = 0u;
@@ -328,8 +329,8 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_ME
                           global uint* list_even, global uint* list_odd, volatile global Counters* counters) {
   DECLARE_APPENDER(left);
   local uint sum;
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   uint done = 0, on_edges = 0;
   for (;;) {
     const Round r = make_round(number + done, stamp + done, bits);
@@ -359,8 +360,8 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_ME
 // words were cleared (the stamps were used up). atomic_max as above.
 kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                           global const uint* list, volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, corners, sides, edge_faces);
-  const History h = make_history(begin, end, top_corners, top_neighbours, vertex_face, nodes, shape);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint count = counters->list_insert[number & 1u];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0))
     vote(mesh, h, make_round(number, stamp, bits), list[i], h.nodes[list[i] - begin].x);

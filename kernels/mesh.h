@@ -10,21 +10,18 @@
 typedef struct Mesh {
   u32 n, roots;
   global const int2* points;
-  global uint4* corners;
-  global uint4* sides;
+  global uint4* face_data;
   global uint* edge_faces;
 } Mesh;
 
-#define GCDT_MESH_PARAMETERS \
-  uint n, global const int2 *points, global uint4 *corners, global uint4 *sides, global uint *edge_faces
+#define GCDT_MESH_PARAMETERS uint n, global const int2 *points, global uint4 *face_data, global uint *edge_faces
 
 static inline Mesh make_mesh(GCDT_MESH_PARAMETERS) {
   Mesh mesh;
   mesh.n = n;
   mesh.roots = root_count(points, n);
   mesh.points = points;
-  mesh.corners = corners;
-  mesh.sides = sides;
+  mesh.face_data = face_data;
   mesh.edge_faces = edge_faces;
   return mesh;
 }
@@ -76,8 +73,8 @@ static inline uint make_ticket(uint stamp, uint bits, uint number) {
   return (stamp << bits) | permute_number(number, bits);
 }
 
-static inline volatile global uint* claim_word(global uint4* corners, uint face) {
-  return (volatile global uint*)(corners + face) + 3;
+static inline volatile global uint* claim_word(global uint4* face_data, uint face) {
+  return (volatile global uint*)(face_data + GCDT_CORNERS(face)) + 3;
 }
 
 // ---- Counters -------------------------------------------------------------------------------------

@@ -17,12 +17,12 @@ GCDT_INLINE uint3 rotated(uint4 v, uint first) { return first == 0 ? v.xyz : fir
 // corner, rank of the second), `bits` bits each. Every directed edge is in one face, so these keys are
 // distinct. A face with a symbolic corner has the key of all ones, above every other: a rank is at most
 // n - 1 < 2^bits - 1.
-kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* corners,
+kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* face_data,
                       global ulong* keys, global uint* refs, global uint* triangles) {
   const uint n = levels->n;
   uint finite = 0;
   for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
-    const uint4 c = corners[f];
+    const uint4 c = face_data[GCDT_CORNERS(f)];
     ulong key = ((ulong)1 << (2u * bits)) - 1u;
     uint first = 0;
     if (max(max(c.x, c.y), c.z) < n) {
@@ -55,14 +55,13 @@ kernel void place_faces(const uint count, const uint triangles, global const uin
 // Words 3i .. 3i+2 and byte i have one writer.
 // After this kernel corner 0 has the least rank, neighbour k is across from corner k, -1 where the face
 // across is symbolic, and bit k of constrained tells of the same edge.
-kernel void gather_triangles(const uint count, global const uint4* corners, global const uint4* sides,
-                             global const uint* edge_faces, global const uint* edge_marks, global const uint* refs,
-                             global const int* positions, global uint* out_corners, global int* out_neighbours,
-                             global uchar* out_constrained) {
+kernel void gather_triangles(const uint count, global const uint4* face_data, global const uint* edge_faces,
+                             global const uint* edge_marks, global const uint* refs, global const int* positions,
+                             global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
-    vstore3(rotated(corners[f], first), i, out_corners);
-    const uint3 s = rotated(sides[f], first);
+    vstore3(rotated(face_data[GCDT_CORNERS(f)], first), i, out_corners);
+    const uint3 s = rotated(face_data[GCDT_SIDES(f)], first);
     const uint3 across = (uint3)(edge_faces[s.x ^ 1u], edge_faces[s.y ^ 1u], edge_faces[s.z ^ 1u]);
     vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)],
                    positions[GCDT_REF_FACE(across.z)]),

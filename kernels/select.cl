@@ -6,9 +6,9 @@
 // Reads corners. Writes finite[f]: 1 if all corners of face f are finite vertices, else 0.
 // Word f has one writer.
 // After this kernel the scan of `finite` numbers the finite faces.
-kernel void select_finite(const uint count, const uint n, global const uint4* corners, global uint* finite) {
+kernel void select_finite(const uint count, const uint n, global const uint4* face_data, global uint* finite) {
   for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
-    const uint4 c = corners[f];
+    const uint4 c = face_data[GCDT_CORNERS(f)];
     finite[f] = max(max(c.x, c.y), c.z) < n ? 1u : 0u;
   }
 }

@@ -26,8 +26,9 @@ typedef std::uint64_t u64;
 // n finite vertices 0 .. n-1 and three symbolic ones n, n+1, n+2 (predicates.h).
 // A complete triangulation of the symbolic triangle has 2n+1 faces and 3n+3 edges.
 //
-//   corners[t]    = uint4: the three corners, counter-clockwise; w: claim word (claims.h)
-//   sides[t]      = uint4: sides[t][k] is the side code of the edge opposite corner k; w: spare
+//   face_data     = for each face t two uint4, in one cache sector:
+//   corners[t]    = face_data[GCDT_CORNERS(t)]: the three corners, counter-clockwise; w: claim word (mesh.h)
+//   sides[t]      = face_data[GCDT_SIDES(t)]: sides[t][k] is the side code of the edge opposite corner k; w: spare
 //   edge_faces[s] = uint: the face reference on side s of edge s/2
 //   edge_marks[e] = uint: bits below
 //
@@ -37,6 +38,8 @@ typedef std::uint64_t u64;
 // edge_faces[sides[t][k]] == (t, k): side codes index edge_faces; s ^ 1 is the other side.
 // Every word has one owner: whoever owns face t owns corners[t], sides[t] and edge_faces[sides[t][k]]
 // (L1 in kernels/README.md).
+#define GCDT_CORNERS(face) (2u * (face))
+#define GCDT_SIDES(face) (2u * (face) + 1u)
 #define GCDT_FACE_REF(face, corner) (((u32)(face) << 2) | (u32)(corner))
 #define GCDT_REF_FACE(ref) ((ref) >> 2)
 #define GCDT_REF_CORNER(ref) ((ref)&3u)

@@ -64,11 +64,11 @@ static uint find_direction(Table table, uint u, uint v) {
 
 // One work-item per crossed face, before its slot is overwritten. Enters its sides on edges that are
 // not crossed. Slots are taken by compare-and-exchange; where an entry lands does not matter.
-kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* corners, global const uint4* sides,
-                        global const uint* near0, TABLE_PARAMETERS, volatile global Counters* counters) {
+kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* face_data, global const uint* near0,
+                        TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, codes, froms, tos);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint4 c = corners[crossed[i]], s = sides[crossed[i]];
+    const uint4 c = face_data[GCDT_CORNERS(crossed[i])], s = face_data[GCDT_SIDES(crossed[i])];
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
       if (near0[GCDT_SIDE_EDGE(code)] == GCDT_NONE &&
@@ -81,8 +81,8 @@ kernel void stitch_keep(uint count, global const uint* crossed, global const uin
 static inline bool in_second(uint u, uint v) { return u > v; }
 
 // Joins side k of new triangle t to the side code, which waits for it.
-static inline void join(uint t, uint k, uint code, global uint4* sides, global uint* edge_faces) {
-  ((global uint*)(sides + t))[k] = code;
+static inline void join(uint t, uint k, uint code, global uint4* face_data, global uint* edge_faces) {
+  ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
   edge_faces[code] = GCDT_FACE_REF(t, k);
 }
 
@@ -91,9 +91,9 @@ static inline void join(uint t, uint k, uint code, global uint4* sides, global u
 // direction. A work-group takes slots for all its new edges at once (any numbering does). Writes its own
 // face's side words, the sides found (each direction occurs once among the new triangles of a valid mesh,
 // which stitch_prove checks), and new edges' words. After: all directions u < v are joined.
-kernel void stitch_first(uint count, uint free_edges, global const uint* crossed, global const uint4* corners,
-                         global uint4* sides, global uint* edge_faces, global uint* edge_marks,
-                         global const uint* crossed_edges, TABLE_PARAMETERS, volatile global Counters* counters) {
+kernel void stitch_first(uint count, uint free_edges, global const uint* crossed, global uint4* face_data,
+                         global uint* edge_faces, global uint* edge_marks, global const uint* crossed_edges,
+                         TABLE_PARAMETERS, volatile global Counters* counters) {
   local uint wanted[2];  // new edges of the tile; number of the first
   const Table table = make_table(capacity, codes, froms, tos);
   FOR_EACH_TILE(tile, count) {
@@ -102,7 +102,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
     barrier(CLK_LOCAL_MEM_FENCE);
     uint found[3] = {0u, 0u, 0u}, mine = 0, place = 0;
     if (i < count) {
-      const uint4 c = corners[crossed[i]];
+      const uint4 c = face_data[GCDT_CORNERS(crossed[i])];
       for (uint k = 0; k < 3u; ++k) {
         const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
         if (in_second(u, v)) continue;
@@ -116,7 +116,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
     barrier(CLK_LOCAL_MEM_FENCE);
     if (i < count) {
       const uint t = crossed[i];
-      const uint4 c = corners[t];
+      const uint4 c = face_data[GCDT_CORNERS(t)];
       uint number = wanted[1] + place;
       for (uint k = 0; k < 3u; ++k) {
         const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
@@ -124,7 +124,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
         uint code = found[k];
         if (code == GCDT_NONE) {
           if (number >= free_edges) {
-            ((global uint*)(sides + t))[k] = GCDT_NONE;
+            ((global uint*)(face_data + GCDT_SIDES(t)))[k] = GCDT_NONE;
             atomic_or(&counters->failed, GCDT_FAILED_MATCH);
             continue;
           }
@@ -134,7 +134,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
           edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
           if (!insert_direction(table, v, u, GCDT_SIDE(e, 1u))) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
         }
-        join(t, k, code, sides, edge_faces);
+        join(t, k, code, face_data, edge_faces);
       }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -143,21 +143,21 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
 
 // One work-item per new triangle, after stitch_first: its directions u -> v with u > v, all of which are in
 // the table now. Writes as there.
-kernel void stitch_second(uint count, global const uint* crossed, global const uint4* corners, global uint4* sides,
-                          global uint* edge_faces, TABLE_PARAMETERS, volatile global Counters* counters) {
+kernel void stitch_second(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
+                          TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, codes, froms, tos);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
-    const uint4 c = corners[t];
+    const uint4 c = face_data[GCDT_CORNERS(t)];
     for (uint k = 0; k < 3u; ++k) {
       const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
       if (!in_second(u, v)) continue;
       const uint code = find_direction(table, u, v);
       if (code == GCDT_NONE) {
-        ((global uint*)(sides + t))[k] = GCDT_NONE;
+        ((global uint*)(face_data + GCDT_SIDES(t)))[k] = GCDT_NONE;
         atomic_or(&counters->failed, GCDT_FAILED_MATCH);
       } else {
-        join(t, k, code, sides, edge_faces);
+        join(t, k, code, face_data, edge_faces);
       }
     }
   }
@@ -171,7 +171,7 @@ kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAM
                          volatile global Counters* counters) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
-    const uint4 c = corners[t], s = sides[t];
+    const uint4 c = face_data[GCDT_CORNERS(t)], s = face_data[GCDT_SIDES(t)];
     bool right =
         gcdt_orient2d(load_vertex(points, n, c.x), load_vertex(points, n, c.y), load_vertex(points, n, c.z)) > 0;
     for (uint k = 0; k < 3u; ++k) {

@@ -120,7 +120,7 @@ static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 
 //   two                          the walk runs along their edge, in the direction that has the third corner on
 //                                the side where it is
 static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
-  const uint4 c = mesh.corners[w->face], sides = mesh.sides[w->face];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
   const int s0 = side_of(w, mesh, c.x), s1 = side_of(w, mesh, c.y), s2 = side_of(w, mesh, c.z);
   const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
   if (zeros == 0) {
@@ -169,8 +169,8 @@ static inline Behind look_behind(const private Walk* w, Mesh mesh) {
   Behind b;
   b.ref = mesh.edge_faces[w->code ^ 1u];
   const uint face = b.ref == GCDT_NONE ? w->face : GCDT_REF_FACE(b.ref);
-  b.corners = mesh.corners[face];
-  b.sides = mesh.sides[face];
+  b.corners = mesh.face_data[GCDT_CORNERS(face)];
+  b.sides = mesh.face_data[GCDT_SIDES(face)];
   b.apex = load_vertex(mesh.points, mesh.n, element(b.corners, GCDT_REF_CORNER(b.ref)));
   return b;
 }
@@ -192,7 +192,7 @@ static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
 // directions, and exactly one direction is right.
 static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
   for (uint step = 0; step < limit; ++step) {
-    const uint4 c = mesh.corners[w->face], sides = mesh.sides[w->face];
+    const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
     const uint k = c.x == z ? 0u : c.y == z ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
     const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);

@@ -66,7 +66,7 @@ class Constraining {
 
   void list_crossed() {
     auto flags = runtime_.allocate<cl_uint>("crossed flags", std::size_t(mesh_.edges()) + 1);
-    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), mesh_.corners, flags);
+    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), mesh_.face_data, flags);
     primitives_.exclusive_scan(flags, flags, mesh_.faces());
     crossed_faces_ = runtime_.read_one(flags, mesh_.faces());
     crossed_ = runtime_.allocate<cl_uint>("crossed faces", crossed_faces_);
@@ -80,8 +80,8 @@ class Constraining {
   }
 
   void find_hexagons() {
-    runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners,
-                    mesh_.sides, near_.first, near_.second, counters_.buffer());
+    runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
+                    near_.first, near_.second, counters_.buffer());
     hexagons_ = counters_.read().hexagons;
   }
 
@@ -143,25 +143,25 @@ class Constraining {
     froms_ = runtime_.allocate<cl_uint>("direction origins", capacity_);
     tos_ = runtime_.allocate<cl_uint>("direction ends", capacity_);
     for (const auto* b : {&codes_, &froms_, &tos_}) runtime_.fill<cl_uint>(*b, GCDT_NONE, capacity_);
-    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners, mesh_.sides,
+    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
                     near_.first, capacity_, codes_, froms_, tos_, counters_.buffer());
   }
 
   void retriangulate() {
     runtime_.launch("constrain", "constrain_triangles", over(length_), length_, right_begin_, pieces_.count,
-                    layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, minima_, crossed_, mesh_.corners);
+                    layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, minima_, crossed_, mesh_.face_data);
     runtime_.launch("constrain", "constrain_fill", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_),
-                    hole_place_, chain_vertex_, crossed_, mesh_.corners);
+                    hole_place_, chain_vertex_, crossed_, mesh_.face_data);
   }
 
   void stitch() {
     runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, crossed_edge_count_, crossed_,
-                    mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_,
-                    froms_, tos_, counters_.buffer());
-    runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.corners,
-                    mesh_.sides, mesh_.edge_faces, capacity_, codes_, froms_, tos_, counters_.buffer());
+                    mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_, froms_,
+                    tos_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
+                    mesh_.edge_faces, capacity_, codes_, froms_, tos_, counters_.buffer());
     runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n,
-                    walked_.vertices.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, counters_.buffer());
+                    walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, counters_.buffer());
     runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_,
                     mesh_.edge_marks, capacity_, codes_, froms_, tos_, counters_.buffer());
   }

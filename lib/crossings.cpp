@@ -38,8 +38,7 @@ std::vector<cl_uint2> crossing_pieces(runtime::Runtime& runtime, Primitives& pri
   auto counts = runtime.allocate<cl_uint>("pairs of records", std::size_t(total) + 1);
   auto test = [&](cl_uint emit, const runtime::Buffer<cl_uint2>& pairs) {
     runtime.launch("crossings", "crossings_pairs", over(total), emit, faces, mesh.n, walked.vertices.points,
-                   mesh.corners, mesh.sides, mesh.edge_faces, pieces.ends, starts, records, counts, pairs,
-                   counters.buffer());
+                   mesh.face_data, mesh.edge_faces, pieces.ends, starts, records, counts, pairs, counters.buffer());
   };
   test(0, pieces.ends);
   const std::uint64_t found = wide(counters.read().pairs_low, counters.last().pairs_high);

@@ -85,7 +85,7 @@ class Flipping {
     std::apply(
         [&](const auto&... scalar) {
           runtime_.launch("flip", kernel, runtime::over(items), scalar..., stamps_.bits(), mesh_.n, vertices_.points,
-                          mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks, lists..., counters_.buffer());
+                          mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists..., counters_.buffer());
         },
         scalars);
   }
@@ -106,8 +106,8 @@ class Flipping {
     renew_stamps();
     const cl_uint most = std::min(stamps_.left(), one_group_rounds);
     runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
-                    most, mesh_.n, vertices_.points, mesh_.corners, mesh_.sides, mesh_.edge_faces, mesh_.edge_marks,
-                    lists_.first, lists_.second, counters_.buffer());
+                    most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
+                    lists_.second, counters_.buffer());
     return 0;
   }
 

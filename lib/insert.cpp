@@ -91,9 +91,9 @@ class LevelInsertion {
   void launch(const char* kernel, runtime::Range range, const Scalars& scalars, const Last&... last) {
     std::apply(
         [&](const auto&... scalar) {
-          runtime_.launch("insert", kernel, range, scalar..., mesh_.n, vertices_.points, mesh_.corners, mesh_.sides,
-                          mesh_.edge_faces, history_.begin, history_.end, history_.top_corners, history_.top_neighbours,
-                          history_.vertex_face, history_.nodes, history_.shape, last...);
+          runtime_.launch("insert", kernel, range, scalar..., mesh_.n, vertices_.points, mesh_.face_data,
+                          mesh_.edge_faces, history_.begin, history_.end, history_.top, history_.vertex_face,
+                          history_.nodes, history_.shape, last...);
         },
         scalars);
   }
@@ -123,8 +123,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
     largest = std::max<std::size_t>(largest, levels.begin[j + 1] - levels.begin[j]);
   const std::size_t top_faces = 2 * coarse + roots;
   History history;
-  history.top_corners = runtime.allocate<cl_uint4>("top layer corners", top_faces);
-  history.top_neighbours = runtime.allocate<cl_uint4>("top layer neighbours", top_faces);
+  history.top = runtime.allocate<cl_uint4>("top layer", 2 * std::size_t{top_faces});
   history.vertex_face = runtime.allocate<cl_uint>("faces of coarse vertices", coarse);
   history.nodes = runtime.allocate<cl_uint4>("history nodes", largest);
   history.shape = runtime.allocate<cl_uint>("history shapes", largest);
@@ -132,7 +131,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
 }
 
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
-  runtime.launch("insert", "insert_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.corners, mesh.sides,
+  runtime.launch("insert", "insert_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces);
 }
 

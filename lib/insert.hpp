@@ -10,7 +10,7 @@ namespace gcdt {
 /// Valid for location until the mesh is flipped.
 struct History {
   cl_uint level = 0, begin = 0, end = 0;
-  runtime::Buffer<cl_uint4> top_corners, top_neighbours, nodes;
+  runtime::Buffer<cl_uint4> top, nodes;
   runtime::Buffer<cl_uint> vertex_face, shape;
 };
 

@@ -9,8 +9,7 @@ Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) 
   Mesh mesh;
   mesh.n = n;
   mesh.roots = roots;
-  mesh.corners = runtime.allocate<cl_uint4>("corners", mesh.faces());
-  mesh.sides = runtime.allocate<cl_uint4>("sides", mesh.faces());
+  mesh.face_data = runtime.allocate<cl_uint4>("faces", 2 * std::size_t{mesh.faces()});
   mesh.edge_faces = runtime.allocate<cl_uint>("edge faces", 2 * std::size_t(mesh.edges()));
   mesh.edge_marks = runtime.allocate<cl_uint>("edge marks", mesh.edges());
   runtime.fill<cl_uint>(mesh.edge_marks, 0, mesh.edges());
@@ -18,7 +17,7 @@ Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) 
 }
 
 void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t faces) {
-  runtime.launch("mesh", "mesh_clear_claims", runtime::over(faces), faces, mesh.corners);
+  runtime.launch("mesh", "mesh_clear_claims", runtime::over(faces), faces, mesh.face_data);
 }
 
 WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {

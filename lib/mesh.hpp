@@ -12,9 +12,9 @@ namespace gcdt {
 /// root (kernels/forest.h).
 struct Mesh {
   std::uint32_t n = 0, roots = 1;
-  runtime::Buffer<cl_uint4> corners, sides;  ///< 2n+1 faces
-  runtime::Buffer<cl_uint> edge_faces;       ///< 2 (3n+3) face references
-  runtime::Buffer<cl_uint> edge_marks;       ///< 3n+3 words of mark bits
+  runtime::Buffer<cl_uint4> face_data;  ///< 2 (2n+1): corners and sides of each face
+  runtime::Buffer<cl_uint> edge_faces;  ///< 2 (3n+3) face references
+  runtime::Buffer<cl_uint> edge_marks;  ///< 3n+3 words of mark bits
 
   std::uint32_t faces() const { return faces(n); }
   std::uint32_t edges() const { return edges(n); }

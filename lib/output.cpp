@@ -19,7 +19,7 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
   auto finite = runtime.allocate<cl_uint>("output count", 1);
   runtime.fill<cl_uint>(finite, 0, 1);
-  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.corners,
+  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.face_data,
                  keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
   if (triangles != 0) primitives.sort_by_prefix(keys, refs, mesh.faces(), 2 * bits, bits);
@@ -30,7 +30,7 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
 /// The same without an order: finite faces by number, each with its first corner.
 std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, Buffer<cl_uint>& refs) {
   auto before = runtime.allocate<cl_uint>("output finite faces", std::size_t{mesh.faces()} + 1);
-  runtime.launch("select", "select_finite", over(mesh.faces()), mesh.faces(), mesh.n, mesh.corners, before);
+  runtime.launch("select", "select_finite", over(mesh.faces()), mesh.faces(), mesh.n, mesh.face_data, before);
   primitives.exclusive_scan(before, before, mesh.faces());
   const std::uint32_t triangles = runtime.read_one(before, mesh.faces());
   runtime.launch("select", "select_refs", over(mesh.faces()), mesh.faces(), before, refs);
@@ -54,8 +54,8 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   if (count == 0) return ordered;
   auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
   runtime.launch("output", "place_faces", over(mesh.faces()), mesh.faces(), count, refs, positions);
-  runtime.launch("output", "gather_triangles", over(count), count, mesh.corners, mesh.sides, mesh.edge_faces,
-                 mesh.edge_marks, refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
+  runtime.launch("output", "gather_triangles", over(count), count, mesh.face_data, mesh.edge_faces, mesh.edge_marks,
+                 refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
   return ordered;
 }
 

@@ -88,7 +88,7 @@ void Pipeline::run_steps() {
 // Level by level: insert, then flip, so that each level goes into a Delaunay mesh (paper, section 8). The
 // last level is left unflipped: constraints are enforced first, and located by its history tree.
 void Pipeline::insert() {
-  if (!mesh_.corners.allocated()) {
+  if (!mesh_.face_data.allocated()) {
     mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
     lists_ = make_work_lists(runtime_, vertices_.n(), vertices_.roots);
   }

@@ -23,8 +23,8 @@ struct WalkedMesh {
     std::apply(
         [&](const auto&... f) {
           runtime.launch(program, kernel, range, f..., vertices.levels_buffer, history.level, mesh.n, vertices.points,
-                         mesh.corners, mesh.sides, mesh.edge_faces, history.begin, history.end, history.top_corners,
-                         history.top_neighbours, history.vertex_face, history.nodes, history.shape, last...);
+                         mesh.face_data, mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face,
+                         history.nodes, history.shape, last...);
         },
         first);
   }

@@ -90,8 +90,12 @@ inline HostMesh download(runtime::Runtime& runtime, const Mesh& mesh, const std:
   host.sides.resize(host.faces);
   host.edge_faces.resize(2 * host.edges);
   host.marks.resize(host.edges);
-  runtime.read(mesh.corners, host.corners.data(), host.faces);
-  runtime.read(mesh.sides, host.sides.data(), host.faces);
+  std::vector<cl_uint4> face_data(2 * std::size_t{host.faces});
+  runtime.read(mesh.face_data, face_data.data(), face_data.size());
+  for (std::size_t t = 0; t < host.faces; ++t) {
+    host.corners[t] = face_data[GCDT_CORNERS(t)];
+    host.sides[t] = face_data[GCDT_SIDES(t)];
+  }
   runtime.read(mesh.edge_faces, host.edge_faces.data(), 2 * host.edges);
   runtime.read(mesh.edge_marks, host.marks.data(), host.edges);
   return host;
