@@ -56,6 +56,7 @@ class Constraining {
 
   void find_near() {
     clear_claims(runtime_, mesh_, mesh_.faces());
+    mesh_.claims_below = 2 + std::uint64_t{mesh_.faces()};  // crossed faces and numbers of hexagons
     runtime_.fill<cl_uint>(near_.first, GCDT_NONE, mesh_.edges());
     runtime_.fill<cl_uint>(near_.second, GCDT_NONE, mesh_.edges());
     parts_ = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);

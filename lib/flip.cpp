@@ -37,7 +37,7 @@ class Flipping {
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
-    clear_claims(runtime_, mesh_, faces_);
+    stamps_.go_on_above(mesh_.claims_below);
     const std::uint64_t limit = 1024 + 64ull * edges_;
     const bool swept = edges_ >= least_sweep;
     if (swept) sweep(limit, ticker);

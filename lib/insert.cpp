@@ -58,6 +58,7 @@ class LevelInsertion {
       if (round_ > round_limit) throw Error(Status::round_limit, "insert: vertices are left after the limit of rounds");
       ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
     }
+    mesh_.claims_below = stamps_.claims_below();
     return round_ - 1;
   }
 

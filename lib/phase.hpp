@@ -37,6 +37,13 @@ class Stamps {
     return used_ - count + 1;
   }
   void restart() { used_ = 0; }
+  /// Goes on with stamps whose tickets are all greater than words below `claims`, if there are any.
+  void go_on_above(std::uint64_t claims) {
+    const std::uint64_t spent = bits_ >= 32 ? 0 : (claims + (std::uint64_t{1} << bits_) - 1) >> bits_;
+    used_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(last(), spent == 0 ? 0 : spent - 1));
+  }
+  /// Tickets given out so far are below this.
+  std::uint64_t claims_below() const { return (std::uint64_t{used_} + 1) << bits_; }
 
  private:
   std::uint32_t last() const { return (bits_ >= 32 ? 0u : 0xFFFFFFFFu >> bits_); }
