@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phase 2: all constraints at once (paper, section 6; rules in kernels/README.md).
 //
-// Three walks over the same parts: constrain_near finds the nearest piece at each end of every crossed
-// edge; constrain_count counts the vertices that each part owns and finds, in hexagons, the farthest
-// cuts; constrain_chain writes the chains. Then every chain vertex makes one triangle
+// Two walks over the same parts: constrain_near finds the nearest piece at each end of every crossed
+// edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the farthest
+// cuts. constrain_chain puts the chains together. Then every chain vertex makes one triangle
 // (constrain_triangles), every hexagon one (constrain_fill), in the slots of the crossed faces.
 // Claim words in this phase: 0 = not crossed, 1 = crossed, 2 + h = crossed, hexagon h.
 #include "near.h"
@@ -109,29 +109,93 @@ kernel void constrain_hexagons(uint count, global const uint* crossed, global ui
   }
 }
 
-// One work-item per part. Counts the vertices that the part owns left and right (its own words), and
-// reduces the farthest cut at each corner of a hexagon (reduce_piece). After: counts, 0 beyond the
+// One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
+kernel void constrain_list_hexagons(uint count, global const uint* crossed, global uint4* face_data,
+                                    global uint* hexagon_face) {
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint word = *claim_word(face_data, crossed[i]);
+    if (word >= FACE_HEXAGON) hexagon_face[word - FACE_HEXAGON] = crossed[i];
+  }
+}
+
+// ---- Chains ----------------------------------------------------------------------------------------
+// All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
+// walk order, b. Part p of piece c starts at left_start[p] + 2c + 1; a and b have distance 0.
+//
+// How long each part's share is, is known after its walk. So the walk writes what it owns to chunks, taken from a
+// pool by an atomic counter, and each chunk knows its place within the part.
+#define CHUNK_LENGTH 8u
+
+// A chunk: its part, the vertices that the part owns left and right before it, its length.
+typedef uint4 ChunkHead;
+
+typedef struct Chunks {
+  global ChunkHead* heads;
+  global uint* entries;  // (vertex << 1) | right
+  uint capacity;
+} Chunks;
+
+// One part's stream of owned vertices.
+typedef struct Owned {
+  uint part, chunk, length;  // the current chunk, or GCDT_NONE
+  uint left, right;          // so far
+} Owned;
+
+static void end_chunk(Chunks chunks, const private Owned* o) {
+  if (o->chunk != GCDT_NONE) chunks.heads[o->chunk].w = o->length;
+}
+
+// No race: chunks taken are distinct. There are enough for as many vertices as faces are crossed, and more are owned
+// only if pieces cross.
+static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, volatile global Counters* counters) {
+  if (o->chunk == GCDT_NONE || o->length == CHUNK_LENGTH) {
+    end_chunk(chunks, o);
+    o->chunk = atomic_inc(&counters->chunks);
+    o->length = 0u;
+    if (o->chunk >= chunks.capacity) {
+      atomic_or(&counters->failed, GCDT_FAILED_COUNT);
+      o->chunk = GCDT_NONE;
+      return;
+    }
+    chunks.heads[o->chunk] = (ChunkHead)(o->part, o->left, o->right, 0u);
+  }
+  chunks.entries[CHUNK_LENGTH * o->chunk + o->length++] = v << 1 | right;
+  if (right)
+    ++o->right;
+  else
+    ++o->left;
+}
+
+// One work-item per part. Writes the vertices that the part owns to chunks, and how many are left and right (its own
+// words), and reduces the farthest cut at each corner of a hexagon (reduce_piece). After: counts, 0 beyond the
 // last part; far[3 h + k] is complete.
-kernel void constrain_count(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS, global const uint2* ends,
-                            global const uint* begins, global uint* counts_left, global uint* counts_right,
-                            volatile global uint* far, volatile global Counters* counters) {
+kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS,
+                          global const uint2* ends, global const uint* begins, global uint* counts_left,
+                          global uint* counts_right, volatile global uint* far, global ChunkHead* heads,
+                          global uint* entries, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Near near = make_near(near0, near1);
+  Chunks chunks;
+  chunks.heads = heads;
+  chunks.entries = entries;
+  chunks.capacity = chunk_capacity;
   const uint parts = begins[pieces];
   uint steps = 0;
   for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
-    uint left = 0, right = 0;
+    Owned o;
+    o.part = part, o.chunk = GCDT_NONE, o.length = 0u, o.left = 0u, o.right = 0u;
     if (part < parts) {
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = walk_ends(ends[c]);
       Walk w;
       uint event =
           walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
         const Behind behind = look_behind(&w, mesh);
-        left += owns_left(&w, near, c) ? 1u : 0u;
-        right += owns_right(&w, near, c) ? 1u : 0u;
+        if (owns_left(&w, near, c)) own_vertex(chunks, &o, w.left, 0u, counters);
+        if (owns_right(&w, near, c)) own_vertex(chunks, &o, w.right, 1u, counters);
         const uint word = *claim_word(mesh.face_data, w.face);
         if (w.third_side != 0 && word >= FACE_HEXAGON) {
           volatile global uint* at = far + 3u * (word - FACE_HEXAGON) + cut_corner(&w);
@@ -140,22 +204,11 @@ kernel void constrain_count(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, NE
         }
         event = walk_cross(&w, mesh, behind);
       }
+      end_chunk(chunks, &o);
     }
-    counts_left[part] = left;
-    counts_right[part] = right;
+    counts_left[part] = o.left;
+    counts_right[part] = o.right;
   }
-}
-
-// ---- Chains ----------------------------------------------------------------------------------------
-// All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
-// walk order, b. Part p of piece c starts at left_start + 2c + 1; a and b have distance 0.
-
-// Distance from the line a -> b: |orient2d| < 2^62 for finite vertices, > 0. A symbolic one is farther than
-// every finite one, and the farther the greater its symbol.
-static inline ulong chain_distance(const private Walk* w, Vertex v) {
-  if (v.symbol != 0) return ((ulong)1 << 62) + (ulong)v.symbol;
-  const i64 d = gcdt_orient2d(w->va, w->vb, v);
-  return (ulong)(d < 0 ? -d : d);
 }
 
 typedef struct Chains {
@@ -164,59 +217,104 @@ typedef struct Chains {
   global uint* piece;
 } Chains;
 
-static void write_chain(Chains chains, uint at, uint v, uint c, const private Walk* w, Mesh mesh,
-                        volatile global Counters* counters) {
-  const bool end = v == w->a || v == w->b;
-  chains.vertex[at] = v;
-  chains.piece[at] = c;
-  chains.distance[at] = end ? 0 : chain_distance(w, load_vertex(mesh.points, mesh.n, v));
-  if (v >= mesh.n) atomic_inc(&counters->symbolic_chain_vertices);
+// Distance from the line a -> b: |orient2d| < 2^62 for finite vertices, > 0. A symbolic one is farther than
+// every finite one, and the farther the greater its symbol.
+static inline ulong chain_distance(Vertex a, Vertex b, Vertex v) {
+  if (v.symbol != 0) return ((ulong)1 << 62) + (ulong)v.symbol;
+  const i64 d = gcdt_orient2d(a, b, v);
+  return (ulong)(d < 0 ? -d : d);
 }
 
-// One work-item per part. Writes the part's own range of both chains, the sentinels a (first part) and
-// b (last part), and for a hexagon's corner cut farthest by its piece the place in the chains of the
-// hole's corner there: the owned vertex just before this place when the piece is run through with
-// the hexagon's middle on its left. One piece is farthest at a corner and passes it once, so that word
-// has one writer. After: the chains are complete.
-kernel void constrain_chain(uint pieces, uint right_begin, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS,
+static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance) {
+  chains.vertex[at] = v;
+  chains.piece[at] = c;
+  chains.distance[at] = distance;
+}
+
+// One work-item per chunk, and one per piece. Writes the chunk's vertices to its own range of the chains, the
+// piece's ends around its chains. After: the chains are complete.
+kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uint n, global const int2* points,
                             global const uint2* ends, global const uint* begins, global const uint* left_start,
-                            global const uint* right_start, global const uint* far, global uint* chain_vertex,
-                            global ulong* chain_distances, global uint* chain_piece, global uint* hole_place,
+                            global const uint* right_start, global const ChunkHead* heads, global const uint* entries,
+                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
                             volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const Near near = make_near(near0, near1);
   Chains chains;
   chains.vertex = chain_vertex;
   chains.distance = chain_distances;
   chains.piece = chain_piece;
-  const uint parts = begins[pieces];
-  uint steps = 0;
-  for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
-    const uint c = piece_of_part(begins, pieces, part);
+  for (uint i = get_global_id(0); i < chunk_count; i += get_global_size(0)) {
+    const ChunkHead head = heads[i];
+    const uint c = piece_of_part(begins, pieces, head.x);
+    const Vertex a = load_vertex(points, n, ends[c].x), b = load_vertex(points, n, ends[c].y);
+    uint left = left_start[head.x] + 2u * c + 1u + head.y;
+    uint right = right_begin + right_start[head.x] + 2u * c + 1u + head.z;
+    for (uint j = 0; j < head.w; ++j) {
+      const uint entry = entries[CHUNK_LENGTH * i + j], v = entry >> 1;
+      write_chain(chains, entry & 1u ? right++ : left++, v, c, chain_distance(a, b, load_vertex(points, n, v)));
+      if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
+    }
+  }
+  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
     const uint2 e = walk_ends(ends[c]);
+    const uint first = begins[c], last = begins[c + 1u];
+    write_chain(chains, left_start[first] + 2u * c, e.x, c, 0u);
+    write_chain(chains, left_start[last] + 2u * c + 1u, e.y, c, 0u);
+    write_chain(chains, right_begin + right_start[first] + 2u * c, e.x, c, 0u);
+    write_chain(chains, right_begin + right_start[last] + 2u * c + 1u, e.y, c, 0u);
+  }
+}
+
+// The part of piece c that crosses the edge from `right` to `left`: the first that does not end before it
+// (come_to_edge). Ends: the range halves.
+static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint left, uint parts) {
+  const Vertex r = load_vertex(mesh.points, mesh.n, right), l = load_vertex(mesh.points, mesh.n, left);
+  uint low = 0, high = parts - 1u;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if (gcdt_orient2d_division(r, l, a, b, middle + 1u, parts) > 0)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
+// just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
+// left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
+kernel void constrain_holes(uint hexagons, uint right_begin, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS,
+                            global const uint2* ends, global const uint* begins, global const uint* left_start,
+                            global const uint* right_start, global const uint* far, global const uint* hexagon_face,
+                            global uint* hole_place, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const Near near = make_near(near0, near1);
+  for (uint i = get_global_id(0); i < 3u * hexagons; i += get_global_size(0)) {
+    const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
+    hole_place[i] = 0u;
+    if (c == GCDT_NONE) {
+      atomic_or(&counters->failed, GCDT_FAILED_WALK);
+      continue;
+    }
+    const uint4 corners = mesh.face_data[GCDT_CORNERS(t)];
+    const uint2 e = walk_ends(ends[c]);
+    const Vertex a = load_vertex(mesh.points, mesh.n, e.x), b = load_vertex(mesh.points, mesh.n, e.y);
+    const bool cut_right = gcdt_orient2d(a, b, load_vertex(mesh.points, mesh.n, element(corners, k))) < 0;
+    const uint third = cut_right ? previous_corner(k) : next_corner(k), parts = begins[c + 1u] - begins[c];
+    const uint part = part_that_crosses(mesh, a, b, element(corners, next_corner(third)),
+                                        element(corners, previous_corner(third)), parts);
+    uint left = left_start[begins[c] + part] + 2u * c + 1u, steps = 0;
+    uint right = right_begin + right_start[begins[c] + part] + 2u * c + 1u;
     Walk w;
-    uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
-    uint left = left_start[part] + 2u * c + 1u, right = right_begin + right_start[part] + 2u * c + 1u;
-    if (w.k == 0u) {
-      write_chain(chains, left - 1u, w.a, c, &w, mesh, counters);
-      write_chain(chains, right - 1u, w.a, c, &w, mesh, counters);
+    uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part, parts, &steps);
+    // Ends: every edge crossed lies further along the piece.
+    while (event == WALK_CROSS && w.face != t) {
+      left += owns_left(&w, near, c) ? 1u : 0u;
+      right += owns_right(&w, near, c) ? 1u : 0u;
+      event = walk_cross(&w, mesh, look_behind(&w, mesh));
     }
-    while (event == WALK_CROSS) {
-      const Behind behind = look_behind(&w, mesh);
-      const uint word = *claim_word(mesh.face_data, w.face);
-      if (w.third_side != 0 && word >= FACE_HEXAGON) {
-        const uint at = 3u * (word - FACE_HEXAGON) + cut_corner(&w);
-        if (far[at] == c) hole_place[at] = w.third_side > 0 ? left - 1u : right;
-      }
-      if (owns_left(&w, near, c)) write_chain(chains, left++, w.left, c, &w, mesh, counters);
-      if (owns_right(&w, near, c)) write_chain(chains, right++, w.right, c, &w, mesh, counters);
-      event = walk_cross(&w, mesh, behind);
-    }
-    if (w.k + 1u == w.parts) {
-      write_chain(chains, left, w.b, c, &w, mesh, counters);
-      write_chain(chains, right, w.b, c, &w, mesh, counters);
-    }
+    if (event != WALK_CROSS) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+    hole_place[i] = cut_right ? left - 1u : right;
   }
 }
 

@@ -71,7 +71,7 @@ typedef struct Counters {
   u32 failed;
   u32 history_depth;
   u32 edge_splits;
-  u32 pending;       // vertices or walkers not done after a round
+  u32 chunks;        // of owned vertices, taken by walks (constrain.cl)
   u32 list_test[3];  // lengths of the flip phase's lists, by round modulo 3 and 2
   u32 list_flip[2];
   u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2
@@ -83,8 +83,7 @@ typedef struct Counters {
   u32 symbolic_chain_vertices;
   u32 hexagons;
   u32 new_edges;
-  u32 hits;
-  u32 reserved[9];
+  u32 reserved[10];
 } Counters;
 
 // ---- Layers of minima over the chains (kernels/constrain.cl) ------------------------------------------

@@ -9,6 +9,9 @@ using runtime::over;
 
 namespace {
 
+// Owned vertices of a chunk (CHUNK_LENGTH in constrain.cl).
+constexpr cl_uint chunk_length = 8;
+
 class Constraining {
  public:
   Constraining(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
@@ -27,8 +30,9 @@ class Constraining {
     list_crossed();
     find_hexagons();
     if (failed()) return finish(false);
-    count_chains();
+    own_vertices();
     if (failed() || !counts_agree()) return finish(false);
+    find_holes();
     write_chains();
     keep_boundary();
     retriangulate();
@@ -84,15 +88,26 @@ class Constraining {
     runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
                     near_.first, near_.second, counters_.buffer());
     hexagons_ = counters_.read().hexagons;
+    hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
+    if (hexagons_ > 0)
+      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, crossed_,
+                      mesh_.face_data, hexagon_face_);
   }
 
-  void count_chains() {
+  // A part's last chunk may be nearly empty.
+  void own_vertices() {
+    chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity + 1;
+    chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
+    chunk_entries_ =
+        runtime_.allocate<cl_uint>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
     left_start_ = runtime_.allocate<cl_uint>("left chain starts", std::size_t(parts_.capacity) + 1);
     right_start_ = runtime_.allocate<cl_uint>("right chain starts", std::size_t(parts_.capacity) + 1);
     far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
     runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
-    walked_.launch(runtime_, "constrain", "constrain_count", over(parts_.capacity), sizes(), near_.first, near_.second,
-                   pieces_.ends, parts_.begins, left_start_, right_start_, far_, counters_.buffer());
+    walked_.launch(runtime_, "constrain", "constrain_own", over(parts_.capacity),
+                   std::make_tuple(pieces_.count, parts_.capacity, chunk_capacity_), near_.first, near_.second,
+                   pieces_.ends, parts_.begins, left_start_, right_start_, far_, chunk_heads_, chunk_entries_,
+                   counters_.buffer());
     primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
     primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
     left_total_ = runtime_.read_one(left_start_, parts_.capacity);
@@ -102,18 +117,29 @@ class Constraining {
   // As many triangles are made as were crossed, if no two pieces cross.
   bool counts_agree() const { return std::uint64_t(left_total_) + right_total_ + hexagons_ == crossed_faces_; }
 
-  void write_chains() {
+  // The last walk: the history goes.
+  void find_holes() {
     right_begin_ = left_total_ + 2 * pieces_.count;
+    hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
+    if (hexagons_ > 0)
+      walked_.launch(runtime_, "constrain", "constrain_holes", over(3 * std::size_t{hexagons_}),
+                     std::make_tuple(hexagons_, right_begin_), near_.first, near_.second, pieces_.ends, parts_.begins,
+                     left_start_, right_start_, far_, hexagon_face_, hole_place_, counters_.buffer());
+    walked_.history = {};
+  }
+
+  void write_chains() {
     length_ = right_begin_ + right_total_ + 2 * pieces_.count;
     chain_vertex_ = runtime_.allocate<cl_uint>("chain vertices", length_);
     chain_distances_ = runtime_.allocate<cl_ulong>("chain distances", length_);
     chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
-    hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
-    walked_.launch(runtime_, "constrain", "constrain_chain", over(parts_.capacity),
-                   std::make_tuple(pieces_.count, right_begin_), near_.first, near_.second, pieces_.ends, parts_.begins,
-                   left_start_, right_start_, far_, chain_vertex_, chain_distances_, chain_piece_, hole_place_,
-                   counters_.buffer());
-    walked_.history = {};
+    const cl_uint chunks = counters_.last().chunks;
+    runtime_.launch("constrain", "constrain_chain", over(std::max(chunks, pieces_.count)), pieces_.count, chunks,
+                    right_begin_, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, left_start_,
+                    right_start_, chunk_heads_, chunk_entries_, chain_vertex_, chain_distances_, chain_piece_,
+                    counters_.buffer());
+    chunk_heads_ = {};
+    chunk_entries_ = {};
     make_minima();
   }
 
@@ -177,13 +203,15 @@ class Constraining {
   const WorkLists& near_;
   PhaseCounters& counters_;
   Parts parts_;
-  runtime::Buffer<cl_uint> piece_edge_, crossed_, crossed_edges_, left_start_, right_start_, far_;
+  runtime::Buffer<cl_uint> piece_edge_, crossed_, crossed_edges_, left_start_, right_start_, far_, hexagon_face_;
+  runtime::Buffer<cl_uint4> chunk_heads_;
+  runtime::Buffer<cl_uint> chunk_entries_;
   runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, hole_place_, codes_, froms_, tos_;
   runtime::Buffer<cl_ulong> chain_distances_, minima_;
   runtime::Buffer<device::MinimaLayers> layers_buffer_;
   device::MinimaLayers layers_ = {};
   cl_uint crossed_faces_ = 0, crossed_edge_count_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
-  cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1;
+  cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;
 };
 
 }  // namespace

@@ -8,9 +8,9 @@ namespace gcdt {
 
 namespace {
 
-// Counters, levels, tables of primitives (256 or 16 counters a part), parts beyond one per constraint:
-// everything that does not grow with the input.
-constexpr std::uint64_t constant_bytes = 8u << 20;
+// Counters, levels, tables of primitives (256 or 16 counters a part), parts beyond one per constraint with a
+// chunk each: everything that does not grow with the input.
+constexpr std::uint64_t constant_bytes = 16u << 20;
 
 // Buffers lie in one piece of memory (device_memory.hpp), with gaps between them that none fits in. Measured
 // over all generators of tests/workloads.hpp: below an eighth of the most that is in use.
@@ -39,10 +39,14 @@ std::uint64_t insert_step(const Sizes& s) { return vertex_bytes(s) + mesh_bytes(
 // Per constraint: input and kept ends, list, parts, hits, keys and sources twice (sort), first, result.
 std::uint64_t clean_step(const Sizes& s) { return insert_step(s) + (8 + 12 + 8 + 24 + 4) * s.m + piece_bytes(s); }
 
+// Chunks of owned vertices: one an eighth of a crossed face, and one a part.
+std::uint64_t chunk_bytes(const Sizes& s) { return 6 * s.crossed_faces + 48 * s.m; }
+
 // While walking: flags of edges, crossed lists, parts and starts. A crossed face has at most 3 crossed
 // edges, each shared by two.
 std::uint64_t walk_step(const Sizes& s) {
-  return insert_step(s) + (8 + 4 + 4 + 8) * s.m + piece_bytes(s) + 4 * s.edges + (4 + 6) * s.crossed_faces;
+  return insert_step(s) + (8 + 4 + 4 + 8) * s.m + piece_bytes(s) + 4 * s.edges + (4 + 6) * s.crossed_faces +
+         chunk_bytes(s);
 }
 
 // After the last walk the history is gone; chains hold 16 bytes an entry, minima 8/15 of an entry,
