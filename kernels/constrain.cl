@@ -11,26 +11,16 @@
 #define FACE_CROSSED 1u
 #define FACE_HEXAGON 2u
 
-#define NEAR_PARAMETERS volatile global uint *near0, volatile global uint *near1
-
-static inline Near make_near(NEAR_PARAMETERS) {
-  Near near;
-  near.slot0 = near0;
-  near.slot1 = near1;
-  return near;
-}
-
 // One work-item per part. Writes near words by compare-and-exchange (reduce_piece: order cannot
 // matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
 // an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by
 // atomic_or). After: near and crossed faces are complete, or failure bits are set.
 kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, volatile global uint* edge_marks,
-                           NEAR_PARAMETERS, global const uint2* ends, global const uint* begins,
+                           volatile global uint* near, global const uint2* ends, global const uint* begins,
                            global uint* piece_edge, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const Near near = make_near(near0, near1);
   const uint parts = begins[pieces];
   uint steps = 0, pairs = 0, existing = 0;
   for (uint part = get_global_id(0); part < parts && part < capacity; part += get_global_size(0)) {
@@ -79,11 +69,10 @@ kernel void constrain_crossed_faces(uint faces, global uint4* face_data, global 
 
 // One work-item per edge. Flags crossed edges; a crossed edge that is a piece means that two pieces
 // cross. No race: its own word.
-kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, NEAR_PARAMETERS, global uint* flags,
-                                    volatile global Counters* counters) {
-  (void)near1;
+kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, volatile global uint* near,
+                                    global uint* flags, volatile global Counters* counters) {
   for (uint e = get_global_id(0); e < edges; e += get_global_size(0)) {
-    const bool crossed = near0[e] != GCDT_NONE;
+    const bool crossed = near[2u * e] != GCDT_NONE;
     flags[e] = crossed ? 1u : 0u;
     if (crossed && (edge_marks[e] & GCDT_MARK_CONSTRAINED)) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
   }
@@ -92,9 +81,8 @@ kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, N
 // One work-item per crossed face. A face whose three corners are each cut off by some piece, nearest to
 // it on both of its edges, is a hexagon: one hole triangle (paper, 6.5). Writes the face's own claim
 // word (hexagons are numbered by an atomic counter: any numbering does). After: counters->hexagons.
-kernel void constrain_hexagons(uint count, global const uint* crossed, global uint4* face_data, NEAR_PARAMETERS,
-                               volatile global Counters* counters) {
-  const Near near = make_near(near0, near1);
+kernel void constrain_hexagons(uint count, global const uint* crossed, global uint4* face_data,
+                               volatile global uint* near, volatile global Counters* counters) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
     const uint4 s = face_data[GCDT_SIDES(t)];
@@ -169,13 +157,12 @@ static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, vola
 // One work-item per part. Writes the vertices that the part owns to chunks, and how many are left and right (its own
 // words), and reduces the farthest cut at each corner of a hexagon (reduce_piece). After: counts, 0 beyond the
 // last part; far[3 h + k] is complete.
-kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS,
-                          global const uint2* ends, global const uint* begins, global uint* counts_left,
-                          global uint* counts_right, volatile global uint* far, global ChunkHead* heads,
-                          global uint* entries, volatile global Counters* counters) {
+kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_WALK_PARAMETERS,
+                          volatile global uint* near, global const uint2* ends, global const uint* begins,
+                          global uint* counts_left, global uint* counts_right, volatile global uint* far,
+                          global ChunkHead* heads, global uint* entries, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const Near near = make_near(near0, near1);
   Chunks chunks;
   chunks.heads = heads;
   chunks.entries = entries;
@@ -191,17 +178,18 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       Walk w;
       uint event =
           walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
         const Behind behind = look_behind(&w, mesh);
         if (owns_left(&w, near, c)) own_vertex(chunks, &o, w.left, 0u, counters);
         if (owns_right(&w, near, c)) own_vertex(chunks, &o, w.right, 1u, counters);
-        const uint word = *claim_word(mesh.face_data, w.face);
         if (w.third_side != 0 && word >= FACE_HEXAGON) {
           volatile global uint* at = far + 3u * (word - FACE_HEXAGON) + cut_corner(&w);
           Compared seen = nothing_compared();
           reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, ends, counters);
         }
+        word = behind.corners.w;
         event = walk_cross(&w, mesh, behind);
       }
       end_chunk(chunks, &o);
@@ -282,13 +270,12 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
 // One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
 // just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
 // left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
-kernel void constrain_holes(uint hexagons, uint right_begin, GCDT_WALK_PARAMETERS, NEAR_PARAMETERS,
+kernel void constrain_holes(uint hexagons, uint right_begin, GCDT_WALK_PARAMETERS, volatile global uint* near,
                             global const uint2* ends, global const uint* begins, global const uint* left_start,
                             global const uint* right_start, global const uint* far, global const uint* hexagon_face,
                             global uint* hole_place, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const Near near = make_near(near0, near1);
   for (uint i = get_global_id(0); i < 3u * hexagons; i += get_global_size(0)) {
     const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
     hole_place[i] = 0u;

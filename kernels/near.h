@@ -6,20 +6,11 @@
 
 #include "walk.h"
 
-// near(u, v) for edge e = {u, v}: two arrays of one word per edge. Slot 0 belongs to the end that
-// side 0 of the edge sees first counter-clockwise (its corner k+1), slot 1 to the other.
-typedef struct Near {
-  volatile global uint* slot0;
-  volatile global uint* slot1;
-} Near;
-
-// The word of the right (first seen) or left end of the edge with side code `code`.
-static inline volatile global uint* near_right(Near near, uint code) {
-  return ((code & 1u) ? near.slot1 : near.slot0) + GCDT_SIDE_EDGE(code);
-}
-static inline volatile global uint* near_left(Near near, uint code) {
-  return ((code & 1u) ? near.slot0 : near.slot1) + GCDT_SIDE_EDGE(code);
-}
+// near(u, v) for edge e = {u, v}: two words per edge. Word 0 belongs to the end that
+// side 0 of the edge sees first counter-clockwise (its corner k+1), word 1 to the other. So the word of side code s
+// belongs to the right end, seen from s, and the word of s ^ 1 to the left end.
+static inline volatile global uint* near_right(volatile global uint* near, uint code) { return near + code; }
+static inline volatile global uint* near_left(volatile global uint* near, uint code) { return near + (code ^ 1u); }
 
 #define SAME_PLACE 0
 #define FIRST_NEARER 1
@@ -99,10 +90,10 @@ static void reduce_piece(volatile global uint* word, uint current, uint c, const
 // it came in through (right, third), so `left` is new and the corner at `right` is cut off; -1: the
 // mirror image; 0: it started at `third`, both are new and no corner is cut.
 
-static inline bool owns_left(const private Walk* w, Near near, uint c) {
+static inline bool owns_left(const private Walk* w, volatile global uint* near, uint c) {
   return w->third_side >= 0 && *near_left(near, w->code) == c;
 }
-static inline bool owns_right(const private Walk* w, Near near, uint c) {
+static inline bool owns_right(const private Walk* w, volatile global uint* near, uint c) {
   return w->third_side <= 0 && *near_right(near, w->code) == c;
 }
 

@@ -10,20 +10,16 @@
 
 typedef struct Table {
   u32 capacity;
-  volatile global uint* codes;  // side code, or GCDT_NONE: empty
-  volatile global uint* froms;  // GCDT_NONE until written
-  volatile global uint* tos;
+  // Three words a slot, together in memory: the side code, or GCDT_NONE: empty; from and to, GCDT_NONE until written.
+  volatile global uint* slots;
 } Table;
 
-#define TABLE_PARAMETERS \
-  uint capacity, volatile global uint *codes, volatile global uint *froms, volatile global uint *tos
+#define TABLE_PARAMETERS uint capacity, volatile global uint *slots
 
 static inline Table make_table(TABLE_PARAMETERS) {
   Table table;
   table.capacity = capacity;
-  table.codes = codes;
-  table.froms = froms;
-  table.tos = tos;
+  table.slots = slots;
   return table;
 }
 
@@ -39,9 +35,10 @@ static inline uint first_slot(Table table, uint u, uint v) {
 static bool insert_direction(Table table, uint u, uint v, uint code) {
   uint slot = first_slot(table, u, v);
   for (uint probe = 0; probe < table.capacity; ++probe) {
-    if (atomic_cmpxchg(table.codes + slot, GCDT_NONE, code) == GCDT_NONE) {
-      table.froms[slot] = u;
-      table.tos[slot] = v;
+    volatile global uint* at = table.slots + 3u * (size_t)slot;
+    if (atomic_cmpxchg(at, GCDT_NONE, code) == GCDT_NONE) {
+      at[1] = u;
+      at[2] = v;
       return true;
     }
     slot = slot + 1u == table.capacity ? 0u : slot + 1u;
@@ -55,8 +52,10 @@ static bool insert_direction(Table table, uint u, uint v, uint code) {
 static uint find_direction(Table table, uint u, uint v) {
   uint slot = first_slot(table, u, v);
   for (uint probe = 0; probe < table.capacity; ++probe) {
-    if (table.codes[slot] == GCDT_NONE) return GCDT_NONE;
-    if (table.froms[slot] == u && table.tos[slot] == v) return table.codes[slot];
+    volatile global const uint* at = table.slots + 3u * (size_t)slot;
+    const uint code = at[0], from = at[1], to = at[2];
+    if (code == GCDT_NONE) return GCDT_NONE;
+    if (from == u && to == v) return code;
     slot = slot + 1u == table.capacity ? 0u : slot + 1u;
   }
   return GCDT_NONE;
@@ -64,14 +63,14 @@ static uint find_direction(Table table, uint u, uint v) {
 
 // One work-item per crossed face, before its slot is overwritten. Enters its sides on edges that are
 // not crossed. Slots are taken by compare-and-exchange; where an entry lands does not matter.
-kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* face_data, global const uint* near0,
+kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* face_data, global const uint* near,
                         TABLE_PARAMETERS, volatile global Counters* counters) {
-  const Table table = make_table(capacity, codes, froms, tos);
+  const Table table = make_table(capacity, slots);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint4 c = face_data[GCDT_CORNERS(crossed[i])], s = face_data[GCDT_SIDES(crossed[i])];
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
-      if (near0[GCDT_SIDE_EDGE(code)] == GCDT_NONE &&
+      if (near[code] == GCDT_NONE &&
           !insert_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)), code))
         atomic_or(&counters->failed, GCDT_FAILED_MATCH);
     }
@@ -95,7 +94,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
                          global uint* edge_faces, global uint* edge_marks, global const uint* crossed_edges,
                          TABLE_PARAMETERS, volatile global Counters* counters) {
   local uint wanted[2];  // new edges of the tile; number of the first
-  const Table table = make_table(capacity, codes, froms, tos);
+  const Table table = make_table(capacity, slots);
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
     if (get_local_id(0) == 0) wanted[0] = 0u;
@@ -145,7 +144,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
 // the table now. Writes as there.
 kernel void stitch_second(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
                           TABLE_PARAMETERS, volatile global Counters* counters) {
-  const Table table = make_table(capacity, codes, froms, tos);
+  const Table table = make_table(capacity, slots);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint t = crossed[i];
     const uint4 c = face_data[GCDT_CORNERS(t)];
@@ -187,7 +186,7 @@ kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAM
 // no two write the same word. After: every piece is a marked edge, or a failure bit is set.
 kernel void stitch_mark(uint pieces, global const uint2* ends, global const uint* piece_edge, global uint* edge_marks,
                         TABLE_PARAMETERS, volatile global Counters* counters) {
-  const Table table = make_table(capacity, codes, froms, tos);
+  const Table table = make_table(capacity, slots);
   for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
     if (piece_edge[c] != GCDT_NONE) continue;
     const uint u = min(ends[c].x, ends[c].y), v = max(ends[c].x, ends[c].y);

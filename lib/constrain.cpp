@@ -15,13 +15,12 @@ constexpr cl_uint chunk_length = 8;
 class Constraining {
  public:
   Constraining(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
-               const WorkLists& lists, PhaseCounters& counters)
+               PhaseCounters& counters)
       : runtime_(runtime),
         primitives_(primitives),
         walked_(walked),
         mesh_(walked.mesh),
         pieces_(pieces),
-        near_(lists),
         counters_(counters) {}
 
   // The paper's figure: find all intersected triangles, prune by visibility, retriangulate, fill.
@@ -61,12 +60,12 @@ class Constraining {
   void find_near() {
     clear_claims(runtime_, mesh_, mesh_.faces());
     mesh_.claims_below = 2 + std::uint64_t{mesh_.faces()};  // crossed faces and numbers of hexagons
-    runtime_.fill<cl_uint>(near_.first, GCDT_NONE, mesh_.edges());
-    runtime_.fill<cl_uint>(near_.second, GCDT_NONE, mesh_.edges());
+    near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
+    runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
     parts_ = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
-    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity), sizes(), mesh_.edge_marks,
-                   near_.first, near_.second, pieces_.ends, parts_.begins, piece_edge_, counters_.buffer());
+    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity), sizes(), mesh_.edge_marks, near_,
+                   pieces_.ends, parts_.begins, piece_edge_, counters_.buffer());
   }
 
   void list_crossed() {
@@ -76,8 +75,8 @@ class Constraining {
     crossed_faces_ = runtime_.read_one(flags, mesh_.faces());
     crossed_ = runtime_.allocate<cl_uint>("crossed faces", crossed_faces_);
     primitives_.compact_indices(flags, crossed_, mesh_.faces());
-    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks,
-                    near_.first, near_.second, flags, counters_.buffer());
+    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
+                    flags, counters_.buffer());
     primitives_.exclusive_scan(flags, flags, mesh_.edges());
     crossed_edge_count_ = runtime_.read_one(flags, mesh_.edges());
     crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", crossed_edge_count_);
@@ -86,7 +85,7 @@ class Constraining {
 
   void find_hexagons() {
     runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
-                    near_.first, near_.second, counters_.buffer());
+                    near_, counters_.buffer());
     hexagons_ = counters_.read().hexagons;
     hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
     if (hexagons_ > 0)
@@ -105,9 +104,8 @@ class Constraining {
     far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
     runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
     walked_.launch(runtime_, "constrain", "constrain_own", over(parts_.capacity),
-                   std::make_tuple(pieces_.count, parts_.capacity, chunk_capacity_), near_.first, near_.second,
-                   pieces_.ends, parts_.begins, left_start_, right_start_, far_, chunk_heads_, chunk_entries_,
-                   counters_.buffer());
+                   std::make_tuple(pieces_.count, parts_.capacity, chunk_capacity_), near_, pieces_.ends, parts_.begins,
+                   left_start_, right_start_, far_, chunk_heads_, chunk_entries_, counters_.buffer());
     primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
     primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
     left_total_ = runtime_.read_one(left_start_, parts_.capacity);
@@ -123,8 +121,8 @@ class Constraining {
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
     if (hexagons_ > 0)
       walked_.launch(runtime_, "constrain", "constrain_holes", over(3 * std::size_t{hexagons_}),
-                     std::make_tuple(hexagons_, right_begin_), near_.first, near_.second, pieces_.ends, parts_.begins,
-                     left_start_, right_start_, far_, hexagon_face_, hole_place_, counters_.buffer());
+                     std::make_tuple(hexagons_, right_begin_), near_, pieces_.ends, parts_.begins, left_start_,
+                     right_start_, far_, hexagon_face_, hole_place_, counters_.buffer());
     walked_.history = {};
   }
 
@@ -166,12 +164,11 @@ class Constraining {
   void keep_boundary() {
     const std::uint64_t entries = 3ull * crossed_faces_ - crossed_edge_count_;
     capacity_ = cl_uint(entries + entries / 2 + 1);
-    codes_ = runtime_.allocate<cl_uint>("direction codes", capacity_);
-    froms_ = runtime_.allocate<cl_uint>("direction origins", capacity_);
-    tos_ = runtime_.allocate<cl_uint>("direction ends", capacity_);
-    for (const auto* b : {&codes_, &froms_, &tos_}) runtime_.fill<cl_uint>(*b, GCDT_NONE, capacity_);
-    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
-                    near_.first, capacity_, codes_, froms_, tos_, counters_.buffer());
+    table_ = runtime_.allocate<cl_uint>("table of directions", 3 * std::size_t{capacity_});
+    runtime_.fill<cl_uint>(table_, GCDT_NONE, 3 * std::size_t{capacity_});
+    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data, near_,
+                    capacity_, table_, counters_.buffer());
+    near_ = {};
   }
 
   void retriangulate() {
@@ -183,14 +180,14 @@ class Constraining {
 
   void stitch() {
     runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, crossed_edge_count_, crossed_,
-                    mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, codes_, froms_,
-                    tos_, counters_.buffer());
+                    mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, table_,
+                    counters_.buffer());
     runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
-                    mesh_.edge_faces, capacity_, codes_, froms_, tos_, counters_.buffer());
+                    mesh_.edge_faces, capacity_, table_, counters_.buffer());
     runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n,
                     walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, counters_.buffer());
     runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_,
-                    mesh_.edge_marks, capacity_, codes_, froms_, tos_, counters_.buffer());
+                    mesh_.edge_marks, capacity_, table_, counters_.buffer());
   }
 
   std::tuple<cl_uint, cl_uint> sizes() const { return {pieces_.count, parts_.capacity}; }
@@ -200,13 +197,12 @@ class Constraining {
   const WalkedMesh& walked_;
   const Mesh& mesh_;
   const Pieces& pieces_;
-  const WorkLists& near_;
   PhaseCounters& counters_;
   Parts parts_;
-  runtime::Buffer<cl_uint> piece_edge_, crossed_, crossed_edges_, left_start_, right_start_, far_, hexagon_face_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, crossed_, crossed_edges_, left_start_, right_start_, far_, hexagon_face_;
   runtime::Buffer<cl_uint4> chunk_heads_;
   runtime::Buffer<cl_uint> chunk_entries_;
-  runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, hole_place_, codes_, froms_, tos_;
+  runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, hole_place_, table_;
   runtime::Buffer<cl_ulong> chain_distances_, minima_;
   runtime::Buffer<device::MinimaLayers> layers_buffer_;
   device::MinimaLayers layers_ = {};
@@ -217,10 +213,10 @@ class Constraining {
 }  // namespace
 
 ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
-                          const Pieces& pieces, const WorkLists& lists, PhaseCounters& counters) {
+                          const Pieces& pieces, PhaseCounters& counters) {
   counters.zero();
   if (pieces.count == 0) return {};
-  return Constraining(runtime, primitives, walked, pieces, lists, counters).run();
+  return Constraining(runtime, primitives, walked, pieces, counters).run();
 }
 
 }  // namespace gcdt

@@ -18,9 +18,9 @@ struct ConstrainResult {
 
 /// Makes every piece an edge of the mesh and marks it. `walked` is the mesh with all vertices, not flipped
 /// since; afterwards it is proved to be a valid triangulation with every piece as an edge (stitch_prove,
-/// stitch_mark), or `failed` is not 0; so pieces that cross never pass. `lists` are
-/// overwritten; the history is released after the last walk (before `mesh_changed` is set).
+/// stitch_mark), or `failed` is not 0; so pieces that cross never pass. The
+/// history is released after the last walk (before `mesh_changed` is set).
 ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
-                          const Pieces& pieces, const WorkLists& lists, PhaseCounters& counters);
+                          const Pieces& pieces, PhaseCounters& counters);
 
 }  // namespace gcdt

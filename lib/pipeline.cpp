@@ -88,10 +88,8 @@ void Pipeline::run_steps() {
 // Level by level: insert, then flip, so that each level goes into a Delaunay mesh (paper, section 8). The
 // last level is left unflipped: constraints are enforced first, and located by its history tree.
 void Pipeline::insert() {
-  if (!mesh_.face_data.allocated()) {
-    mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
-    lists_ = make_work_lists(runtime_, vertices_.n(), vertices_.roots);
-  }
+  if (!mesh_.face_data.allocated()) mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
+  need_lists();
   if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   insert_root(runtime_, vertices_, mesh_);
@@ -104,6 +102,11 @@ void Pipeline::insert() {
     if (level + 1 < vertices_.levels.count)
       count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.levels.begin[level + 1], ticker_));
   }
+}
+
+// While constraints are enforced, the nearest pieces of edges take their place.
+void Pipeline::need_lists() {
+  if (!lists_.first.allocated()) lists_ = make_work_lists(runtime_, vertices_.n(), vertices_.roots);
 }
 
 void Pipeline::count_flips(const FlipResult& flipped) {
@@ -144,8 +147,9 @@ void Pipeline::clean(const std::vector<cl_uint>& wanted) {
 }
 
 ConstrainResult Pipeline::enforce() {
+  lists_ = {};
   const ConstrainResult r =
-      constrain(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, lists_, counters_);
+      constrain(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, counters_);
   auto& cases = statistics_.cases;
   cases.existing_edges = r.existing_edges;
   cases.pieces_walked = r.walked;
@@ -192,7 +196,10 @@ void Pipeline::reject(const std::vector<Constraint>& crossings) {
   throw crossings_error(crossings, ends, vertices_.grid.kind == Grid::Kind::rounded);
 }
 
-void Pipeline::flip_all() { count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_)); }
+void Pipeline::flip_all() {
+  need_lists();
+  count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_));
+}
 
 void Pipeline::output() {
   auto& ms = statistics_.ms;

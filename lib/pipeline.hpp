@@ -61,6 +61,7 @@ class Pipeline {
 
   void clean(const std::vector<cl_uint>& wanted);
   ConstrainResult enforce();
+  void need_lists();
   void count_flips(const FlipResult& flipped);
 
  protected:

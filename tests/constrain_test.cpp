@@ -101,7 +101,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   for (const cl_uint2& e : ends) pieces.insert({std::min(e.s[0], e.s[1]), std::max(e.s[0], e.s[1])});
   CHECK(pieces == expected);
 
-  const ConstrainResult result = constrain(runtime, primitives, walked, clean.pieces, lists, counters);
+  const ConstrainResult result = constrain(runtime, primitives, walked, clean.pieces, counters);
   REQUIRE(result.failed == 0);
   const HostMesh after = download(runtime, mesh, points, n);
   CHECK(invalid_reason(after, n) == "");
