@@ -33,23 +33,6 @@ std::string text(cl_device_id device, cl_device_info what) {
   return value;
 }
 
-cl_device_id find(const DeviceInfo& wanted) {
-  cl_uint count = 0;
-  clGetPlatformIDs(0, nullptr, &count);
-  std::vector<cl_platform_id> platforms(count);
-  clGetPlatformIDs(count, platforms.data(), nullptr);
-  for (cl_platform_id platform : platforms) {
-    cl_uint devices = 0;
-    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &devices) != CL_SUCCESS) continue;
-    std::vector<cl_device_id> all(devices);
-    clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, devices, all.data(), nullptr);
-    for (cl_device_id device : all)
-      if (text(device, CL_DEVICE_NAME) == wanted.name && text(device, CL_DRIVER_VERSION) == wanted.driver)
-        return device;
-  }
-  return nullptr;
-}
-
 /// Milliseconds of `step`, which must wait for the device: the median after one run that does not count.
 template <class Step>
 double median_ms(Step&& step) {
@@ -66,8 +49,25 @@ double median_ms(Step&& step) {
 
 }  // namespace
 
+cl_device_id opencl_device(const DeviceInfo& wanted) {
+  cl_uint count = 0;
+  clGetPlatformIDs(0, nullptr, &count);
+  std::vector<cl_platform_id> platforms(count);
+  clGetPlatformIDs(count, platforms.data(), nullptr);
+  for (cl_platform_id platform : platforms) {
+    cl_uint devices = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &devices) != CL_SUCCESS) continue;
+    std::vector<cl_device_id> all(devices);
+    clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, devices, all.data(), nullptr);
+    for (cl_device_id device : all)
+      if (text(device, CL_DEVICE_NAME) == wanted.name && text(device, CL_DRIVER_VERSION) == wanted.driver)
+        return device;
+  }
+  return nullptr;
+}
+
 void context_and_queue(const DeviceInfo& info) {
-  cl_device_id device = find(info);
+  cl_device_id device = opencl_device(info);
   cl_int code = CL_SUCCESS;
   cl_context context = clCreateContext(nullptr, 1, &device, nullptr, nullptr, &code);
   require(code);
@@ -79,7 +79,7 @@ void context_and_queue(const DeviceInfo& info) {
 
 Rates measure_rates(const DeviceInfo& info, std::size_t bytes) {
   Rates rates;
-  cl_device_id device = find(info);
+  cl_device_id device = opencl_device(info);
   if (!device) return rates;
   cl_int code = CL_SUCCESS;
   cl_context context = clCreateContext(nullptr, 1, &device, nullptr, nullptr, &code);

@@ -2,6 +2,11 @@
 // What the device can do at most: the measures that times are held against.
 #pragma once
 
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
+#include <CL/cl.h>
+
 #include <gcdt/gcdt.hpp>
 
 namespace gcdt::bench {
@@ -18,6 +23,9 @@ struct Rates {
 /// Measured on a queue of its own on the OpenCL device that is `device`; `bytes` a buffer. All zero if it
 /// cannot be found again.
 Rates measure_rates(const DeviceInfo& device, std::size_t bytes);
+
+/// The OpenCL device that is `device`, or null.
+cl_device_id opencl_device(const DeviceInfo& device);
 
 /// What a program that uses OpenCL pays at least: makes a context and a queue, and releases them.
 void context_and_queue(const DeviceInfo& device);

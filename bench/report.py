@@ -143,6 +143,7 @@ def limits_table(rows, machine):
                 ms(waits),
                 ms(row["full_ms"]),
                 ms(row["call"]["median"]),
+                ms(row.get("pinned_ms")),
                 ms(full_goal(row, machine)),
                 f"{order / row['core_ms']:.2f}",
             ]
@@ -155,6 +156,7 @@ def limits_table(rows, machine):
             "read-backs x launch and read ms",
             "full ms",
             "call, caller's clock ms",
+            "call from and to pinned memory ms",
             "core + check + order + 1.5 x pinned transfer ms",
             "(check + output) / core",
         ],

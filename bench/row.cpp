@@ -106,6 +106,16 @@ std::string describe(const Row& row, const DeviceInfo& device, const std::string
   phases.add("flip", median(row, &Ms::flip)).add("check", median(row, &Ms::check));
   phases.add("output", median(row, &Ms::output));
   o.raw("phases", phases.text());
+  if (!row.pinned_ms.empty())
+    o.add("pinned_ms", spread(row.pinned_ms).median).raw("pinned", text(spread(row.pinned_ms)));
+  std::string kernels;
+  for (const auto& [kernel, spent] : row.kernels)
+    kernels += (kernels.empty() ? "" : ", ") + Object()
+                                                   .add("name", kernel)
+                                                   .add("ms", spent.first)
+                                                   .add("launches", static_cast<unsigned long long>(spent.second))
+                                                   .text();
+  o.raw("kernels", '[' + kernels + ']');
   o.add("triangles", count(s.triangles)).add("insert_rounds", count(s.rounds.insert));
   o.add("flip_rounds", count(s.rounds.flip)).add("flips", count(s.flips));
   o.add("history_depth", count(s.history_depth)).add("location_steps", count(s.location_steps));

@@ -2,6 +2,7 @@
 // One row of the results: what was measured of an input, and the line of JSON that says it.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,8 +23,11 @@ struct Row {
   Options options;
   Triangulation mesh;  ///< of the last timed call
   std::vector<Statistics::Milliseconds> ms;
-  std::vector<double> call_ms;  ///< the whole call on the caller's clock, without building
-  bool same_bytes = true;       ///< every timed call gave the same triangles
+  std::vector<double> call_ms;    ///< the whole call on the caller's clock, without building
+  std::vector<double> pinned_ms;  ///< the same with arrays in pinned memory
+  /// Of one traced call more: milliseconds and launches of each kernel.
+  std::map<std::string, std::pair<double, int>> kernels;
+  bool same_bytes = true;  ///< every timed call gave the same triangles
   std::vector<std::pair<std::string, PeerTimes>> peers;
 };
 

@@ -181,14 +181,15 @@ inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::ui
   for (cl_uint e = 0; e < mesh.edges(); ++e) edge_number[e] = e;
   std::shuffle(face_number.begin(), face_number.end(), random);
   std::shuffle(edge_number.begin(), edge_number.end(), random);
-  std::vector<cl_uint4> corners(mesh.faces(), cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}}),
-      sides(mesh.faces(), cl_uint4{});
+  std::vector<cl_uint4> face_data(2 * std::size_t{mesh.faces()}, cl_uint4{});
+  for (cl_uint f = 0; f < mesh.faces(); ++f)
+    face_data[GCDT_CORNERS(f)] = cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}};
   std::vector<cl_uint> edge_faces(2 * mesh.edges(), GCDT_NONE), edge_marks(mesh.edges(), GCDT_MARK_QUEUED);
   cl_uint edges = 0;
   auto place = [&](cl_uint f, int k, cl_uint side) {
     const cl_uint slot = (k + turn[f]) % 3;
-    corners[face_number[f]].s[slot] = faces[f].corners[k];
-    sides[face_number[f]].s[slot] = side;
+    face_data[GCDT_CORNERS(face_number[f])].s[slot] = faces[f].corners[k];
+    face_data[GCDT_SIDES(face_number[f])].s[slot] = side;
     edge_faces[side] = GCDT_FACE_REF(face_number[f], slot);
   };
   for (cl_uint f = 0; f < faces.size(); ++f)
@@ -202,12 +203,10 @@ inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::ui
       while (g >= 0 && faces[g].neighbours[j] != static_cast<int>(f)) ++j;
       if (g >= 0) place(g, j, GCDT_SIDE(edge, side ^ 1u));
     }
-  mesh.corners = runtime.allocate<cl_uint4>("corners", corners.size());
-  mesh.sides = runtime.allocate<cl_uint4>("sides", sides.size());
+  mesh.face_data = runtime.allocate<cl_uint4>("faces", face_data.size());
   mesh.edge_faces = runtime.allocate<cl_uint>("edge faces", edge_faces.size());
   mesh.edge_marks = runtime.allocate<cl_uint>("edge marks", edge_marks.size());
-  runtime.write(mesh.corners, corners.data(), corners.size());
-  runtime.write(mesh.sides, sides.data(), sides.size());
+  runtime.write(mesh.face_data, face_data.data(), face_data.size());
   runtime.write(mesh.edge_faces, edge_faces.data(), edge_faces.size());
   runtime.write(mesh.edge_marks, edge_marks.data(), edge_marks.size());
   return mesh;
