@@ -104,7 +104,8 @@ std::string describe(const Row& row, const DeviceInfo& device, const std::string
   phases.add("order", median(row, &Ms::order)).add("insert", median(row, &Ms::insert));
   phases.add("constrain", median(row, &Ms::constrain)).add("clean", std::max(0.0, spread(clean).median));
   phases.add("flip", median(row, &Ms::flip)).add("check", median(row, &Ms::check));
-  phases.add("output", median(row, &Ms::output));
+  phases.add("output", spread(row.order_ms).median);
+  phases.add("copy", median(row, &Ms::output) - spread(row.order_ms).median);
   o.raw("phases", phases.text());
   if (!row.pinned_ms.empty())
     o.add("pinned_ms", spread(row.pinned_ms).median).raw("pinned", text(spread(row.pinned_ms)));

@@ -24,6 +24,7 @@ struct Row {
   Triangulation mesh;  ///< of the last timed call
   std::vector<Statistics::Milliseconds> ms;
   std::vector<double> call_ms;    ///< the whole call on the caller's clock, without building
+  std::vector<double> order_ms;   ///< the canonical order on the device, without the copy to the host
   std::vector<double> pinned_ms;  ///< the same with arrays in pinned memory
   /// Of one traced call more: milliseconds and launches of each kernel.
   std::map<std::string, std::pair<double, int>> kernels;

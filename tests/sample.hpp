@@ -182,8 +182,7 @@ inline Mesh upload_mesh(runtime::Runtime& runtime, const Sample& sample, std::ui
   std::shuffle(face_number.begin(), face_number.end(), random);
   std::shuffle(edge_number.begin(), edge_number.end(), random);
   std::vector<cl_uint4> face_data(2 * std::size_t{mesh.faces()}, cl_uint4{});
-  for (cl_uint f = 0; f < mesh.faces(); ++f)
-    face_data[GCDT_CORNERS(f)] = cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}};
+  for (cl_uint f = 0; f < mesh.faces(); ++f) face_data[GCDT_CORNERS(f)] = cl_uint4{{mesh.n, mesh.n + 1, mesh.n + 2, 0}};
   std::vector<cl_uint> edge_faces(2 * mesh.edges(), GCDT_NONE), edge_marks(mesh.edges(), GCDT_MARK_QUEUED);
   cl_uint edges = 0;
   auto place = [&](cl_uint f, int k, cl_uint side) {
