@@ -85,7 +85,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t device) {
   std::size_t alive = 0;
   for (const DeviceShare& other : devices_)
     if (!other.lost) speeds += other.speed, ++alive;
-  double wanted = first_weight;
+  double wanted = std::min<double>(first_weight, static_cast<double>(waiting_weight_) / static_cast<double>(alive));
   if (alive == 1)
     wanted = static_cast<double>(waiting_weight_);
   else if (share.speed > 0)

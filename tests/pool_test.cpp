@@ -267,22 +267,43 @@ runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std
 }
 
 struct Outcome {
-  bool right = false;
-  std::string message;  ///< of the call, if it failed
+  bool right = false;    ///< every byte
+  bool refused = false;  ///< some problem has an error, all others are right
+  std::string message;   ///< of the call, if it failed
 };
 
 Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
   try {
     const PoolResult result = pool.triangulate(batch.view(), {});
-    Outcome outcome{true, ""};
+    Outcome outcome{true, false, ""};
     for (std::size_t p = 0; p < expected.size(); ++p) {
       const Schedule::Place place = result.places[p];
+      outcome.refused = outcome.refused || result.errors[p];
       outcome.right = outcome.right && !result.errors[p] &&
                       difference(test::part_of(result.results[place.result], place.place), expected[p]).empty();
     }
     return outcome;
   } catch (const Error& error) {
-    return {false, error.what()};
+    return {false, false, error.what()};
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// A pool of one such device; what it answers is right or an error. Whether it was one.
+bool fails_alone(const std::shared_ptr<std::atomic<std::uint64_t>>& calls, std::uint64_t k, bool for_good, cl_int code,
+                 const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
+  *calls = 0;
+  try {
+    DevicePool alone({{cl::Context(), test_device(), failing(calls, k, for_good, code)}}, {}, {});
+    const Outcome outcome = outcome_of(alone, batch, expected);
+    CHECK((outcome.right || !outcome.message.empty() || outcome.refused));
+    return !outcome.right;
+  } catch (const Error& error) {
+    CHECK(std::string(error.what()).find("no device of the pool is left") == 0);
+    return true;
   }
 }
 
@@ -290,7 +311,7 @@ Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector
 
 TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no byte and hangs nothing") {
   std::vector<Workload> problems = {problem({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}, {3, 2}, {1, 2}},
-                                            {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {0, 2}}),
+                                            {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {6, 4}}),
                                     uniform(6), problem({{0.1, 0.2}})};
   const RaggedBatch batch(problems);
   const std::vector<Triangulation> expected = Alone(problems).meshes;
@@ -302,23 +323,41 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
   const std::uint64_t all = *calls;
   MESSAGE(all << " calls");
   REQUIRE(all > 100);
-  // A healthy device beside it, kept: its work is not what is tested here.
-  std::uint64_t failed = 0, answered = 0;
+  const runtime::CallHook healthy;
+  std::uint64_t failed = 0, lost = 0;
   for (std::uint64_t k = 1; k <= all; ++k) {
     CAPTURE(k);
+    const bool for_good = k % 2 == 0;  // lost, or failed once
+    const cl_int code = k % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
+    if (k % 5 == 0) failed += fails_alone(calls, k, for_good, code, batch, expected);
     *calls = 0;
-    const cl_int code = k % 2 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
-    try {
-      DevicePool alone({{cl::Context(), test_device(), failing(calls, k, true, code)}}, {}, {});
-      const Outcome outcome = outcome_of(alone, batch, expected);
-      // A call that is made after the result is there, or whose failure is harmless, changes nothing.
-      CHECK((outcome.right || !outcome.message.empty()));
-      outcome.right ? ++answered : ++failed;
-    } catch (const Error& error) {
-      CHECK(std::string(error.what()).find("no device of the pool is left") == 0);
-      ++failed;
-    }
+    DevicePool pool(
+        {{cl::Context(), test_device(), failing(calls, k, for_good, code)}, {cl::Context(), test_device(), healthy}},
+        {}, {});
+    const Outcome outcome = outcome_of(pool, batch, expected);
+    CAPTURE(outcome.message);
+    CHECK(outcome.right);
+    CHECK(!pool.report(1).lost);
+    lost += pool.report(0).lost.has_value();
+    if (pool.report(0).lost) CHECK(std::string(pool.report(0).lost->what()).find("OpenCL code") != std::string::npos);
+    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
   }
-  CHECK(failed > all / 2);
-  MESSAGE(failed << " failed, " << answered << " answered all the same");
+  CHECK(failed > all / 15);
+  CHECK(lost > all / 2);
+  MESSAGE(failed << " of " << all / 5 << " failed without another device, " << lost << " were lost beside one");
+}
+
+TEST_CASE("when all devices fail, the error has every device's reason") {
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const runtime::CallHook broken = failing(calls, 1, true, CL_OUT_OF_RESOURCES);
+  try {
+    DevicePool pool({{cl::Context(), test_device(), broken}, {cl::Context(), test_device(), broken}}, {}, {});
+    FAIL("a pool of broken devices");
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    CHECK(error.opencl_code() == CL_OUT_OF_RESOURCES);
+    const std::size_t first = message.find("clCreateContext");
+    CHECK(first != std::string::npos);
+    CHECK(message.find("clCreateContext", first + 1) != std::string::npos);
+  }
 }
