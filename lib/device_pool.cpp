@@ -16,6 +16,11 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+// Vertices and constraints of a pack. A CPU is fastest where a pack stays in its caches (2.0 microseconds a vertex with
+// 75,000 vertices, 4.9 with 2.2 million); a GPU where it has so many that launches do not count, and results of one
+// pack are not so many that copies of them pile up on the host.
+constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
+
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
 
@@ -84,7 +89,8 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   for (Worker& worker : workers_) {
     worker.report.problems = worker.report.vertices = worker.report.runs = 0;
     worker.report.milliseconds = 0;
-    shares.push_back({usable_bytes(worker.report.info), worker.speed, worker.report.lost.has_value()});
+    shares.push_back({usable_bytes(worker.report.info), worker.report.info.is_gpu ? gpu_weight : cpu_weight,
+                      worker.speed, worker.report.lost.has_value()});
   }
   Schedule schedule(batch, std::move(shares));
   std::vector<std::thread> threads;

@@ -132,8 +132,7 @@ class ForestPipeline final : public Pipeline {
                     vertices_.vertex_input, vertices_.input_vertex, ranges_.first_input_buffer,
                     result_.representatives);
     runtime_.launch("forest", "forest_local_sources", over(pieces_.source_count), cl_uint{pieces_.source_count},
-                    cl_uint{pieces_.count}, n, vertices_.points, pieces_.source_offsets, pieces_.ends,
-                    ranges_.first_constraint_buffer, pieces_.sources);
+                    ranges_.count(), ranges_.first_constraint_buffer, pieces_.sources);
     runtime_.launch("forest", "forest_local_pieces", over(pieces_.count), cl_uint{pieces_.count}, n, vertices_.points,
                     vertices_.vertex_input, ranges_.first_input_buffer, pieces_.ends);
   }

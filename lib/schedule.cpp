@@ -91,6 +91,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t device) {
   else if (share.speed > 0)
     wanted =
         std::max(share.speed * least_milliseconds, static_cast<double>(waiting_weight_) * share.speed / speeds / 2);
+  wanted = std::min(wanted, static_cast<double>(share.most_weight));
   auto pack = std::make_shared<Pack>();
   std::uint64_t n = 0, m = 0;
   auto end = begin;

@@ -26,18 +26,19 @@ struct Pack {
 
 /// What devices are to the schedule.
 struct DeviceShare {
-  std::uint64_t capacity = 0;  ///< bytes; a pack that needs more is not taken
-  double speed = 0;            ///< weight a millisecond; 0: not measured yet
+  std::uint64_t capacity = 0;     ///< bytes; a pack that needs more is not taken
+  std::uint64_t most_weight = 0;  ///< of a pack of several problems
+  double speed = 0;               ///< weight a millisecond; 0: not measured yet
   bool lost = false;
 };
 
 /// One batch on its way. All members may be called by all workers.
 ///
-/// A device takes from the front of a list in order of size, half of what its speed would give it of the rest (all of
-/// it if it is alone), so packs shrink towards the end. When the list is empty a device that would be done with a pack
-/// before the one that has it takes it as well; the first result counts, the other run is cancelled. A pack that comes
-/// back, since its device is lost or has too little memory, goes into the list again. Every problem is settled once:
-/// by the first result of its pack, or by an error of its own.
+/// A device takes from the front of a list in order of size, half of what its speed would give it of the rest (if it is
+/// alone, all that it can take at once), so packs shrink towards the end. When the list is empty a device that would be
+/// done with a pack before the one that has it takes it as well; the first result counts, the other run is cancelled. A
+/// pack that comes back, since its device is lost or has too little memory, goes into the list again. Every problem is
+/// settled once: by the first result of its pack, or by an error of its own.
 class Schedule {
  public:
   Schedule(const BatchInput& batch, std::vector<DeviceShare> devices);
