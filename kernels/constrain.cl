@@ -155,12 +155,13 @@ static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, vola
 }
 
 // One work-item per part. Writes the vertices that the part owns to chunks, and how many are left and right (its own
-// words), and reduces the farthest cut at each corner of a hexagon (reduce_piece). After: counts, 0 beyond the
-// last part; far[3 h + k] is complete.
+// words), and reduces the farthest cut at each corner of a hexagon (reduce_piece). A piece that is an edge already
+// crosses nothing, and is not located again. After: counts, 0 beyond the last part; far[3 h + k] is complete.
 kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_WALK_PARAMETERS,
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
-                          global uint* counts_left, global uint* counts_right, volatile global uint* far,
-                          global ChunkHead* heads, global uint* entries, volatile global Counters* counters) {
+                          global const uint* piece_edge, global uint* counts_left, global uint* counts_right,
+                          volatile global uint* far, global ChunkHead* heads, global uint* entries,
+                          volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   Chunks chunks;
@@ -176,8 +177,9 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = walk_ends(ends[c]);
       Walk w;
-      uint event =
-          walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      uint event = WALK_END;
+      if (piece_edge[c] == GCDT_NONE)
+        event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
       uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {

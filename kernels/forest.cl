@@ -221,23 +221,22 @@ kernel void forest_representatives(uint count, uint n, global const int2* points
   }
 }
 
-// One work-item per source of a piece, before the pieces' ends are replaced.
-// Reads: source_offsets and ends of the pieces. Writes: sources[i], which it replaces.
+// One work-item per source of a piece.
+// Reads: where the constraints of each problem begin. Writes: sources[i], which it replaces.
 // A word has one work-item. Ends: the range halves.
 // After this kernel sources are constraint numbers of the problem.
-kernel void forest_local_sources(uint count, uint pieces, uint n, global const int2* points,
-                                 global const uint* source_offsets, global const uint2* ends,
-                                 global const uint* first_constraint, global uint* sources) {
+kernel void forest_local_sources(uint count, uint problems, global const uint* first_constraint, global uint* sources) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    uint low = 0, high = pieces;
+    const uint source = sources[i];
+    uint low = 0, high = problems;  // the last problem that begins at or before it has it: later ones begin after
     while (high - low > 1u) {
       const uint middle = low + (high - low) / 2u;
-      if (source_offsets[middle] <= i)
+      if (first_constraint[middle] <= source)
         low = middle;
       else
         high = middle;
     }
-    sources[i] -= first_constraint[problem_of(points, n, ends[low].x)];
+    sources[i] = source - first_constraint[low];
   }
 }
 

@@ -105,7 +105,7 @@ class Constraining {
     runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
     walked_.launch(runtime_, "constrain", "constrain_own", over(parts_.capacity),
                    std::make_tuple(pieces_.count, parts_.capacity, chunk_capacity_), near_, pieces_.ends, parts_.begins,
-                   left_start_, right_start_, far_, chunk_heads_, chunk_entries_, counters_.buffer());
+                   piece_edge_, left_start_, right_start_, far_, chunk_heads_, chunk_entries_, counters_.buffer());
     primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
     primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
     left_total_ = runtime_.read_one(left_start_, parts_.capacity);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
+#include <set>
 
 #include "opencl.hpp"
 
@@ -70,18 +71,73 @@ DeviceInfo describe(const cl::Device& device) {
   return info;
 }
 
-std::size_t choose_device(const std::string& spec, bool* ambiguous) {
-  if (ambiguous) *ambiguous = false;
+namespace {
+
+std::vector<DeviceInfo> describe_all() {
   std::vector<DeviceInfo> all;
   for (const auto& device : all_devices()) all.push_back(describe(device));
   if (all.empty())
     throw Error(Status::no_device,
                 "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a "
                 "GPU its vendor's OpenCL driver");
-  std::string wanted = spec;
-  if (wanted.empty())
-    if (const char* variable = std::getenv("GCDT_DEVICE")) wanted = variable;
-  if (wanted.empty()) wanted = "auto";
+  return all;
+}
+
+std::string or_default(const std::string& spec) {
+  if (!spec.empty()) return spec;
+  const char* variable = std::getenv("GCDT_DEVICE");
+  return variable && *variable ? variable : "auto";
+}
+
+std::string lower(std::string s) {
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return s;
+}
+
+bool is_number(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
+bool has_name(const DeviceInfo& d, const std::string& part) {
+  return lower(d.name + " " + d.platform).find(lower(part)) != std::string::npos;
+}
+
+[[noreturn]] void fail_to_choose(const std::vector<DeviceInfo>& all, const std::string& wanted) {
+  std::string list;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
+  throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
+}
+
+}  // namespace
+
+std::vector<std::size_t> choose_devices(const std::string& spec) {
+  const std::vector<DeviceInfo> all = describe_all();
+  const std::string wanted = or_default(spec);
+  std::set<std::size_t> chosen;
+  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+    end = wanted.find(',', begin);
+    const std::string one = wanted.substr(begin, end == std::string::npos ? end : end - begin);
+    const bool any_gpu = std::any_of(all.begin(), all.end(), [](const DeviceInfo& d) { return d.is_gpu; });
+    const auto fits = [&](std::size_t i) {
+      if (one == "all") return true;
+      if (one == "auto") return any_gpu ? all[i].is_gpu : i == choose_device("auto", nullptr);
+      if (one == "gpu") return all[i].is_gpu;
+      if (one == "cpu") return all[i].is_cpu;
+      return !one.empty() && (is_number(one) ? std::to_string(i) == one : has_name(all[i], one));
+    };
+    bool found = false;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (fits(i)) chosen.insert(i), found = true;
+    if (!found) fail_to_choose(all, one);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+std::size_t choose_device(const std::string& spec, bool* ambiguous) {
+  if (ambiguous) *ambiguous = false;
+  const std::vector<DeviceInfo> all = describe_all();
+  const std::string wanted = or_default(spec);
   auto first = [&](auto&& fits) -> std::optional<std::size_t> {
     for (std::size_t i = 0; i < all.size(); ++i)
       if (fits(all[i])) return i;
@@ -98,25 +154,14 @@ std::size_t choose_device(const std::string& spec, bool* ambiguous) {
     found = first(gpu);
   } else if (wanted == "cpu") {
     found = first(cpu);
-  } else if (std::all_of(wanted.begin(), wanted.end(), [](unsigned char c) { return std::isdigit(c); })) {
+  } else if (is_number(wanted)) {
     if (wanted.size() <= 9 && std::stoul(wanted) < all.size()) found = std::stoul(wanted);
   } else {
-    auto lower = [](std::string s) {
-      std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-      return s;
-    };
-    auto matches = [&](const DeviceInfo& d) {
-      return lower(d.name + " " + d.platform).find(lower(wanted)) != std::string::npos;
-    };
+    auto matches = [&](const DeviceInfo& d) { return has_name(d, wanted); };
     found = first(matches);
     if (ambiguous) *ambiguous = std::count_if(all.begin(), all.end(), matches) > 1;
   }
-  if (!found) {
-    std::string list;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
-    throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
-  }
+  if (!found) fail_to_choose(all, wanted);
   return *found;
 }
 

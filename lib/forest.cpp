@@ -22,7 +22,7 @@ struct Gathered {
   std::vector<Constraint> constraints;  ///< ends count through the run
   ProblemRanges ranges;
 
-  Gathered(const Batch& batch, const std::vector<std::uint32_t>& numbers) {
+  Gathered(const BatchInput& batch, const std::vector<std::uint32_t>& numbers) {
     const std::size_t vertex_bytes = 8 * words_per_vertex(batch.type);
     std::uint64_t n = 0, m = 0;
     for (const std::uint32_t p : numbers) n += batch.n(p), m += batch.m(p);
@@ -40,7 +40,7 @@ struct Gathered {
     ranges.first_constraint.push_back(static_cast<cl_uint>(constraints.size()));
   }
 
-  void add(const Batch& batch, std::uint32_t p, std::uint32_t place, std::size_t vertex_bytes,
+  void add(const BatchInput& batch, std::uint32_t p, std::uint32_t place, std::size_t vertex_bytes,
            InvalidProblems& invalid) {
     end();
     const std::uint64_t n = batch.n(p), m = batch.m(p);
@@ -132,8 +132,7 @@ class ForestPipeline final : public Pipeline {
                     vertices_.vertex_input, vertices_.input_vertex, ranges_.first_input_buffer,
                     result_.representatives);
     runtime_.launch("forest", "forest_local_sources", over(pieces_.source_count), cl_uint{pieces_.source_count},
-                    cl_uint{pieces_.count}, n, vertices_.points, pieces_.source_offsets, pieces_.ends,
-                    ranges_.first_constraint_buffer, pieces_.sources);
+                    ranges_.count(), ranges_.first_constraint_buffer, pieces_.sources);
     runtime_.launch("forest", "forest_local_pieces", over(pieces_.count), cl_uint{pieces_.count}, n, vertices_.points,
                     vertices_.vertex_input, ranges_.first_input_buffer, pieces_.ends);
   }
@@ -236,7 +235,7 @@ class Download {
 
 }  // namespace
 
-ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const Batch& batch,
+ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
                                 std::vector<std::uint32_t> numbers, const Options& options) {
   ForestResult result;
   Gathered gathered(batch, numbers);

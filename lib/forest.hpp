@@ -13,7 +13,7 @@ namespace gcdt {
 
 /// A ragged batch in the caller's memory: problem p has the vertices [vertex_offsets[p], vertex_offsets[p + 1]) and
 /// so its constraints, whose ends count from its own first vertex.
-struct Batch {
+struct BatchInput {
   std::uint64_t problems = 0;
   Points::Type type = Points::Type::float64;
   const void* vertices = nullptr;
@@ -50,7 +50,7 @@ struct ForestResult {
 /// Triangulates problems `numbers` of the batch, together at most max_vertices vertices (with 3 more per problem), in
 /// one run. `runtime` builds for forests. Throws InvalidProblems (numbers count in `numbers`), if any has an error of
 /// its own, and Error if something is wrong with the run.
-ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const Batch& batch,
+ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
                                 std::vector<std::uint32_t> numbers, const Options& options);
 
 /// Bytes of device memory that a run of so many problems with so many vertices and constraints needs, about.

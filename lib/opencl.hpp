@@ -251,4 +251,7 @@ std::vector<cl::Device> all_devices();
 /// See gcdt_device_select; `ambiguous` may be null.
 std::size_t choose_device(const std::string& spec, bool* ambiguous);
 
+/// See gcdt_pool_options.devices: ascending.
+std::vector<std::size_t> choose_devices(const std::string& spec);
+
 }  // namespace gcdt::runtime

@@ -29,10 +29,10 @@ void Tracer::tell_launches() {
   std::vector<std::pair<const Launch*, Times>> timed;
   for (const Launch& launch : launches_) {
     Times t;
-    // A driver without profiling refuses: its launches have no spans.
+    // A driver without profiling refuses, or tells 0, 1, 2, 3 (Mesa 22.3): its launches have no spans.
     if (launch.event.getProfilingInfo(CL_PROFILING_COMMAND_QUEUED, &t.queued) != CL_SUCCESS ||
         launch.event.getProfilingInfo(CL_PROFILING_COMMAND_START, &t.start) != CL_SUCCESS ||
-        launch.event.getProfilingInfo(CL_PROFILING_COMMAND_END, &t.end) != CL_SUCCESS)
+        launch.event.getProfilingInfo(CL_PROFILING_COMMAND_END, &t.end) != CL_SUCCESS || t.queued == 0)
       continue;
     least_offset_ = std::max(least_offset_, static_cast<std::int64_t>(launch.before - t.queued));
     most_offset_ = std::min(most_offset_, static_cast<std::int64_t>(launch.after - t.queued));

@@ -9,7 +9,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 [[ $# -ge 1 && -e $1 ]] || { sed -n '3,5s/^# //p' "$0"; exit 2; }
 command -v abidiff >/dev/null || { echo "abi: abidiff is not installed (package abigail-tools)" >&2; exit 1; }
 kept=$root/abi/gcdt.abi
-headers=("$root/include/gcdt/gcdt.h" "$root/include/gcdt/gcdt_cl.h")
+headers=("$root/include/gcdt/gcdt.h" "$root/include/gcdt/gcdt_pool.h" "$root/include/gcdt/gcdt_cl.h")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 

@@ -26,7 +26,7 @@ struct RaggedBatch {
       constraint_offsets.push_back(constraints.size());
     }
   }
-  Batch view() const {
+  BatchInput view() const {
     return {vertex_offsets.size() - 1, Points::Type::float64, vertices.data(),
             vertex_offsets.data(),     constraints.data(),    constraint_offsets.data()};
   }

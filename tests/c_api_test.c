@@ -132,6 +132,56 @@ static void count_line(void* user, int32_t level, const char* message) {
   ++*(int*)user;
 }
 
+/* A square, nothing, a square whose diagonals cross, and a square with an end that is no vertex. */
+static void check_batch(const char* device) {
+  const double vertices[] = {0, 0, 8, 0, 8, 6, 0, 6, 0, 0, 8, 0, 8, 6, 0, 6, 0, 0, 8, 0, 8, 6, 0, 6};
+  const uint64_t vertex_offsets[] = {0, 4, 4, 8, 12}, constraint_offsets[] = {0, 1, 1, 3, 5};
+  const uint32_t constraints[] = {0, 2, 0, 2, 1, 3, 0, 1, 1, 4};
+  gcdt_pool_options options = GCDT_POOL_OPTIONS_INIT;
+  gcdt_pool* pool = NULL;
+  options.devices = device;
+  CHECK(gcdt_pool_create(&options, NULL) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_pool_create(&options, &pool) == GCDT_OK);
+  if (!pool) return;
+  gcdt_batch_input input = GCDT_BATCH_INPUT_INIT;
+  input.problem_count = 4;
+  input.vertices = vertices, input.vertex_offsets = vertex_offsets;
+  input.constraints = constraints, input.constraint_offsets = constraint_offsets;
+  gcdt_batch* batch = NULL;
+  CHECK(gcdt_pool_triangulate(pool, &input, NULL, &batch) == GCDT_OK);
+  gcdt_problem problem;
+  problem.struct_size = sizeof problem;
+  CHECK(gcdt_batch_problem(batch, 0, &problem) == GCDT_OK && problem.status == GCDT_OK && problem.triangles == 2);
+  CHECK(problem.grid.kind == GCDT_GRID_BINARY && problem.message[0] == '\0');
+  CHECK(gcdt_batch_problem(batch, 1, &problem) == GCDT_OK && problem.status == GCDT_OK && problem.triangles == 0);
+  CHECK(gcdt_batch_problem(batch, 2, &problem) == GCDT_OK && problem.status == GCDT_ERROR_CONSTRAINTS_CROSS);
+  CHECK(problem.pair_count == 1 && problem.index_count == 2 && problem.indices[0] == 0 && problem.indices[1] == 1);
+  CHECK(gcdt_batch_problem(batch, 3, &problem) == GCDT_OK && problem.status == GCDT_ERROR_INDEX_OUT_OF_RANGE);
+  CHECK(problem.index_count == 2 && problem.indices[0] == 1 && problem.indices[1] == 1);
+  CHECK(gcdt_batch_problem(batch, 4, &problem) == GCDT_ERROR_INVALID_ARGUMENT);
+  uint32_t triangles[6];
+  uint64_t offsets[5];
+  CHECK(gcdt_batch_copy(batch, GCDT_TRIANGLES, triangles, 1, offsets) == GCDT_ERROR_BUFFER_TOO_SMALL);
+  CHECK(last(NULL).index_count == 2 && last(NULL).indices[0] == 2);
+  CHECK(gcdt_batch_copy(batch, GCDT_TRIANGLES, triangles, 2, offsets) == GCDT_OK);
+  CHECK(offsets[1] == 2 && offsets[4] == 2 && triangles[0] == 0 && triangles[5] == 3);
+  gcdt_batch_statistics statistics;
+  statistics.struct_size = sizeof statistics;
+  CHECK(gcdt_batch_get_statistics(batch, &statistics) == GCDT_OK && statistics.failed == 2);
+  gcdt_pool_device used;
+  used.struct_size = sizeof used;
+  CHECK(gcdt_pool_device_count(pool) >= 1 && gcdt_pool_device_count(NULL) == 0);
+  CHECK(gcdt_pool_device_get(pool, 0, &used) == GCDT_OK && used.status == GCDT_OK && used.info.name[0] != '\0');
+  CHECK(gcdt_pool_device_get(pool, 99, &used) == GCDT_ERROR_INVALID_ARGUMENT);
+  input.struct_size = 3;
+  CHECK(gcdt_pool_triangulate(pool, &input, NULL, &batch) == GCDT_ERROR_STRUCT_SIZE);
+  CHECK(gcdt_cl_pool_create(1, NULL, NULL, &pool) == GCDT_ERROR_INVALID_ARGUMENT);
+  gcdt_pool_release(pool);
+  gcdt_batch_release(batch);
+  gcdt_pool_release(NULL);
+  gcdt_batch_release(NULL);
+}
+
 int main(void) {
   const char* device = getenv("GCDT_TEST_DEVICE") ? getenv("GCDT_TEST_DEVICE") : "Portable Computing Language";
   size_t count = 0, number = 0;
@@ -174,6 +224,7 @@ int main(void) {
   CHECK(gcdt_cl_solver_create(NULL, NULL, &solver) == GCDT_ERROR_INVALID_ARGUMENT);
   CHECK(gcdt_cl_set_workspace(solver, 1, NULL) == GCDT_ERROR_INVALID_ARGUMENT);
   check_mesh(solver);
+  check_batch(device);
   gcdt_solver_release(solver);
   gcdt_solver_release(NULL);
   gcdt_result_release(NULL);

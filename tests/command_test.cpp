@@ -105,6 +105,7 @@ TEST_CASE("help and version are no errors") {
        {"--crossing", "--grid", "--device", "--verify", "--stats", "--trace", "--quiet", ".vtu", "Status:"})
     CHECK(contains(session.good("triangulate --help"), option));
   CHECK(contains(session.good("verify --help"), "OUTPUT"));
+  CHECK(contains(session.good("batch --help"), "folder"));
   CHECK(!session.good("devices --help").empty());
 }
 
@@ -482,4 +483,48 @@ TEST_CASE("the trace is JSON in Chrome's format: every launch lies within a phas
     CHECK(held);
   }
   CHECK(launches == statistics.at("launches").get<std::size_t>());
+}
+
+TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no other") {
+  Session session;
+  session.shell("mkdir many");
+  session.write("many/a.poly", random_poly(300, 0));
+  session.write("many/b.poly", square_from_1);
+  session.write("many/c.node", "3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n");
+  session.write("many/d.node", "0 2 0 0\n");
+  session.write("many/empty.poly", "0 2 0 0\n0 0\n0\n");
+  session.write("more.poly", square);
+  session.good("batch many more.poly -o out --format ele --format .neigh --format vtu --verify --stats s.json");
+  const auto statistics = nlohmann::json::parse(session.read("s.json"));
+  CHECK(statistics.at("inputs") == 6);
+  CHECK(statistics.at("failed") == 0);
+  for (const char* input : {"many/a.poly", "many/b.poly", "many/c.node", "many/d.node", "many/empty.poly", "more.poly"})
+    session.good(std::string("triangulate ") + input +
+                 " -o one.ele -o one.neigh -o one.vtu --quiet && name=$(basename " + input +
+                 ") && for e in ele neigh vtu; do cmp one.$e out/${name%.*}.$e || exit 9; done");
+  session.write("many/bad.poly", "nonsense\n");
+  session.write("many/crossed.poly", crossed);
+  session.shell("rm -r out");
+  const Outcome mixed = session.gcdt("batch many -o out");
+  CHECK(mixed.status == 3);
+  CHECK(contains(mixed.err, "many/bad.poly:1"));
+  CHECK(contains(mixed.err, "many/crossed.poly: 1 pair of constraints crosses"));
+  CHECK(contains(mixed.err, "2 of 7 inputs failed"));
+  CHECK(session.shell("ls out").out == "a.ele\nb.ele\nc.ele\nd.ele\nempty.ele\n");
+  CHECK(contains(session.gcdt("batch many/a.poly many/b.poly").out, "inputs        2 (0 failed)"));
+}
+
+TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
+  Session session;
+  session.write("in.poly", square);
+  session.shell("mkdir empty other && cp in.poly other/");
+  for (const char* arguments :
+       {"batch", "batch in.poly --format xyz -o out", "batch in.poly other -o out", "batch in.poly -o . --format poly",
+        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option"})
+    session.bad(2, arguments);
+  session.bad(3, "batch empty -o out");
+  CHECK(session.gcdt("batch in.poly --device cpu,99 -o out").status == 4);
+  CHECK(session.names() == std::vector<std::string>{"empty", "in.poly", "other"});
+  session.good("batch in.poly -o out --device all --trace t.json");
+  CHECK(nlohmann::json::parse(session.read("t.json")).at("traceEvents").size() > 10);
 }

@@ -26,9 +26,17 @@ struct VerifyArguments {
   bool quiet = false;
 };
 
+struct BatchArguments {
+  std::vector<std::string> inputs, formats = {"ele"};
+  std::string folder, crossing = "reject", grid, device, statistics, trace;
+  bool verify = false, quiet = false;
+};
+
 /// Each returns when all is done and throws io::Failure or gcdt::Error otherwise.
 void triangulate(const TriangulateArguments& arguments);
 void verify(const VerifyArguments& arguments);
+/// Inputs that fail spoil no others: what is right is written first.
+void triangulate_batch(const BatchArguments& arguments);
 void list_devices();
 
 Crossing crossing_named(const std::string& name);
@@ -42,6 +50,9 @@ io::Failure explained(const Error& error, const io::Input& input, const Options&
 
 /// The status for an error that is not about one input.
 io::Exit exit_for(Status status);
+
+/// A failure that is not the last, on standard error.
+void complain(const std::string& text);
 
 /// A line on standard error that is no failure.
 void note(const std::string& text);

@@ -113,6 +113,8 @@ io::Failure explained(const Error& error, const io::Input& input, const Options&
   return io::Failure(exit_for(error.status()), text);
 }
 
+void complain(const std::string& text) { std::fputs(fmt::format("gcdt: {}\n", text).c_str(), stderr); }
+
 void note(const std::string& text) { std::fputs(fmt::format("gcdt: note: {}\n", text).c_str(), stderr); }
 
 void print(const std::string& text) {

@@ -22,6 +22,10 @@ constexpr const char* verify_help =
     "OUTPUT is an .ele file, a .neigh file with the .ele beside it, or a .vtu file. The grid is taken from\n"
     "OUTPUT if it holds one, else from --grid, else chosen as triangulate does.\n\n";
 
+constexpr const char* batch_help =
+    "Inputs that fail are listed, and the others are written; the status is then that of the first that failed.\n"
+    "Without -o the statistics are printed.\n\n";
+
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
     "ran out of memory; 5 a check failed; 6 an output cannot be written; 130 interrupted.";
@@ -65,6 +69,36 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   app->callback([&arguments] { command::triangulate(arguments); });
 }
 
+void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("batch", "Triangulate many inputs in one call, on any number of devices");
+  app->add_option("INPUT", arguments.inputs, "A .poly or .node file as of Triangle, or a folder of them")
+      ->required()
+      ->type_name("");
+  app->add_option("-o,--output", arguments.folder,
+                  "The folder for the outputs, which have the inputs' names; made if "
+                  "missing")
+      ->type_name("DIR");
+  app->add_option("--format", arguments.formats, "ele, node, neigh, edge, poly, vtu or svg; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("FORMAT")
+      ->capture_default_str();
+  add_crossing(*app, arguments.crossing);
+  app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
+  app->add_option("--device", arguments.device,
+                  "Devices, separated by commas: all, gpu, cpu, auto (all GPUs if there are any, else a CPU), numbers "
+                  "from \"gcdt devices\", parts of names; default: the variable GCDT_DEVICE, else auto")
+      ->type_name("SPEC,...");
+  app->add_flag("--verify", arguments.verify, "Prove the results by exact arithmetic on the host");
+  app->add_option("--stats", arguments.statistics, "Write counts, and the devices' shares, as JSON")
+      ->type_name("FILE.json");
+  app->add_option("--trace", arguments.trace,
+                  "Write where the time went, device by device, in Chrome's trace-event format")
+      ->type_name("FILE.json");
+  app->add_flag("--quiet", arguments.quiet, "Print errors only");
+  app->footer(std::string(batch_help) + status_help);
+  app->callback([&arguments] { command::triangulate_batch(arguments); });
+}
+
 void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   CLI::App* app =
       gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
@@ -101,10 +135,12 @@ int main(int argc, char** argv) {
   command::watch_interrupts();
   CLI::App app("Exact constrained Delaunay triangulation on OpenCL devices", "gcdt");
   command::TriangulateArguments triangulate;
+  command::BatchArguments batch;
   command::VerifyArguments verify;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
+  add_batch(app, batch);
   add_verify(app, verify);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
   try {

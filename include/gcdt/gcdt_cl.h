@@ -27,6 +27,7 @@
 #endif
 
 #include <gcdt/gcdt.h>
+#include <gcdt/gcdt_pool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,6 +37,12 @@ extern "C" {
  * come from any. options->device must be null; `options` may be null. Blocks. */
 GCDT_API int32_t gcdt_cl_solver_create(cl_command_queue queue, const gcdt_solver_options* options,
                                        gcdt_solver** solver);
+
+/* A pool of the devices of these queues, on their contexts, which are retained: of any platforms, sub-devices as well.
+ * Each gets a private in-order queue. The queues themselves are not used. options->devices must be null; `options` may
+ * be null. Blocks. */
+GCDT_API int32_t gcdt_cl_pool_create(cl_uint count, const cl_command_queue* queues, const gcdt_pool_options* options,
+                                     gcdt_pool** pool);
 
 /* Vertices and constraints in device memory: buffers of the solver's context, sub-buffers allowed, readable by
  * kernels, only read, and not to be written until the call returns. The two ranges must not overlap. */

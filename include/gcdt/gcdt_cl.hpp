@@ -16,6 +16,7 @@
 
 #include <gcdt/gcdt_cl.h>
 #include <gcdt/gcdt.hpp>
+#include <gcdt/gcdt_pool.hpp>
 
 namespace gcdt {
 
@@ -39,6 +40,18 @@ inline Solver make_solver(const ::cl::CommandQueue& queue, Log log = {}) {
   gcdt_solver* solver = nullptr;
   detail::check(gcdt_cl_solver_create(queue(), &options, &solver));
   return Solver(solver, std::move(kept));
+}
+
+/// A pool of the devices of the queues, on their contexts. Blocks. Throws what all devices failed with.
+inline Pool make_pool(const std::vector<::cl::CommandQueue>& queues, Log log = {}, Trace trace = {}) {
+  std::unique_ptr<Log> kept_log = detail::boxed(std::move(log));
+  std::unique_ptr<Trace> kept_trace = detail::boxed(std::move(trace));
+  const gcdt_pool_options options = Pool::pool_options(kept_log.get(), kept_trace.get());
+  std::vector<cl_command_queue> handles;
+  for (const ::cl::CommandQueue& queue : queues) handles.push_back(queue());
+  gcdt_pool* pool = nullptr;
+  detail::check(gcdt_cl_pool_create(static_cast<cl_uint>(handles.size()), handles.data(), &options, &pool));
+  return Pool(pool, std::move(kept_log), std::move(kept_trace));
 }
 
 namespace detail {

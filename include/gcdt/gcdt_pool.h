@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* gcdt, many problems on many devices: a batch of small (or large) triangulations in one call, shared out to any set
+ * of OpenCL devices. What gcdt.h says of elements, errors, threads and structures holds here; details of a failed call
+ * on a pool or batch are those of the calling thread (gcdt_last_error with null).
+ *
+ * Every problem's arrays have the bytes that the problem would have alone, whatever the devices are and whatever else
+ * is in the batch. A problem that is invalid has an error of its own and spoils no other. */
+#ifndef GCDT_GCDT_POOL_H
+#define GCDT_GCDT_POOL_H
+
+#include <gcdt/gcdt.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- The pool ---------------------------------------------------------------------------------------------- */
+
+typedef struct gcdt_pool gcdt_pool;
+typedef struct gcdt_batch gcdt_batch;
+
+typedef struct gcdt_pool_options {
+  size_t struct_size;
+  /* The devices, separated by commas: `all`, `gpu` (all GPUs), `cpu` (all CPUs), `auto` (all GPUs if there are any,
+   * else a CPU), numbers, parts of names (all that match, letter case aside); null or empty: the variable GCDT_DEVICE,
+   * else `auto`. Must be null where the application gives its own queues. */
+  const char* devices;
+  /* Called by threads of the pool during calls, one at a time; else as for gcdt_solver_options. */
+  gcdt_log_function log;
+  void* log_user;
+  gcdt_trace_function trace;
+  void* trace_user;
+} gcdt_pool_options;
+#define GCDT_POOL_OPTIONS_INIT \
+  { sizeof(gcdt_pool_options), NULL, NULL, NULL, NULL, NULL }
+
+/* A pool of devices, each with an OpenCL context, a queue, memory and programs of its own, which it keeps, and in calls
+ * a thread. Devices that fail are reported (gcdt_pool_device_get); an error only if all do. `options` may be null. */
+GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
+
+/* Null is allowed. Batches may be released before or after. */
+GCDT_API void gcdt_pool_release(gcdt_pool* pool);
+
+/* How many devices the pool was made with; 0 for null. */
+GCDT_API size_t gcdt_pool_device_count(const gcdt_pool* pool);
+
+typedef struct gcdt_pool_device {
+  size_t struct_size;
+  int32_t status;      /* GCDT_OK, or why it was taken out of the pool, for good */
+  const char* message; /* the reason; "" if there is none; the pool's, until its next call */
+  /* In the last batch: problems, their vertices and runs whose results counted, and milliseconds in such runs. */
+  uint64_t problems, vertices, runs;
+  double ms_busy;
+  gcdt_device_info info; /* its struct_size is set by the library */
+} gcdt_pool_device;
+
+GCDT_API int32_t gcdt_pool_device_get(const gcdt_pool* pool, size_t number, gcdt_pool_device* device);
+
+/* ---- Batches ----------------------------------------------------------------------------------------------- */
+
+/* Problems one after the other in host memory: the caller's, read only during the call. */
+typedef struct gcdt_batch_input {
+  size_t struct_size;
+  int32_t coordinate_type; /* GCDT_FLOAT64, GCDT_FLOAT32 or GCDT_INT32 */
+  uint64_t problem_count;  /* 0 to 2^30 */
+  const void* vertices;    /* pairs x, y of all problems; may be null if there are none */
+  /* problem_count + 1, ascending: problem p has the vertices [p] up to [p + 1]. May be null without problems. */
+  const uint64_t* vertex_offsets;
+  const uint32_t* constraints; /* pairs of vertex numbers that count from 0 in each problem; or null */
+  /* problem_count + 1, ascending, of constraints; may be null if there are no constraints. */
+  const uint64_t* constraint_offsets;
+} gcdt_batch_input;
+#define GCDT_BATCH_INPUT_INIT \
+  { sizeof(gcdt_batch_input), GCDT_FLOAT64, 0, NULL, NULL, NULL, NULL }
+
+/* Triangulates every problem, each on its own grid (or all on the one in `options`), in canonical order whatever
+ * `options` say, and brings the results to host memory. `options` may be null; progress is told by the calling thread,
+ * with the phase "batch". A device that fails is taken out and its work goes to others, nothing is lost or done twice;
+ * if none is left the call fails with every device's reason: the status that all failed with, else
+ * GCDT_ERROR_DEVICE_FAILED. Problems that are invalid, or too large for every device, fail alone
+ * (gcdt_batch_problem). Blocks. */
+GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
+                                       gcdt_batch** batch);
+
+/* How one problem went. The pointers are the batch's. */
+typedef struct gcdt_problem {
+  size_t struct_size;
+  int32_t status;          /* GCDT_OK, or as gcdt_triangulate would return */
+  const char* message;     /* "" without an error */
+  const uint64_t* indices; /* in the problem's own numbers; see the statuses */
+  size_t index_count;
+  uint64_t pair_count;
+  uint64_t triangles; /* 0 with an error */
+  gcdt_grid grid;     /* its struct_size is set by the library */
+} gcdt_problem;
+
+GCDT_API int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_problem* info);
+
+/* One of the arrays (GCDT_TRIANGLES ...) of a problem: where it lies, the batch's memory, and its elements. Empty if
+ * the problem has an error. */
+GCDT_API int32_t gcdt_batch_array(const gcdt_batch* batch, uint64_t problem, int32_t array, const void** data,
+                                  uint64_t* count);
+
+/* One of the arrays of all problems, one after the other: to `destination`, with room for `capacity` elements, and
+ * where each problem's begins to `offsets`, problem_count + 1 elements. Either may be null. Too small:
+ * GCDT_ERROR_BUFFER_TOO_SMALL, and nothing is written. */
+GCDT_API int32_t gcdt_batch_copy(const gcdt_batch* batch, int32_t array, void* destination, uint64_t capacity,
+                                 uint64_t* offsets);
+
+typedef struct gcdt_batch_statistics {
+  size_t struct_size;
+  uint64_t problems, failed; /* failed: with errors of their own */
+  uint64_t vertices, constraints, triangles;
+  double ms_full; /* the whole call, programs built included */
+} gcdt_batch_statistics;
+GCDT_API int32_t gcdt_batch_get_statistics(const gcdt_batch* batch, gcdt_batch_statistics* statistics);
+
+/* Null is allowed. */
+GCDT_API void gcdt_batch_release(gcdt_batch* batch);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who triangulates what: a batch's problems shared out to devices, largest first, by measured speed.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "forest.hpp"
+
+namespace gcdt {
+
+/// Problems that go to a device together.
+struct Pack {
+  std::vector<std::uint32_t> problems;
+  std::uint64_t weight = 0;  ///< vertices and constraints, and one for each problem
+  // Under the schedule's lock:
+  bool done = false;
+  unsigned runners = 0;                       ///< devices at it
+  std::size_t owner = 0;                      ///< the device that took it first
+  std::chrono::steady_clock::time_point due;  ///< when the owner should be done; the epoch: it cannot be said
+};
+
+/// What devices are to the schedule.
+struct DeviceShare {
+  std::uint64_t capacity = 0;     ///< bytes; a pack that needs more is not taken
+  std::uint64_t most_weight = 0;  ///< of a pack of several problems
+  double speed = 0;               ///< weight a millisecond; 0: not measured yet
+  bool lost = false;
+};
+
+/// One batch on its way. All members may be called by all workers.
+///
+/// A device takes from the front of a list in order of size, half of what its speed would give it of the rest (if it is
+/// alone, all that it can take at once), so packs shrink towards the end. When the list is empty a device that would be
+/// done with a pack before the one that has it takes it as well; the first result counts, the other run is cancelled. A
+/// pack that comes back, since its device is lost or has too little memory, goes into the list again. Every problem is
+/// settled once: by the first result of its pack, or by an error of its own.
+class Schedule {
+ public:
+  Schedule(const BatchInput& batch, std::vector<DeviceShare> devices);
+
+  /// The next pack for the device; null when nothing is left to do for it. Blocks while others may bring work back.
+  std::shared_ptr<Pack> take(std::size_t device);
+  /// The device's result for the pack, with the errors of problems (batch numbers) that it lacks. False if another was
+  /// first. `milliseconds`: what the run took.
+  bool finish(std::size_t device, const std::shared_ptr<Pack>& pack, ForestResult result,
+              std::vector<std::pair<std::uint32_t, Error>> errors, double milliseconds);
+  /// The device has too little memory for it: it takes only smaller ones from now on.
+  void too_large(std::size_t device, const std::shared_ptr<Pack>& pack, const Error& error);
+  /// The device is lost; it may have a pack.
+  void lose(std::size_t device, const std::shared_ptr<Pack>& pack);
+  /// Given up, since the pack is done or all is cancelled.
+  void drop(const std::shared_ptr<Pack>& pack);
+  /// Whether a run of the pack may stop.
+  bool needless(const std::shared_ptr<Pack>& pack);
+  void cancel();
+
+  /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all is.
+  double wait();
+  double speed(std::size_t device);
+
+  /// By problem, when all is settled: the result and its place there, or an error.
+  struct Place {
+    std::uint32_t result = 0, place = 0;
+  };
+  std::vector<ForestResult> results;
+  std::vector<Place> places;
+  std::vector<std::optional<Error>> errors;
+  std::uint64_t unsettled() const { return unsettled_; }
+
+ private:
+  using Lock = std::unique_lock<std::mutex>;
+  std::uint64_t bytes(std::uint32_t p) const { return bytes_[p]; }
+  std::uint64_t bytes(const Pack& pack) const;
+  std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + 1; }
+  bool before(std::uint32_t p, std::uint32_t q) const;
+  std::shared_ptr<Pack> cut(std::size_t device);
+  std::shared_ptr<Pack> steal(std::size_t device);
+  void start(std::size_t device, const std::shared_ptr<Pack>& pack, bool first);
+  void put_back(const std::shared_ptr<Pack>& pack);
+  void stop_running(const std::shared_ptr<Pack>& pack);
+  void settle(std::uint32_t p, std::optional<Error> error);
+  void refuse_what_is_too_large();
+
+  const BatchInput& batch_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<DeviceShare> devices_;
+  std::vector<std::uint64_t> bytes_;    ///< that each problem needs alone
+  std::vector<std::uint32_t> waiting_;  ///< largest first
+  std::uint64_t waiting_weight_ = 0, weight_ = 0, settled_weight_ = 0, unsettled_ = 0;
+  std::list<std::shared_ptr<Pack>> running_;
+  std::optional<Error> shortage_;  ///< the last one
+  bool cancelled_ = false;
+};
+
+}  // namespace gcdt

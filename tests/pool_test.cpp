@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+// Batches on pools of devices: the bytes of one device whatever the devices are, whichever fails, and when.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include "batch_cases.hpp"
+#include "device_list.hpp"
+#include "device_pool.hpp"
+#include "opencl_app.hpp"
+
+#include <gcdt/gcdt_pool.hpp>
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+Batch batch_of(const std::vector<Workload>& problems) {
+  Batch batch;
+  for (const Workload& problem : problems) batch.add(problem.points, problem.constraints);
+  return batch;
+}
+
+template <class T>
+std::vector<T> copied(Span<T> span) {
+  return {span.begin(), span.end()};
+}
+
+Triangulation part_of(const BatchResult& result, std::size_t p) {
+  Triangulation part;
+  part.triangles = copied(result.triangles(p));
+  part.neighbours = copied(result.neighbours(p));
+  part.constrained = copied(result.constrained(p));
+  part.representative = copied(result.representative(p));
+  part.pieces = copied(result.pieces(p));
+  part.source_offsets = copied(result.source_offsets(p));
+  part.sources = copied(result.sources(p));
+  part.dropped = copied(result.dropped(p));
+  part.statistics.grid = result.grid(p);
+  return part;
+}
+
+/// What problems have alone: a mesh or an error.
+struct Alone {
+  std::vector<Triangulation> meshes;
+  std::vector<std::string> errors;
+
+  explicit Alone(const std::vector<Workload>& problems, const Options& options = {}) {
+    for (const Workload& problem : problems) {
+      meshes.emplace_back();
+      errors.emplace_back();
+      try {
+        meshes.back() = solver().triangulate(problem.points, problem.constraints, options);
+      } catch (const Error& error) {
+        errors.back() = error.what();
+      }
+    }
+  }
+
+  void check(const BatchResult& result) const {
+    REQUIRE(result.size() == meshes.size());
+    std::uint64_t failed = 0;
+    for (std::size_t p = 0; p < meshes.size(); ++p) {
+      CAPTURE(p);
+      const std::optional<Error> error = result.error(p);
+      CHECK((error ? error->what() : std::string()) == errors[p]);
+      if (error) ++failed;
+      if (errors[p].empty()) CHECK(difference(part_of(result, p), meshes[p]) == "");
+    }
+    CHECK(result.statistics().failed == failed);
+  }
+};
+
+std::vector<Workload> mixed_problems() {
+  std::vector<Workload> all = corpus({"ok", "crossing", "invalid"});
+  for (const Workload& problem : generated_problems()) all.push_back(problem);
+  for (const Workload& problem : smallest_problems()) all.push_back(problem);
+  return all;
+}
+
+/// Two halves of PoCL's CPU. A device that cannot be divided is taken twice.
+std::vector<cl::CommandQueue> half_devices() {
+  cl::Device whole = app_device();
+  static std::vector<cl::Device> halves;  // for good: PoCL's contexts do not keep their sub-devices
+  const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
+                                                CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+  if (halves.empty() && whole.createSubDevices(parts, &halves) != CL_SUCCESS) halves = {whole, whole};
+  std::vector<cl::CommandQueue> queues;
+  for (const cl::Device& half : halves) queues.emplace_back(cl::Context(half), half);
+  return queues;
+}
+
+}  // namespace
+
+TEST_CASE("the corpus, generated and smallest problems as one batch: one device, and two sub-devices") {
+  const std::vector<Workload> problems = mixed_problems();
+  const Alone alone(problems);
+  const Batch batch = batch_of(problems);
+  Pool one(testDevice());
+  alone.check(one.triangulate(batch));
+  Pool two = make_pool(half_devices());
+  REQUIRE(two.devices().size() == 2);
+  for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
+    alone.check(two.triangulate(batch));
+    std::uint64_t done = 0;
+    for (const PoolDevice& device : two.devices()) {
+      CHECK(!device.lost);
+      done += device.problems;
+    }
+    CHECK(done == problems.size());
+  }
+}
+
+TEST_CASE("devices of two vendors in one process give the same bytes") {
+  if (every_device().size() < 2) {
+    MESSAGE("only one device here");
+    return;
+  }
+  std::vector<Workload> problems = smallest_problems();
+  for (int i = 0; i < 40; ++i) problems.push_back(workload("random_pslg", 4 + std::size_t(i) % 5));
+  Pool all("all");
+  CHECK(all.devices().size() == every_device().size());
+  Alone(problems).check(all.triangulate(batch_of(problems)));
+  for (const PoolDevice& device : all.devices()) CHECK(!device.lost);
+}
+
+TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
+  Pool pool(testDevice());
+  const BatchResult nothing = pool.triangulate(Batch());
+  CHECK(nothing.size() == 0);
+  CHECK(nothing.statistics().triangles == 0);
+  const std::vector<Workload> empty(1000);
+  Alone(empty).check(pool.triangulate(batch_of(empty)));
+  const std::vector<Workload> equal(2000, workload("random_pslg", 5));
+  const BatchResult result = pool.triangulate(batch_of(equal));
+  const Triangulation one = solver().triangulate(equal[0].points, equal[0].constraints);
+  for (std::size_t p = 0; p < equal.size(); ++p) CHECK(difference(part_of(result, p), one) == "");
+}
+
+TEST_CASE("one problem of 100,000 vertices beside 10,000 of 20") {
+  std::vector<Workload> problems;
+  for (std::uint64_t i = 0; i < 10000; ++i) problems.push_back(uniform(20, i));
+  problems.insert(problems.begin() + 5000, uniform(100000));
+  Pool two = make_pool(half_devices());
+  Alone(problems).check(two.triangulate(batch_of(problems)));
+}
+
+TEST_CASE("all types of coordinates, and options, as for one problem") {
+  const Integers input = integer_input();
+  const std::vector<std::uint64_t> offsets = {0, input.points.size()},
+                                   constraint_offsets = {0, input.constraints.size()};
+  Options options;
+  options.grid = FixedGrid{};
+  options.crossing = Crossing::drop;
+  options.check = false;
+  Pool pool(testDevice());
+  const Triangulation expected = solver().triangulate(input.points, input.constraints, options);
+  CHECK(
+      difference(part_of(pool.triangulate({input.points, offsets, input.constraints, constraint_offsets}, options), 0),
+                 expected) == "");
+  std::vector<std::array<float, 2>> floats;
+  for (const Int2& p : input.points) floats.push_back({float(p[0]), float(p[1])});
+  CHECK(difference(part_of(pool.triangulate({floats, offsets, input.constraints, constraint_offsets}, options), 0),
+                   expected) == "");
+}
+
+TEST_CASE("the ragged copy is the problems' arrays one after the other") {
+  const std::vector<Workload> problems = smallest_problems();
+  Pool pool(testDevice());
+  const BatchResult result = pool.triangulate(batch_of(problems));
+  std::vector<std::uint64_t> offsets(problems.size() + 1);
+  for (std::int32_t array = GCDT_TRIANGLES; array <= GCDT_DROPPED; ++array) {
+    CAPTURE(array);
+    REQUIRE(gcdt_batch_copy(result.handle(), array, nullptr, 0, offsets.data()) == GCDT_OK);
+    const std::size_t bytes = gcdt_element_bytes(array);
+    std::vector<unsigned char> flat(offsets.back() * bytes + 1, 77);
+    if (offsets.back() > 0)
+      CHECK(gcdt_batch_copy(result.handle(), array, flat.data(), offsets.back() - 1, nullptr) ==
+            GCDT_ERROR_BUFFER_TOO_SMALL);
+    CHECK(std::count(flat.begin(), flat.end(), 77) == static_cast<long>(flat.size()));
+    CHECK(gcdt_batch_copy(result.handle(), array, flat.data(), offsets.back(), nullptr) == GCDT_OK);
+    CHECK(flat.back() == 77);
+    for (std::size_t p = 0; p < problems.size(); ++p) {
+      const void* data = nullptr;
+      std::uint64_t count = 0;
+      REQUIRE(gcdt_batch_array(result.handle(), p, array, &data, &count) == GCDT_OK);
+      CHECK(count == offsets[p + 1] - offsets[p]);
+      if (count > 0) CHECK(std::memcmp(data, flat.data() + offsets[p] * bytes, count * bytes) == 0);
+    }
+  }
+}
+
+TEST_CASE("what makes no sense is refused, and the pool works on") {
+  Pool pool(testDevice());
+  const std::vector<std::array<double, 2>> points = {{0, 0}, {1, 0}, {0, 1}};
+  const std::vector<std::uint64_t> right = {0, 3}, falling = {2, 0}, beyond = {0, 4};
+  const std::vector<Constraint> constraints = {{0, 1}};
+  CHECK_THROWS_AS(pool.triangulate({points, falling, {}, {}}), Error);
+  CHECK_THROWS_AS(pool.triangulate({points, beyond, {}, {}}), Error);
+  CHECK_THROWS_AS(pool.triangulate({points, right, constraints, {}}), Error);
+  CHECK_THROWS_AS(pool.triangulate({points, right, constraints, beyond}), Error);
+  Options bad_grid;
+  bad_grid.grid = FixedGrid{0, 0, "zero"};
+  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, bad_grid), Error);
+  Options stop;
+  stop.progress = [](const char*, double) { return false; };
+  try {
+    pool.triangulate({points, right, {}, {}}, stop);
+    FAIL("not stopped");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::cancelled);
+  }
+  CHECK(pool.triangulate({points, right, {}, {}}).triangles(0).size == 1);
+  CHECK(gcdt_pool_triangulate(nullptr, nullptr, nullptr, nullptr) == GCDT_ERROR_INVALID_ARGUMENT);
+  for (const char* none : {"no such device", "cpu,no such device", ",", "99"}) CHECK_THROWS_AS(Pool{none}, Error);
+}
+
+TEST_CASE("a trace of a pool has every device's phases") {
+  std::set<std::uint32_t> devices;
+  std::set<std::string> phases;
+  Pool two = make_pool(half_devices(), {}, [&](const TraceSpan& span) {
+    devices.insert(span.device_number);
+    phases.insert(span.phase);
+  });
+  two.triangulate(batch_of(std::vector<Workload>(3000, workload("random_pslg", 4))));
+  CHECK(devices == std::set<std::uint32_t>{0, 1});
+  CHECK(phases == std::set<std::string>{"order", "insert", "constrain", "flip", "check", "output"});
+}
+
+#ifdef __linux__
+TEST_CASE("100 batches in one process take no more memory than the first ten") {
+  Pool pool(testDevice());
+  const auto resident = [] {
+    std::size_t total = 0, pages = 0;
+    std::ifstream("/proc/self/statm") >> total >> pages;
+    return pages * 4096;
+  };
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < 100; ++i) {
+    pool.triangulate(batch_of(std::vector<Workload>(200 + i % 7, workload("random_pslg", 6))));
+    if (i < 10) first = std::max(first, resident());
+  }
+#ifndef __SANITIZE_ADDRESS__
+  CHECK(resident() <= first + (std::size_t{8} << 20));
+#endif
+}
+#endif
+
+// ---- Devices that fail ------------------------------------------------------------------------------
+
+namespace {
+
+cl::Device test_device() { return runtime::all_devices().at(select_device(testDevice())); }
+
+/// Fails the k-th OpenCL call of a device, and, as a lost one would, all that follow if `for_good`.
+runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
+                          cl_int code) {
+  runtime::CallHook hook;
+  hook.before = [=](const char*, const char*) {
+    const std::uint64_t call = ++*calls;
+    return call == k || (for_good && call > k) ? code : CL_SUCCESS;
+  };
+  return hook;
+}
+
+struct Outcome {
+  bool right = false;    ///< every byte
+  bool refused = false;  ///< some problem has an error, all others are right
+  std::string message;   ///< of the call, if it failed
+};
+
+Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
+  try {
+    const PoolResult result = pool.triangulate(batch.view(), {});
+    Outcome outcome{true, false, ""};
+    for (std::size_t p = 0; p < expected.size(); ++p) {
+      const Schedule::Place place = result.places[p];
+      outcome.refused = outcome.refused || result.errors[p];
+      outcome.right = outcome.right && !result.errors[p] &&
+                      difference(test::part_of(result.results[place.result], place.place), expected[p]).empty();
+    }
+    return outcome;
+  } catch (const Error& error) {
+    return {false, false, error.what()};
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// A pool of one such device; what it answers is right or an error. Whether it was one.
+bool fails_alone(const std::shared_ptr<std::atomic<std::uint64_t>>& calls, std::uint64_t k, bool for_good, cl_int code,
+                 const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
+  *calls = 0;
+  try {
+    DevicePool alone({{cl::Context(), test_device(), failing(calls, k, for_good, code)}}, {}, {});
+    const Outcome outcome = outcome_of(alone, batch, expected);
+    CHECK((outcome.right || !outcome.message.empty() || outcome.refused));
+    return !outcome.right;
+  } catch (const Error& error) {
+    CHECK(std::string(error.what()).find("no device of the pool is left") == 0);
+    return true;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no byte and hangs nothing") {
+  std::vector<Workload> problems = {problem({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}, {3, 2}, {1, 2}},
+                                            {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {6, 4}}),
+                                    uniform(6), problem({{0.1, 0.2}})};
+  const RaggedBatch batch(problems);
+  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  {
+    DevicePool pool({{cl::Context(), test_device(), failing(calls, 0, false, 0)}}, {}, {});
+    REQUIRE(outcome_of(pool, batch, expected).right);
+  }
+  const std::uint64_t all = *calls;
+  MESSAGE(all << " calls");
+  REQUIRE(all > 100);
+  const runtime::CallHook healthy;
+  std::uint64_t failed = 0, lost = 0;
+  for (std::uint64_t k = 1; k <= all; ++k) {
+    CAPTURE(k);
+    const bool for_good = k % 2 == 0;  // lost, or failed once
+    const cl_int code = k % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
+    if (k % 5 == 0) failed += fails_alone(calls, k, for_good, code, batch, expected);
+    *calls = 0;
+    DevicePool pool(
+        {{cl::Context(), test_device(), failing(calls, k, for_good, code)}, {cl::Context(), test_device(), healthy}},
+        {}, {});
+    const Outcome outcome = outcome_of(pool, batch, expected);
+    CAPTURE(outcome.message);
+    CHECK(outcome.right);
+    CHECK(!pool.report(1).lost);
+    lost += pool.report(0).lost.has_value();
+    if (pool.report(0).lost) CHECK(std::string(pool.report(0).lost->what()).find("OpenCL code") != std::string::npos);
+    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
+  }
+  CHECK(failed > all / 15);
+  CHECK(lost > all / 2);
+  MESSAGE(failed << " of " << all / 5 << " failed without another device, " << lost << " were lost beside one");
+}
+
+TEST_CASE("when all devices fail, the error has every device's reason") {
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const runtime::CallHook broken = failing(calls, 1, true, CL_OUT_OF_RESOURCES);
+  try {
+    DevicePool pool({{cl::Context(), test_device(), broken}, {cl::Context(), test_device(), broken}}, {}, {});
+    FAIL("a pool of broken devices");
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    CHECK(error.opencl_code() == CL_OUT_OF_RESOURCES);
+    const std::size_t first = message.find("clCreateContext");
+    CHECK(first != std::string::npos);
+    CHECK(message.find("clCreateContext", first + 1) != std::string::npos);
+  }
+}
