@@ -157,6 +157,64 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
   return GCDT_NONE;
 }
 
+// The coarser vertex of vertex a's triangulation close to a grid point: of its neighbours on the curve, found by
+// bisection, the nearer; GCDT_NONE if there is none. Ends: the range halves.
+static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                    History h, uint a, int2 at) {
+  const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
+  const uint2 units = coarse_units(levels, level, points, n, h.begin, a);
+  uint low = units.x, high = units.y;
+  if (low == high) return GCDT_NONE;
+  while (high - low > 1u) {
+    const uint middle = low + (high - low) / 2u;
+    const int2 p = points[gcdt_vertex_of_rank(levels, level - 1u, middle)];
+    if (gcdt_morton((uint)p.x, (uint)p.y) <= code)
+      low = middle;
+    else
+      high = middle;
+  }
+  return nearer_coarse_vertex(levels, level, points, units.y, low, at);
+}
+
+// The same where the neighbours on the curve may be far: a vertex or a narrow strip of the domain beyond a border of
+// large cells has few neighbours in its own cell, hundreds of edges apart, and many just across the border. `near`
+// is the nearest on the curve: looks beyond the four sides of the largest cell that holds the point and not `near`.
+static uint coarse_vertex_around(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, History h,
+                                 uint a, int2 at, uint near) {
+  const int2 p = points[near];
+  const uint differing = (uint)((at.x ^ p.x) | (at.y ^ p.y));
+  if (differing == 0u) return near;
+  const int size = 1 << (31u - clz(differing));
+  const int2 cell = (int2)(at.x & ~(size - 1), at.y & ~(size - 1));
+  uint best = near;
+  for (uint side = 0; side < 4u; ++side) {
+    const i64 x = side == 0u ? (i64)cell.x - 1 : side == 1u ? (i64)cell.x + size : (i64)at.x;
+    const i64 y = side == 2u ? (i64)cell.y - 1 : side == 3u ? (i64)cell.y + size : (i64)at.y;
+    if (x < 0 || y < 0 || x > 0x7FFFFFFF || y > 0x7FFFFFFF) continue;
+    const uint v = coarse_vertex_at(levels, level, points, n, h, a, (int2)((int)x, (int)y));
+    if (distance_squared(at, points[v]) < distance_squared(at, points[best])) best = v;
+  }
+  return best;
+}
+
+// Steps that nearly all walks do with.
+#define SHORT_WALK 24u
+
+// A face of the top layer that holds the germ, of vertex a's triangulation, in its closure, or GCDT_NONE; `from` is a
+// coarser vertex of it near the germ, or GCDT_NONE if there is none. A walk that gets long is begun again from a better
+// vertex, since a launch lasts as long as its longest walk.
+static uint find_in_top_layer(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Germ g, uint a, uint from,
+                              private uint* steps, private uint* zero) {
+  const uint root = root_of(mesh.points, mesh.n, a), faces = gcdt_forest_faces(h.begin, mesh.roots);
+  const uint top = walk_top_layer(mesh.points, mesh.n, h, g, from, root, min(faces, SHORT_WALK), steps, zero);
+  if (top != GCDT_NONE || from == GCDT_NONE) return top;
+  const Vertex goal = near_germ(g);
+  const int2 at = (int2)((int)goal.x, (int)goal.y);
+  const uint near = coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, at);
+  from = coarse_vertex_around(levels, level, mesh.points, mesh.n, h, a, at, near);
+  return walk_top_layer(mesh.points, mesh.n, h, g, from, root, faces, steps, zero);
+}
+
 // From a face of the top layer that holds the germ down to the leaf that does: a face of the mesh as it
 // is after the level's last split and before any flip. Ends: each step goes one node deeper.
 static inline uint descend_history(global const int2* points, uint n, History h, Germ g, uint top,

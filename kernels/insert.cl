@@ -254,7 +254,6 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const uint top_faces = gcdt_forest_faces(begin, mesh.roots);
   uint steps = 0;
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
   for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
@@ -266,7 +265,7 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
     g.k = 0;
     g.parts = 1;
     uint zero;
-    const uint t = walk_top_layer(points, n, h, g, from, root_of(points, n, v), top_faces, &steps, &zero);
+    const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, &steps, &zero);
     uint location = t;
     if (t == GCDT_NONE)
       atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;

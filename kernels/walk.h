@@ -29,25 +29,6 @@ typedef struct Walk {
 
 // ---- Where a part begins -------------------------------------------------------------------------
 
-// The coarser vertex of vertex a's triangulation close to a grid point: of its neighbours on the curve, found by
-// bisection, the nearer; GCDT_NONE if there is none. Ends: the range halves.
-static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
-                                    History h, uint a, int2 at) {
-  const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
-  const uint2 units = coarse_units(levels, level, points, n, h.begin, a);
-  uint low = units.x, high = units.y;
-  if (low == high) return GCDT_NONE;
-  while (high - low > 1u) {
-    const uint middle = low + (high - low) / 2u;
-    const int2 p = points[gcdt_vertex_of_rank(levels, level - 1u, middle)];
-    if (gcdt_morton((uint)p.x, (uint)p.y) <= code)
-      low = middle;
-    else
-      high = middle;
-  }
-  return nearer_coarse_vertex(levels, level, points, units.y, low, at);
-}
-
 // A face whose closure holds division point k, moved infinitely little towards b.
 static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, Vertex va,
                                   Vertex vb, uint k, uint parts, private uint* steps) {
@@ -65,8 +46,7 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh m
                        : coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
   }
   uint zero;
-  const uint top = walk_top_layer(mesh.points, mesh.n, h, g, from, root_of(mesh.points, mesh.n, a),
-                                  gcdt_forest_faces(h.begin, mesh.roots), steps, &zero);
+  const uint top = find_in_top_layer(levels, level, mesh, h, g, a, from, steps, &zero);
   return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
 }
 
