@@ -10,7 +10,8 @@ using namespace gcdt::api;
 
 namespace {
 
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4};  // by GCDT_TRIANGLES ... GCDT_DROPPED
+// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_DROPPED; from 16 on GCDT_REGIONS ...
+constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 4, 4};
 
 }  // namespace
 
@@ -26,6 +27,10 @@ Array gcdt_result::array(std::int32_t number) const {
     case GCDT_SOURCE_OFFSETS: return {pieces.source_offsets.handle(), std::uint64_t{pieces.count} + 1, bytes};
     case GCDT_SOURCES: return {pieces.sources.handle(), pieces.source_count, bytes};
     case GCDT_DROPPED: return {data.dropped.handle(), data.dropped.size(), bytes};
+    case GCDT_REGIONS: return {data.regions.region.handle(), data.regions.region.size(), bytes};
+    case GCDT_DEPTHS: return {data.regions.depth.handle(), data.regions.depth.size(), bytes};
+    case GCDT_WINDINGS: return {data.regions.winding.handle(), data.regions.winding.size(), bytes};
+    case GCDT_REGION_SEEDS: return {data.regions.seed.handle(), data.regions.seed.size(), bytes};
   }
   throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(number));
 }
@@ -83,7 +88,9 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.symbolic_chain_vertices = s.cases.symbolic_chain_vertices;
     c.device = s.device.c_str(), c.driver = s.driver.c_str();
     c.platform = s.platform.c_str(), c.version = s.version.c_str();
-    write_struct(c, statistics, "gcdt_statistics");
+    c.ms_domain = s.ms.domain, c.regions = s.regions, c.triangles_removed = s.triangles_removed;
+    c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
+    write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });
 }
 

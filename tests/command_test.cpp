@@ -119,7 +119,7 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "verify in.poly",
                                 "triangulate in.poly --no-such-option",
                                 "triangulate in.poly --tiles 2",
-                                "triangulate in.poly --domain holes",
+                                "triangulate in.poly --domain inside",
                                 "triangulate in.poly --crossing split",
                                 "triangulate in.poly -o",
                                 "triangulate in.poly -o out.xyz",
@@ -339,6 +339,39 @@ TEST_CASE("holes and regions of the input are said to be unused") {
   CHECK(outcome.status == 0);
   CHECK(contains(outcome.err, "holes"));
   CHECK(session.good("triangulate in.poly -o o.ele --quiet") == "");
+}
+
+TEST_CASE("domains: the seeds of the file, what is removed, and its verification") {
+  Session session;
+  // A square with a square hole in it, both drawn counter-clockwise, and a vertex far to the right; one region.
+  session.write(
+      "in.poly",
+      "9 2 0 0\n0 0 0\n1 9 0\n2 9 9\n3 0 9\n4 3 3\n5 6 3\n6 6 6\n7 3 6\n8 20 4\n8 0\n0 0 1\n1 1 2\n2 2 3\n3 3 "
+      "0\n4 4 5\n5 5 6\n6 6 7\n7 7 4\n1\n0 4 5\n1\n0 1 1 2.5 -1\n");
+  struct Expected {
+    const char* domain;
+    int triangles;  // the ring has 8, the hole 2, the part outside 1 or, with its vertex, 3
+  };
+  for (const Expected& e :
+       {Expected{"hull", 11}, {"even-odd", 8}, {"nonzero", 10}, {"holes", 9}, {"outer", 10}, {"outer-holes", 8}}) {
+    CAPTURE(e.domain);
+    const std::string domain = std::string(" --domain ") + e.domain;
+    session.good("triangulate in.poly -o o.ele -o o.neigh -o o.vtu --stats s.json --verify --quiet --regions" + domain);
+    CHECK(nlohmann::json::parse(session.read("s.json"))["triangles"] == e.triangles);
+    for (const char* output : {"o.ele", "o.neigh", "o.vtu"})
+      CHECK(contains(session.good("verify in.poly " + std::string(output) + domain), "valid"));
+    const std::string other = std::string(e.domain) == "hull" ? "outer" : "hull";
+    session.bad(5, "verify in.poly o.ele --domain " + other);
+    std::istringstream rows(data_lines(session.read("o.ele")));
+    int number, count, corner, with_attribute = 0;
+    double attribute;
+    rows >> count >> number >> number;
+    CHECK(number == 1);
+    while (rows >> number >> corner >> corner >> corner >> attribute) with_attribute += attribute == 2.5;
+    CHECK(with_attribute == 8);
+  }
+  for (const char* name : {"region", "depth", "winding", "region_attribute"})
+    CHECK(contains(session.read("o.vtu"), std::string("Name=\"") + name + "\""));
 }
 
 TEST_CASE("verify catches every kind of wrong mesh with status 5") {

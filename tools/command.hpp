@@ -16,13 +16,13 @@ namespace gcdt::command {
 struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
-  std::string crossing = "reject", grid, device, statistics, trace;
-  bool verify = false, quiet = false;
+  std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
+  bool verify = false, quiet = false, regions = false;
 };
 
 struct VerifyArguments {
   std::string input, output;
-  std::string crossing = "reject", grid;
+  std::string crossing = "reject", domain = "hull", grid;
   bool quiet = false;
 };
 
@@ -40,6 +40,9 @@ void triangulate_batch(const BatchArguments& arguments);
 void list_devices();
 
 Crossing crossing_named(const std::string& name);
+
+/// Sets the domain of that name, and the seeds that the input has.
+void set_domain(const std::string& name, const io::Input& input, Options& options);
 
 /// "X,Y,CELL" as a grid; nothing if the text is empty. Throws io::Failure (Exit::usage).
 std::optional<FixedGrid> grid_from_option(const std::string& text);

@@ -43,6 +43,16 @@ void add_crossing(CLI::App& app, std::string& crossing) {
       ->capture_default_str();
 }
 
+void add_domain(CLI::App& app, std::string& domain) {
+  app.add_option("--domain", domain,
+                 "Which triangles are kept: hull (all), even-odd or nonzero (by how often the constraints wind around "
+                 "them), holes (all but the regions with a hole point of the input), outer (all but what is open to "
+                 "the outside), outer-holes (both)")
+      ->check(CLI::IsMember({"hull", "even-odd", "nonzero", "holes", "outer", "outer-holes"}).description(""))
+      ->type_name("hull|even-odd|nonzero|holes|outer|outer-holes")
+      ->capture_default_str();
+}
+
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
   app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
@@ -52,6 +62,10 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("OUTPUT");
   add_crossing(*app, arguments.crossing);
+  add_domain(*app, arguments.domain);
+  app->add_flag("--regions", arguments.regions,
+                "Find region, depth and winding number of each triangle (in .vtu; region attributes in .ele too) where "
+                "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   app->add_option(
          "--device", arguments.device,
@@ -108,6 +122,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
       ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
   add_crossing(*app, arguments.crossing);
+  add_domain(*app, arguments.domain);
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(verify_help) + status_help);

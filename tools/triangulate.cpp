@@ -71,15 +71,30 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
   }
 }
 
-void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing) {
+void prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
+  const bool regions = options.domain != Domain::hull || options.regions;
+  const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
+  const Grid& grid = mesh.statistics.grid;
   const Verification verification =
-      gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
+      regions ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!verification.valid)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
+}
+
+/// What the input has and the options do not use.
+void note_unused(const io::Input& input, const Options& options, Statistics& statistics) {
+  const bool holes_used = options.domain == Domain::holes || options.domain == Domain::outer_holes;
+  auto& notes = statistics.notes;
+  if (holes_used && input.holes.empty()) notes.push_back("the input has no holes");
+  if (!holes_used && !input.holes.empty())
+    notes.push_back(fmt::format("holes ({}) of the input are not used: see --domain", input.holes.size()));
+  if (!input.regions.empty() && options.domain == Domain::hull && !options.regions)
+    notes.push_back(fmt::format("regions ({}) of the input are not used: see --regions", input.regions.size()));
 }
 
 void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics,
@@ -107,13 +122,16 @@ void triangulate(const TriangulateArguments& arguments) {
   const io::Input input = io::read_input(arguments.input);
   const double read_milliseconds = read.milliseconds();
   check_overwrites_no_input(arguments, input.files);
+  set_domain(arguments.domain, input, options);
+  options.regions = arguments.regions;
   stop_if_interrupted();
 
   TraceRecord trace;
   Triangulation mesh = computed(input, arguments, options, trace);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
-  if (arguments.verify) prove(input, mesh, options.crossing);
+  note_unused(input, options, mesh.statistics);
+  if (arguments.verify) prove(input, mesh, options);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
   write_outputs(arguments, {input, mesh}, statistics, trace);

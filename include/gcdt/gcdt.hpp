@@ -63,6 +63,10 @@ class Result {
   std::vector<std::uint32_t> source_offsets() const { return copy<std::uint32_t>(GCDT_SOURCE_OFFSETS); }
   std::vector<std::uint32_t> sources() const { return copy<std::uint32_t>(GCDT_SOURCES); }
   std::vector<std::uint32_t> dropped() const { return copy<std::uint32_t>(GCDT_DROPPED); }
+  std::vector<std::uint32_t> region() const { return copy<std::uint32_t>(GCDT_REGIONS); }
+  std::vector<std::uint32_t> depth() const { return copy<std::uint32_t>(GCDT_DEPTHS); }
+  std::vector<std::int32_t> winding() const { return copy<std::int32_t>(GCDT_WINDINGS); }
+  std::vector<std::int32_t> region_seed() const { return copy<std::int32_t>(GCDT_REGION_SEEDS); }
   Statistics statistics() const { return detail::statistics(handle_.get()); }
 
   /// All of it. Blocks.
@@ -76,6 +80,10 @@ class Result {
     all.source_offsets = source_offsets();
     all.sources = sources();
     all.dropped = dropped();
+    all.region = region();
+    all.depth = depth();
+    all.winding = winding();
+    all.region_seed = region_seed();
     all.statistics = statistics();
     return all;
   }
