@@ -10,27 +10,53 @@ using namespace gcdt::api;
 
 namespace {
 
-// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_DROPPED; from 16 on GCDT_REGIONS ...
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 4, 4};
+// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_DROPPED; from 16 on GCDT_REGIONS ...; from 24 on
+// GCDT_VERTEX_TRIANGLES ...
+constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 0, 0, 0, 0, 0, 0,
+                                         0,  0,  4, 4, 4, 4, 0, 0, 0, 0, 4, 4, 12};
 
 }  // namespace
 
-Array gcdt_result::array(std::int32_t number) const {
-  const Pieces& pieces = data.pieces;
-  const std::size_t bytes = gcdt_element_bytes(number);
+std::uint64_t gcdt_result::count(std::int32_t number) const {
   switch (number) {
-    case GCDT_TRIANGLES: return {data.mesh.corners.handle(), data.mesh.triangles, bytes};
-    case GCDT_NEIGHBOURS: return {data.mesh.neighbours.handle(), data.mesh.triangles, bytes};
-    case GCDT_CONSTRAINED: return {data.mesh.constrained.handle(), data.mesh.triangles, bytes};
-    case GCDT_REPRESENTATIVES: return {data.representatives.handle(), data.representatives.size(), bytes};
-    case GCDT_PIECES: return {pieces.ends.handle(), pieces.count, bytes};
-    case GCDT_SOURCE_OFFSETS: return {pieces.source_offsets.handle(), std::uint64_t{pieces.count} + 1, bytes};
-    case GCDT_SOURCES: return {pieces.sources.handle(), pieces.source_count, bytes};
-    case GCDT_DROPPED: return {data.dropped.handle(), data.dropped.size(), bytes};
-    case GCDT_REGIONS: return {data.regions.region.handle(), data.regions.region.size(), bytes};
-    case GCDT_DEPTHS: return {data.regions.depth.handle(), data.regions.depth.size(), bytes};
-    case GCDT_WINDINGS: return {data.regions.winding.handle(), data.regions.winding.size(), bytes};
-    case GCDT_REGION_SEEDS: return {data.regions.seed.handle(), data.regions.seed.size(), bytes};
+    case GCDT_TRIANGLES:
+    case GCDT_NEIGHBOURS:
+    case GCDT_CONSTRAINED:
+    case GCDT_EDGE_PIECES: return data.mesh.triangles;
+    case GCDT_REPRESENTATIVES:
+    case GCDT_VERTEX_TRIANGLES: return data.representatives.size();
+    case GCDT_PIECES: return data.pieces.count;
+    case GCDT_SOURCE_OFFSETS: return std::uint64_t{data.pieces.count} + 1;
+    case GCDT_SOURCES: return data.pieces.source_count;
+    case GCDT_DROPPED: return data.dropped.size();
+    case GCDT_REGIONS:
+    case GCDT_DEPTHS:
+    case GCDT_WINDINGS:
+    case GCDT_REGION_SEEDS: return data.regions.region.size();
+    case GCDT_HULL: return hull_count(data);
+  }
+  return 0;
+}
+
+Array gcdt_result::array(std::int32_t number) const {
+  auto found = [&](const auto& buffer) { return Array{buffer.handle(), count(number), gcdt_element_bytes(number)}; };
+  runtime::Runtime& runtime = state->runtime;
+  switch (number) {
+    case GCDT_TRIANGLES: return found(data.mesh.corners);
+    case GCDT_NEIGHBOURS: return found(data.mesh.neighbours);
+    case GCDT_CONSTRAINED: return found(data.mesh.constrained);
+    case GCDT_REPRESENTATIVES: return found(data.representatives);
+    case GCDT_PIECES: return found(data.pieces.ends);
+    case GCDT_SOURCE_OFFSETS: return found(data.pieces.source_offsets);
+    case GCDT_SOURCES: return found(data.pieces.sources);
+    case GCDT_DROPPED: return found(data.dropped);
+    case GCDT_REGIONS: return found(data.regions.region);
+    case GCDT_DEPTHS: return found(data.regions.depth);
+    case GCDT_WINDINGS: return found(data.regions.winding);
+    case GCDT_REGION_SEEDS: return found(data.regions.seed);
+    case GCDT_VERTEX_TRIANGLES: return found(derived.vertex_triangles(runtime, data));
+    case GCDT_HULL: return found(derived.hull(runtime, state->primitives, data));
+    case GCDT_EDGE_PIECES: return found(derived.edge_pieces(runtime, data));
   }
   throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(number));
 }
@@ -39,9 +65,7 @@ size_t gcdt_element_bytes(int32_t array) {
   return array >= 0 && static_cast<std::size_t>(array) < std::size(element_bytes) ? element_bytes[array] : 0;
 }
 
-uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) {
-  return result && gcdt_element_bytes(array) != 0 ? result->array(array).count : 0;
-}
+uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) { return result ? result->count(array) : 0; }
 
 int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity) {
   return guarded_call(result ? result->state.get() : nullptr, [&] {

@@ -264,10 +264,15 @@ enum {
   GCDT_DROPPED = 7,
   /* Of the domain, T elements, none unless asked for (gcdt_options.domain, regions). Regions are those of the hull,
    * numbered from 0 in the order of their least triangles there: numbers of removed ones are missing. */
-  GCDT_REGIONS = 16,     /* uint32 */
-  GCDT_DEPTHS = 17,      /* uint32: the least number of constrained edges between the region and outside */
-  GCDT_WINDINGS = 18,    /* int32 */
-  GCDT_REGION_SEEDS = 19 /* int32: the least of gcdt_options.region_seeds in the region, -1 without one */
+  GCDT_REGIONS = 16,      /* uint32 */
+  GCDT_DEPTHS = 17,       /* uint32: the least number of constrained edges between the region and outside */
+  GCDT_WINDINGS = 18,     /* int32 */
+  GCDT_REGION_SEEDS = 19, /* int32: the least of gcdt_options.region_seeds in the region, -1 without one */
+  /* Made on the device when first asked for, which blocks and takes device memory; not in gcdt_required_bytes. */
+  GCDT_VERTEX_TRIANGLES = 24, /* int32 per input vertex: the least triangle at its grid point, -1 without one */
+  GCDT_HULL = 25, /* uint32: vertices on the convex hull, counter-clockwise from the first in Z-order; those inside its
+                     edges too; none without triangles. Domains do not change it. */
+  GCDT_EDGE_PIECES = 26 /* T x 3 int32: [t][k] is the element of GCDT_PIECES along the edge opposite corner k, or -1 */
 };
 
 /* Elements of an array, and bytes of one element; 0 for null or an unknown array. */
@@ -277,6 +282,22 @@ GCDT_API size_t gcdt_element_bytes(int32_t array);
 /* Copies an array to host memory with room for `capacity` elements. Too small: GCDT_ERROR_BUFFER_TOO_SMALL, and
  * nothing is written. Blocks. Its time is added to ms_output and ms_full of the result's statistics. */
 GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity);
+
+/* ---- Points in the mesh ------------------------------------------------------------------------------------ */
+
+/* For `count` points in host memory (coordinate_type as for gcdt_input), on the device: triangles[i] is the least
+ * triangle that holds point i, its border included, or -1; weights (may be null) its barycentric weights, three a point
+ * in the order of the corners, 0 outside. Points are rounded to the grid as vertices are, and the answer is exact
+ * there; what is not on the grid is outside. GCDT_ERROR_COORDINATE_NOT_FINITE: indices: point, axis. Takes about 100
+ * bytes of device memory a point, for 2^20 points at a time, and 8 bytes a vertex until the result is released. Blocks.
+ */
+GCDT_API int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
+                             int32_t* triangles, double* weights);
+
+/* The same for the values there, linear in each triangle: vertex_values has one number an input vertex, of which those
+ * of corners (representatives) are read; values[i] is `outside` where no triangle is. Summed on the host. */
+GCDT_API int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
+                                  const double* vertex_values, double outside, double* values);
 
 /* Hands the result's device memory back to its solver, for the next call. Null is allowed. */
 GCDT_API void gcdt_result_release(gcdt_result* result);
