@@ -374,6 +374,45 @@ TEST_CASE("domains: the seeds of the file, what is removed, and its verification
     CHECK(contains(session.read("o.vtu"), std::string("Name=\"") + name + "\""));
 }
 
+TEST_CASE("locate says triangle, weights and attributes of each point") {
+  Session session;
+  session.write("in.poly", "4 2 1 0\n1 0 0 10\n2 4 0 20\n3 4 4 40\n4 0 4 30\n1 0\n1 1 3\n0\n");
+  session.write("points.node", "4 2 0 0\n1 3 1\n2 1 3\n3 2 2\n4 9 9\n");
+  session.good("triangulate in.poly -o o.ele");
+  CHECK(contains(session.read("o.ele"), "2 3 0\n1 1 2 3\n2 1 3 4\n"));
+  const std::string places = "1 1 0.25 0.5 0.25 22.5\n2 2 0.25 0.25 0.5 27.5\n3 1 0.5 0 0.5 25\n4 -1 0 0 0 nan\n";
+  CHECK(data_lines(session.good("locate in.poly points.node")) == places);
+  CHECK(session.good("locate in.poly points.node -o places.txt") == "");
+  CHECK(data_lines(session.read("places.txt")) == places);
+  CHECK(contains(data_lines(session.good("locate in.poly points.node --domain outer")), "\n4 -1 "));
+  session.bad(2, "locate in.poly points.node -o points.node");
+  session.bad(3, "locate in.poly missing.node");
+}
+
+TEST_CASE("raster writes the value in the middle of each cell, from the north down, with its place") {
+  Session session;
+  session.write("in.node", "4 2 2 0\n0 10 20 0 5\n1 14 20 4 5\n2 14 22 4 5\n3 10 22 0 5\n");
+  session.good("raster in.node --cell 1 -o o.asc -o o.flt -o o.png");
+  const std::string header = "ncols 4\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 1\nNODATA_value -9999\n";
+  CHECK(session.read("o.asc") == header + "0.5 1.5 2.5 3.5\n0.5 1.5 2.5 3.5\n");
+  CHECK(session.read("o.hdr") == header + "byteorder LSBFIRST\n");
+  for (const char* world : {"o.acw", "o.ftw", "o.pgw"}) CHECK(session.read(world) == "1\n0\n0\n-1\n10.5\n21.5\n");
+  const std::string floats = session.read("o.flt");
+  REQUIRE(floats.size() == 4 * 8);
+  CHECK(floats.substr(4, 4) == std::string("\0\0\xc0\x3f", 4));  // 1.5
+  CHECK(session.read("o.png").substr(1, 3) == "PNG");
+  // A triangle: outside of it there is no value.
+  session.write("t.node", "3 2 2 0\n0 0 0 0 1\n1 4 0 0 2\n2 0 2 0 3\n");
+  session.good("raster t.node --cell 1 --attribute 2 --no-data -1 -o t.asc");
+  CHECK(contains(session.read("t.asc"), "NODATA_value -1\n2.625 -1 -1 -1\n1.625 1.875 2.125 -1\n"));
+  session.bad(2, "raster t.node --attribute 3 -o t.asc");
+  session.bad(2, "raster t.node --cell 0 -o t.asc");
+  session.bad(2, "raster t.node --cell 1e-9 -o t.asc");
+  session.bad(2, "raster t.node -o t.tif");
+  session.bad(2, "raster t.node -o t.flt -o t.hdr");
+  session.bad(2, "raster t.node -o t.asc -o ./t.asc");
+}
+
 TEST_CASE("verify catches every kind of wrong mesh with status 5") {
   Session session;
   session.write("in.poly", random_poly(60, 0));

@@ -26,6 +26,16 @@ constexpr const char* batch_help =
     "Inputs that fail are listed, and the others are written; the status is then that of the first that failed.\n"
     "Without -o the statistics are printed.\n\n";
 
+constexpr const char* locate_help =
+    "One line a point: its number, the triangle (as triangulate numbers them; the least of several; -1 outside), the\n"
+    "barycentric weights of the triangle's corners, and each attribute of the vertices there (nan outside).\n\n";
+
+constexpr const char* raster_help =
+    "The cells begin at the least x and y. .asc is the Arc/Info ASCII grid; .flt has float32 with a .hdr; .png is "
+    "grey\n"
+    "from the least value to the largest, and transparent outside. Each has a world file beside it (.acw .ftw "
+    ".pgw).\n\n";
+
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
     "ran out of memory; 5 a check failed; 6 an output cannot be written; 130 interrupted.";
@@ -33,6 +43,10 @@ constexpr const char* status_help =
 constexpr const char* grid_help =
     "Round the vertices to this grid: its least corner X,Y and the edge CELL of a cell, a decimal number; "
     "default: the finest that fits the input";
+
+constexpr const char* device_help =
+    "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
+    "default: the variable GCDT_DEVICE, else auto";
 
 void add_crossing(CLI::App& app, std::string& crossing) {
   app.add_option("--crossing", crossing,
@@ -67,11 +81,7 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
                 "Find region, depth and winding number of each triangle (in .vtu; region attributes in .ele too) where "
                 "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
-  app->add_option(
-         "--device", arguments.device,
-         "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
-         "default: the variable GCDT_DEVICE, else auto")
-      ->type_name("SPEC");
+  app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
   app->add_flag("--verify", arguments.verify,
                 "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");
@@ -129,6 +139,43 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   app->callback([&arguments] { command::verify(arguments); });
 }
 
+void add_mesh(CLI::App& app, command::MeshArguments& mesh) {
+  app.add_option("INPUT", mesh.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+      ->required()
+      ->type_name("");
+  add_crossing(app, mesh.crossing);
+  add_domain(app, mesh.domain);
+  app.add_option("--grid", mesh.grid, grid_help)->type_name("X,Y,CELL");
+  app.add_option("--device", mesh.device, device_help)->type_name("SPEC");
+  app.add_flag("--quiet", mesh.quiet, "Print errors only");
+}
+
+void add_locate(CLI::App& gcdt, command::LocateArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("locate", "Say in which triangles of the mesh of INPUT the points of POINTS are");
+  add_mesh(*app, arguments.mesh);
+  app->add_option("POINTS", arguments.points, "A .node file with the points")->required()->type_name("");
+  app->add_option("-o,--output", arguments.output, "The file to write; default: standard output")->type_name("FILE");
+  app->footer(std::string(locate_help) + status_help);
+  app->callback([&arguments] { command::locate(arguments); });
+}
+
+void add_raster(CLI::App& gcdt, command::RasterArguments& arguments) {
+  CLI::App* app =
+      gcdt.add_subcommand("raster", "Interpolate an attribute of the vertices of INPUT in the middles of square cells");
+  add_mesh(*app, arguments.mesh);
+  app->add_option("-o,--output", arguments.outputs, "A .asc, .flt or .png file; may be given several times")
+      ->required()
+      ->allow_extra_args(false)
+      ->type_name("OUTPUT");
+  app->add_option("--attribute", arguments.attribute, "Which attribute, from 1")->capture_default_str();
+  app->add_option("--cell", arguments.cell, "The edge of a cell; default: the longer side has 1024")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("SIZE");
+  app->add_option("--no-data", arguments.no_data, "The value outside of all triangles")->capture_default_str();
+  app->footer(std::string(raster_help) + status_help);
+  app->callback([&arguments] { command::raster(arguments); });
+}
+
 int leave(io::Exit exit, const std::string& what) {
   if (command::interrupted()) {
     std::fputs("gcdt: interrupted\n", stderr);
@@ -152,11 +199,15 @@ int main(int argc, char** argv) {
   command::TriangulateArguments triangulate;
   command::BatchArguments batch;
   command::VerifyArguments verify;
+  command::LocateArguments locate;
+  command::RasterArguments raster;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
   add_batch(app, batch);
   add_verify(app, verify);
+  add_locate(app, locate);
+  add_raster(app, raster);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
   try {
     app.parse(argc, argv);

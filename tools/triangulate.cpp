@@ -9,6 +9,7 @@
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
+#include "solved.hpp"
 #include "statistics.hpp"
 #include "trace.hpp"
 
@@ -46,16 +47,6 @@ void check_overwrites_no_input(const TriangulateArguments& arguments, const std:
         throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
 }
 
-std::string chosen_device(const TriangulateArguments& arguments) {
-  bool ambiguous = false;
-  const std::size_t number = select_device(arguments.device, &ambiguous);
-  if (ambiguous && !arguments.quiet) {
-    const DeviceInfo device = devices().at(number);
-    note(fmt::format("several devices fit; device {} is taken: {} ({})", number, device.name, device.platform));
-  }
-  return std::to_string(number);
-}
-
 Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options,
                        TraceRecord& trace) {
   ProgressLine line(!arguments.quiet);
@@ -64,7 +55,7 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
     return !interrupted();
   };
   try {
-    Solver solver(chosen_device(arguments), {}, arguments.trace.empty() ? Trace() : trace.sink());
+    Solver solver(device_number(arguments.device, arguments.quiet), {}, arguments.trace.empty() ? Trace() : trace.sink());
     return solver.triangulate(input.vertices, input.constraints, options);
   } catch (const Error& error) {
     throw explained(error, input, options);
