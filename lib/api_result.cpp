@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "api.hpp"
+#include "quality.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -115,6 +116,26 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.ms_domain = s.ms.domain, c.regions = s.regions, c.triangles_removed = s.triangles_removed;
     c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
+  });
+}
+
+int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality) {
+  return guarded_call(result ? result->state.get() : nullptr, [&] {
+    const device::Quality q = measure_quality(result->state->runtime, result->data.vertices, result->data.mesh);
+    gcdt_quality c = {};
+    c.least_angle_triangle = c.largest_angle_triangle = -1;
+    if (q.count != 0) {
+      c.triangles = q.count;
+      c.least_angle = degrees(q.least_dot, q.least_angle_area);
+      c.largest_angle = degrees(q.most_dot, q.most_angle_area);
+      c.least_angle_triangle = static_cast<std::int32_t>(q.least_triangle);
+      c.largest_angle_triangle = static_cast<std::int32_t>(q.most_triangle);
+      c.least_doubled = q.least_area, c.largest_doubled = q.most_area, c.doubled = q.area_sum;
+      const double cell = result->data.statistics.grid.cell();
+      const auto area = [&](std::uint64_t doubled) { return static_cast<double>(doubled) / 2 * cell * cell; };
+      c.least_area = area(q.least_area), c.largest_area = area(q.most_area), c.area = area(q.area_sum);
+    }
+    write_struct(c, quality, "gcdt_quality");
   });
 }
 

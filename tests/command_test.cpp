@@ -263,6 +263,10 @@ TEST_CASE("statistics have the names of the contract") {
   for (const char* name : {"edge_splits", "constraint_hits", "existing_edges", "pieces_walked", "chain_vertices",
                            "holes", "symbolic_chain_vertices"})
     CHECK(json.at("cases").at(name).is_number_unsigned());
+  for (const char* name : {"least_angle", "largest_angle", "least_area", "largest_area", "area"})
+    CHECK(json.at("quality").at(name).is_number_float());
+  CHECK(json["quality"]["area"] == 1);
+  CHECK(json["quality"]["least_angle"] == 45);
   CHECK(json["n"] == 4);
   CHECK(json["m"] == 1);
   CHECK(json["triangles"] == 2);

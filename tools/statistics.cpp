@@ -26,6 +26,16 @@ Json milliseconds_json(const Statistics::Milliseconds& ms) {
           {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}, {"domain", ms.domain}};
 }
 
+Json quality_json(const Quality& q) {
+  return {{"least_angle", q.least_angle},
+          {"least_angle_triangle", q.least_angle_triangle},
+          {"largest_angle", q.largest_angle},
+          {"largest_angle_triangle", q.largest_angle_triangle},
+          {"least_area", q.least_area},
+          {"largest_area", q.largest_area},
+          {"area", q.area}};
+}
+
 Json cases_json(const Statistics::Cases& cases) {
   return {{"edge_splits", cases.edge_splits},
           {"constraint_hits", cases.constraint_hits},
@@ -38,7 +48,7 @@ Json cases_json(const Statistics::Cases& cases) {
 
 }  // namespace
 
-std::string statistics_json(const Statistics& s) {
+std::string statistics_json(const Statistics& s, const Quality& quality) {
   const Json json = {{"n", s.n},
                      {"m", s.m},
                      {"vertices_merged", s.vertices_merged},
@@ -49,6 +59,7 @@ std::string statistics_json(const Statistics& s) {
                      {"constraints_dropped", s.constraints_dropped},
                      {"vertices_added", s.vertices_added},
                      {"triangles", s.triangles},
+                     {"quality", quality_json(quality)},
                      {"grid", grid_json(s.grid)},
                      {"ms", milliseconds_json(s.ms)},
                      {"rounds", {{"insert", s.rounds.insert}, {"flip", s.rounds.flip}}},

@@ -48,15 +48,18 @@ void check_overwrites_no_input(const TriangulateArguments& arguments, const std:
 }
 
 Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options,
-                       TraceRecord& trace) {
+                       TraceRecord& trace, Quality& quality) {
   ProgressLine line(!arguments.quiet);
   options.progress = [&](const char* phase, double done) {
     line.show(phase, done);
     return !interrupted();
   };
   try {
-    Solver solver(device_number(arguments.device, arguments.quiet), {}, arguments.trace.empty() ? Trace() : trace.sink());
-    return solver.triangulate(input.vertices, input.constraints, options);
+    Solver solver(device_number(arguments.device, arguments.quiet), {},
+                  arguments.trace.empty() ? Trace() : trace.sink());
+    const Result result = solver.solve(input.vertices, input.constraints, options);
+    if (!arguments.statistics.empty()) quality = result.quality();
+    return result.download();
   } catch (const Error& error) {
     throw explained(error, input, options);
   }
@@ -89,12 +92,12 @@ void note_unused(const io::Input& input, const Options& options, Statistics& sta
 }
 
 void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics,
-                   const TraceRecord& trace) {
+                   const Quality& quality, const TraceRecord& trace) {
   const Stopwatch write;
   io::OutputFiles files(stop_if_interrupted);
   for (const std::string& path : arguments.outputs) io::writer_for(io::lower_extension(path))(files.add(path), result);
   if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
-  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics));
+  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics, quality));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
   stop_if_interrupted();
   files.commit();
@@ -118,14 +121,15 @@ void triangulate(const TriangulateArguments& arguments) {
   stop_if_interrupted();
 
   TraceRecord trace;
-  Triangulation mesh = computed(input, arguments, options, trace);
+  Quality quality;
+  Triangulation mesh = computed(input, arguments, options, trace, quality);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
   note_unused(input, options, mesh.statistics);
   if (arguments.verify) prove(input, mesh, options);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, {input, mesh}, statistics, trace);
+  write_outputs(arguments, {input, mesh}, statistics, quality, trace);
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes) note(text);
   if (arguments.outputs.empty()) print(statistics_table(statistics));

@@ -346,6 +346,19 @@ typedef struct gcdt_statistics {
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
 
+/* Areas and angles of the result's triangles, measured exactly on the device when asked, in integers; the last step, to
+ * degrees and units of the input, is in double on the host. Nothing but zeros and -1 without triangles. */
+typedef struct gcdt_quality {
+  size_t struct_size;
+  uint64_t triangles;
+  double least_angle, largest_angle;                    /* degrees */
+  int32_t least_angle_triangle, largest_angle_triangle; /* the least triangle with such an angle, or -1 */
+  double least_area, largest_area, area;                /* of a triangle, and of all; in units of the input squared */
+  uint64_t least_doubled, largest_doubled, doubled;     /* twice the same, in cells squared, exactly */
+} gcdt_quality;
+
+GCDT_API int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality);
+
 /* Remarks such as that all vertices lie on one line; null from the last on. The result's, until it is released. */
 GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
 

@@ -75,6 +75,15 @@ class Result {
   }
   Statistics statistics() const { return detail::statistics(handle_.get()); }
 
+  /// Areas and angles, measured on the device. Blocks.
+  Quality quality() const {
+    gcdt_quality c = {};
+    c.struct_size = sizeof c;
+    detail::check(gcdt_result_quality(handle_.get(), &c));
+    return {c.triangles,  c.least_angle,  c.largest_angle, c.least_angle_triangle, c.largest_angle_triangle,
+            c.least_area, c.largest_area, c.area,          c.least_doubled,        c.largest_doubled,
+            c.doubled};
+  }
   /// Where points are: the least triangle that holds each, border included, or -1. See gcdt_locate. Blocks.
   std::vector<std::int32_t> locate(Points points, std::vector<std::array<double, 3>>* weights = nullptr) const {
     std::vector<std::int32_t> triangles(points.size());

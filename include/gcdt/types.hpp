@@ -228,6 +228,15 @@ struct Statistics {
   std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
 };
 
+/// Areas and angles of a mesh; see gcdt_quality.
+struct Quality {
+  std::uint64_t triangles = 0;
+  double least_angle = 0, largest_angle = 0;  ///< degrees
+  std::int32_t least_angle_triangle = -1, largest_angle_triangle = -1;
+  double least_area = 0, largest_area = 0, area = 0;                  ///< in units of the input, squared
+  std::uint64_t least_doubled = 0, largest_doubled = 0, doubled = 0;  ///< twice the same in cells, exactly
+};
+
 /// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
 struct Triangulation {
   /// Corners, counter-clockwise; canonical order: each triangle starts with its first vertex in
