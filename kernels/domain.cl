@@ -135,15 +135,20 @@ GCDT_INLINE uint target_of(uint h, global const int* neighbours, global const ui
   return region[u < 0 ? h / 3u : (uint)u] + 1u;
 }
 
-// One work-group per node of the frontier, one work-item per arc.
-GCDT_INLINE void expand(uint node, global const uint* begins, global const uint* arcs, global const int* neighbours,
-                        global const uint* region, volatile global uint* depth, volatile global uint* entry,
-                        global uint* next, volatile global uint* next_count) {
-  for (uint i = begins[node] + get_local_id(0); i < begins[node + 1u]; i += get_local_size(0)) {
+// Every `step`-th arc of the node from its `first` on.
+GCDT_INLINE void expand(uint node, uint first, uint step, global const uint* begins, global const uint* arcs,
+                        global const int* neighbours, global const uint* region, volatile global uint* depth,
+                        volatile global uint* entry, global uint* next, volatile global uint* next_count) {
+  for (uint i = begins[node] + first; i < begins[node + 1u]; i += step) {
     const uint h = arcs[i], target = target_of(h, neighbours, region);
     if (depth[target] != GCDT_NONE) continue;
     if (atomic_min(&entry[target], h) == GCDT_NONE) next[atomic_inc(next_count)] = target;
   }
+}
+
+// Whether one work-item deals with the node's arcs; else a work-group does.
+GCDT_INLINE uint has_few_arcs(uint node, global const uint* begins) {
+  return begins[node + 1u] - begins[node] <= GCDT_FEW_ARCS;
 }
 
 // The winding number beyond arc h less that on this side. On the left of a piece from its first end to its
@@ -161,14 +166,16 @@ GCDT_INLINE int turn_across(uint h, global const Levels* levels, global const ui
 
 GCDT_INLINE void settle(uint node, uint d, global const Levels* levels, global const uint* corners,
                         global const int* neighbours, global const uint* region, uint pieces, global const uint2* ends,
-                        global const int* turns, volatile global uint* depth, volatile global int* winding,
-                        volatile global const uint* entry) {
+                        global const int* turns, global const uint* begins, volatile global uint* depth,
+                        volatile global int* winding, volatile global const uint* entry,
+                        volatile global uint* next_arcs) {
   const uint h = entry[node], source = neighbours[h] < 0 ? 0u : region[h / 3u] + 1u;
   winding[node] = winding[source] + turn_across(h, levels, corners, neighbours, pieces, ends, turns);
   depth[node] = d + 1u;
+  atomic_add(next_arcs, begins[node + 1u] - begins[node]);
 }
 
-// One work-group per node of the frontier.
+// One work-item per node of the frontier, or one work-group if the node has many arcs, or all if there are few nodes.
 // Reads the arcs of the node and depth. Writes entry by atomic_min, and the next frontier, in which a node is put
 // by the one arc that found no entry there; its order is free. Work-item 0 empties the one after the next.
 // After this kernel the next frontier holds the nodes of depth d + 1, with their least entries from depth d.
@@ -176,24 +183,36 @@ kernel void depth_expand(const uint d, global const uint* begins, global const u
                          global const uint* region, volatile global uint* depth, volatile global uint* entry,
                          const uint nodes, global uint* frontiers, volatile global DomainReport* report) {
   const uint count = report->frontier[d % 3u];
-  if (get_global_id(0) == 0) report->frontier[(d + 2u) % 3u] = 0u;
-  for (uint i = get_group_id(0); i < count; i += get_num_groups(0))
-    expand(frontiers[(d & 1u) * nodes + i], begins, arcs, neighbours, region, depth, entry,
-           frontiers + ((d + 1u) & 1u) * nodes, &report->frontier[(d + 1u) % 3u]);
+  global const uint* frontier = frontiers + (d & 1u) * nodes;
+  global uint* next = frontiers + ((d + 1u) & 1u) * nodes;
+  volatile global uint* next_count = &report->frontier[(d + 1u) % 3u];
+  if (get_global_id(0) == 0) report->frontier[(d + 2u) % 3u] = report->arcs[(d + 2u) % 3u] = 0u;
+  const uint few = count <= GCDT_FEW_NODES ? count : 0u, many = count - few;
+  for (uint i = 0; i < few; ++i)
+    expand(frontier[i], get_global_id(0), get_global_size(0), begins, arcs, neighbours, region, depth, entry, next,
+           next_count);
+  for (uint i = get_global_id(0); i < many; i += get_global_size(0))
+    if (has_few_arcs(frontier[i], begins))
+      expand(frontier[i], 0u, 1u, begins, arcs, neighbours, region, depth, entry, next, next_count);
+  for (uint i = get_group_id(0); i < many; i += get_num_groups(0))
+    if (!has_few_arcs(frontier[i], begins))
+      expand(frontier[i], get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry, next,
+             next_count);
 }
 
 // One work-item per node of the next frontier.
-// Reads entries, and the winding numbers of depth d. Writes depth and winding of its node: one writer a word.
+// Reads entries, and the winding numbers of depth d. Writes depth and winding of its node: one writer a word; counts
+// the arcs by atomic_add, in any order the same.
 // After this kernel the nodes of depth d + 1 are settled.
 kernel void depth_settle(const uint d, global const Levels* levels, global const uint* corners,
                          global const int* neighbours, global const uint* region, const uint pieces,
-                         global const uint2* ends, global const int* turns, volatile global uint* depth,
-                         volatile global int* winding, volatile global const uint* entry, const uint nodes,
-                         global const uint* frontiers, volatile global DomainReport* report) {
+                         global const uint2* ends, global const int* turns, global const uint* begins,
+                         volatile global uint* depth, volatile global int* winding, volatile global const uint* entry,
+                         const uint nodes, global const uint* frontiers, volatile global DomainReport* report) {
   const uint count = report->frontier[(d + 1u) % 3u];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    settle(frontiers[((d + 1u) & 1u) * nodes + i], d, levels, corners, neighbours, region, pieces, ends, turns, depth,
-           winding, entry);
+    settle(frontiers[((d + 1u) & 1u) * nodes + i], d, levels, corners, neighbours, region, pieces, ends, turns, begins,
+           depth, winding, entry, &report->arcs[(d + 1u) % 3u]);
   if (get_global_id(0) == 0 && count != 0u) {
     report->settled += count;
     report->deepest = d + 1u;
@@ -212,18 +231,23 @@ kernel void depth_rounds(const uint d, global const Levels* levels, global const
                          volatile global DomainReport* report) {
   uint done = 0;
   for (;;) {
-    const uint now = d + done, count = report->frontier[now % 3u];
+    const uint now = d + done, count = report->frontier[now % 3u], arc_count = report->arcs[now % 3u];
     barrier(CLK_GLOBAL_MEM_FENCE);
-    if (count == 0u || count > GCDT_DEPTH_NODES || done == GCDT_DEPTH_ROUNDS) break;
-    if (get_local_id(0) == 0) report->frontier[(now + 2u) % 3u] = 0u;
+    if (count == 0u || count > GCDT_DEPTH_NODES || arc_count > GCDT_DEPTH_ARCS || done == GCDT_DEPTH_ROUNDS) break;
+    if (get_local_id(0) == 0) report->frontier[(now + 2u) % 3u] = report->arcs[(now + 2u) % 3u] = 0u;
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0))
+      if (has_few_arcs(frontiers[(now & 1u) * nodes + i], begins))
+        expand(frontiers[(now & 1u) * nodes + i], 0u, 1u, begins, arcs, neighbours, region, depth, entry,
+               frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
     for (uint i = 0; i < count; ++i)
-      expand(frontiers[(now & 1u) * nodes + i], begins, arcs, neighbours, region, depth, entry,
-             frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
+      if (!has_few_arcs(frontiers[(now & 1u) * nodes + i], begins))
+        expand(frontiers[(now & 1u) * nodes + i], get_local_id(0), get_local_size(0), begins, arcs, neighbours, region,
+               depth, entry, frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
     barrier(CLK_GLOBAL_MEM_FENCE);
     const uint found = report->frontier[(now + 1u) % 3u];
     for (uint i = get_local_id(0); i < found; i += get_local_size(0))
       settle(frontiers[((now + 1u) & 1u) * nodes + i], now, levels, corners, neighbours, region, pieces, ends, turns,
-             depth, winding, entry);
+             begins, depth, winding, entry, &report->arcs[(now + 1u) % 3u]);
     if (get_local_id(0) == 0 && found != 0u) {
       report->settled += found;
       report->deepest = now + 1u;

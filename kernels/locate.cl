@@ -29,7 +29,9 @@ typedef struct Corners {
 GCDT_INLINE Corners corners_of(global const uint* corners, uint t, global const uint* input_vertex, uint by_input,
                                global const int2* points) {
   Corners c;
-  for (uint k = 0; k < 3; ++k) c.at[k] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + k]));
+  c.at[0] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t]));
+  c.at[1] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + 1u]));
+  c.at[2] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + 2u]));
   return c;
 }
 
@@ -131,6 +133,15 @@ GCDT_INLINE uint first_edge(uint query, uint step) {
   return (x * 0xC2B2AE35u >> 16) % 3u;
 }
 
+// The first edge from `first` on that has the query beyond it; 3: none. Not a loop: a driver that ends loops after some
+// number of rounds may end the walk, which goes on in the next launch, but not this.
+GCDT_INLINE uint edge_to_cross(Corners c, uint first, Vertex query) {
+  const uint second = first == 2u ? 0u : first + 1u, third = second == 2u ? 0u : second + 1u;
+  if (area_across(c, first, query) < 0) return first;
+  if (area_across(c, second, query) < 0) return second;
+  return area_across(c, third, query) < 0 ? third : 3u;
+}
+
 // One work-item per query, in sorted order.
 // Reads keys and the mesh. Writes places[i], and *pending by atomic_or.
 // Word i has one reader and writer.
@@ -145,12 +156,8 @@ kernel void locate_walk(const uint count, const uint round, global const uint* c
     const Vertex query = query_of(keys[i]);
     for (uint step = 0; step < GCDT_LOCATE_STEPS; ++step) {
       const Corners c = corners_of(corners, t, input_vertex, by_input, points);
-      uint k = first_edge(i, round * GCDT_LOCATE_STEPS + step), tested = 0;
-      while (tested < 3u && area_across(c, k, query) >= 0) {  // ends: three edges
-        k = k == 2u ? 0u : k + 1u;
-        ++tested;
-      }
-      if (tested == 3u) {
+      const uint k = edge_to_cross(c, first_edge(i, round * GCDT_LOCATE_STEPS + step), query);
+      if (k == 3u) {
         t |= GCDT_ARRIVED;
         break;
       }

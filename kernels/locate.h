@@ -14,6 +14,6 @@
 #define GCDT_ARRIVED 0x80000000u
 
 // Triangles that a walk goes through in one launch at most.
-#define GCDT_LOCATE_STEPS 2048u
+#define GCDT_LOCATE_STEPS 1024u
 
 #endif

@@ -82,13 +82,15 @@ class Selection {
     device::DomainReport report = runtime_.read_one(report_buffer_);
     for (cl_uint d = 0, count = report.frontier[0]; count > 0; count = report.frontier[d % 3]) {
       if (d > nodes()) throw Error(Status::round_limit, "domain: regions are left after the limit of rounds");
-      const bool alone = count <= GCDT_DEPTH_NODES;
+      // The first frontier has the most arcs: outside has all of the hull, or its neighbours all coasts.
+      const bool alone = d > 0 && count <= GCDT_DEPTH_NODES && report.arcs[d % 3] <= GCDT_DEPTH_ARCS;
+      const cl_uint rounds = d > 0 ? rounds_per_read : 1;
       if (alone)
         rounds_in_one_group(d);
       else
-        rounds_wide(d, count);
+        rounds_wide(d, rounds);
       report = runtime_.read_one(report_buffer_);
-      d += alone ? report.rounds : rounds_per_read;
+      d += alone ? report.rounds : rounds;
     }
     if (report.settled != nodes())
       throw Error(Status::check_failed, "domain: " + std::to_string(nodes() - report.settled) +
@@ -162,14 +164,13 @@ class Selection {
     }
   }
 
-  void rounds_wide(cl_uint first, cl_uint count) {
-    const auto groups = over(std::size_t{count} * runtime_.geometry().local);
-    for (cl_uint d = first; d < first + rounds_per_read; ++d) {
-      runtime_.launch("domain", "depth_expand", groups, d, begins_, arcs_, mesh_.neighbours, region_, depth_, entry_,
-                      nodes(), frontiers_, report_buffer_);
-      runtime_.launch("domain", "depth_settle", over(count), d, vertices_.levels_buffer, mesh_.corners,
-                      mesh_.neighbours, region_, cl_uint{pieces_.count}, pieces_.ends, turns_, depth_, winding_, entry_,
-                      nodes(), frontiers_, report_buffer_);
+  void rounds_wide(cl_uint first, cl_uint rounds) {
+    for (cl_uint d = first; d < first + rounds; ++d) {
+      runtime_.launch("domain", "depth_expand", over(arc_count_), d, begins_, arcs_, mesh_.neighbours, region_, depth_,
+                      entry_, nodes(), frontiers_, report_buffer_);
+      runtime_.launch("domain", "depth_settle", over(nodes()), d, vertices_.levels_buffer, mesh_.corners,
+                      mesh_.neighbours, region_, cl_uint{pieces_.count}, pieces_.ends, turns_, begins_, depth_,
+                      winding_, entry_, nodes(), frontiers_, report_buffer_);
     }
   }
 

@@ -227,7 +227,7 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
     if (a == b) continue;
     if (mesh.constrain(a, b))
       kept.push_back(constraints[c]);
-    else if (options.crossing == Crossing::reject)
+    else if (options.crossing != Crossing::drop)
       return say("constraint ", c, " (", a, "-", b, ") crosses an earlier one");
   }
   mesh.sort();
