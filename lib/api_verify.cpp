@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: what needs no device.
 #include "api.hpp"
+#include "foreign.hpp"
 #include "grid.hpp"
 #include "verify_domain.hpp"
 #include "verify_grid.hpp"
@@ -96,5 +97,21 @@ int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const
     }
     return proof::verify_domain(read_points(given), read_constraints(given), view, said, read_grid(grid),
                                 read_options(options));
+  });
+}
+
+int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_options* options) {
+  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const MeshView view = read_mesh(mesh);
+    require(view.triangles.size == 0 || (view.neighbours && view.constrained),
+            "gcdt_mesh.neighbours or constrained is null");
+    require(view.triangles.size <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
+    require(given.constraint_count <= GCDT_MAX_CONSTRAINTS, "gcdt_input.constraint_count is too large");
+    State& state = *solver->state;
+    state.settle();
+    state.runtime.memory().begin_call();
+    check_foreign(state.runtime, state.primitives, read_points(given), read_constraints(given), view,
+                  read_options(options).grid);
   });
 }

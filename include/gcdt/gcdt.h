@@ -372,7 +372,7 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
  * much again, and does with less where the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 
-/* ---- Verification on the host ------------------------------------------------------------------------------ */
+/* ---- Verification, on the host and on the device ------------------------------------------------------------ */
 
 /* A mesh to be verified; triangle order and first corners are free. The caller's, read only. */
 typedef struct gcdt_mesh {
@@ -408,6 +408,14 @@ typedef struct gcdt_regions {
  * whole triangulation is made once more for that, by another algorithm on the host, and proved. */
 GCDT_API int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_regions* regions,
                                     const gcdt_grid* grid, const gcdt_options* options);
+
+/* The check that gcdt_triangulate makes of its own meshes, on the device, of any mesh in host memory that covers the
+ * convex hull: neighbours and constrained must be there, triangles may stand in any order and begin with any corner.
+ * `input` has the vertices, and as constraints those after cleaning (GCDT_PIECES), each once: those that must be
+ * flagged edges. The grid is that of `options` (may be null) if fixed, else the one of the vertices.
+ * GCDT_ERROR_CHECK_FAILED names the first fault. For less trust in the device see gcdt_verify. Blocks. */
+GCDT_API int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
+                            const gcdt_options* options);
 
 #ifdef __cplusplus
 }
