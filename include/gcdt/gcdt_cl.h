@@ -67,8 +67,8 @@ GCDT_API int32_t gcdt_cl_triangulate(gcdt_solver* solver, const gcdt_cl_input* i
                                      cl_uint wait_count, const cl_event* wait_list, gcdt_result** result);
 
 /* The device memory that holds an array (GCDT_TRIANGLES ...): gcdt_result_count elements from its start, then nothing
- * that is the caller's. No copy; to be read only. It is the result's: commands that read it must be complete before
- * the result is released. */
+ * that is the caller's; null for an array that was not asked for. No copy; to be read only. It is the result's:
+ * commands that read it must be complete before the result is released. */
 GCDT_API int32_t gcdt_cl_result_buffer(const gcdt_result* result, int32_t array, cl_mem* buffer);
 
 /* Enqueues, in `queue`, a copy of all elements of an array into `destination` from element `offset` on, where
