@@ -237,8 +237,6 @@ class Download {
 
 ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
                                 std::vector<std::uint32_t> numbers, const Options& options) {
-  if (options.domain != Domain::hull || options.regions)
-    throw Error(Status::invalid_argument, "problems of a batch have no domains and regions");
   ForestResult result;
   Gathered gathered(batch, numbers);
   ProblemRanges& ranges = gathered.ranges;
