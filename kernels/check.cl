@@ -34,6 +34,7 @@
 // and atomic_min finds its least number: the report is the same for every schedule.
 #include "check.h"
 #include "levels.h"
+#include "pieces.h"
 #include "predicates.h"
 
 GCDT_INLINE Vertex vertex_at(global const int2* points, uint v) {
@@ -54,29 +55,6 @@ GCDT_INLINE int noted(global const CheckReport* report, uint last) {
 GCDT_INLINE uint corner_across(global const uint* corners, uint u, uint a, uint b) {
   const uint3 c = vload3(u, corners);
   return c.y == b && c.z == a ? 0u : c.z == b && c.x == a ? 1u : c.x == b && c.y == a ? 2u : 3u;
-}
-
-// The number of piece ab, whichever end comes first; GCDT_NONE if there is none. Pieces are sorted by
-// (rank of the lower end, rank of the other). Ends: high - low shrinks.
-GCDT_INLINE uint find_piece(global const Levels* levels, uint pieces, global const uint2* ends, uint a, uint b) {
-  const uint ra = gcdt_rank_of_vertex(levels, a), rb = gcdt_rank_of_vertex(levels, b);
-  const uint lower = min(ra, rb), upper = max(ra, rb);
-  uint low = 0, high = pieces;
-  while (low < high) {
-    const uint middle = low + (high - low) / 2u;
-    const uint2 e = ends[middle];
-    uint found = gcdt_rank_of_vertex(levels, e.x), wanted = lower;
-    if (found == wanted) {
-      found = gcdt_rank_of_vertex(levels, e.y);
-      wanted = upper;
-      if (found == wanted) return middle;
-    }
-    if (found < wanted)
-      low = middle + 1u;
-    else
-      high = middle;
-  }
-  return GCDT_NONE;
 }
 
 // One work-item per triangle.

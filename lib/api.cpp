@@ -73,16 +73,40 @@ std::int32_t failed(State* state, std::int32_t status, const char* message, cons
   return status;
 }
 
+namespace {
+
+std::vector<std::array<double, 2>> read_seeds(const char* name, const double* xy, std::uint64_t count) {
+  require(xy || count == 0, (std::string(name) + " is null").c_str());
+  require(count <= max_vertices, (std::string(name) + " are too many").c_str());
+  std::vector<std::array<double, 2>> seeds(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    seeds[i] = {xy[2 * i], xy[2 * i + 1]};
+    for (std::uint64_t axis = 0; axis < 2; ++axis)
+      if (!(seeds[i][axis] - seeds[i][axis] == 0))
+        throw Error(Status::coordinate_not_finite, std::string(name) + ": seed " + std::to_string(i) + " is not finite",
+                    {i, axis});
+  }
+  return seeds;
+}
+
+}  // namespace
+
 Options read_options(const gcdt_options* given) {
   Options options;
   if (!given) return options;
-  const gcdt_options c = read_struct(given, "gcdt_options");
+  const gcdt_options c = read_struct(given, "gcdt_options", offsetof(gcdt_options, domain));
   require(c.crossing == GCDT_CROSSING_REJECT || c.crossing == GCDT_CROSSING_DROP,
           "gcdt_options.crossing is none of GCDT_CROSSING_...");
   options.crossing = c.crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject;
   options.check = c.check != 0;
   options.canonical = c.canonical != 0;
   if (c.fixed_grid) options.grid = FixedGrid{c.grid_x, c.grid_y, c.grid_cell ? c.grid_cell : "1"};
+  require(c.domain >= GCDT_DOMAIN_HULL && c.domain <= GCDT_DOMAIN_OUTER_HOLES,
+          "gcdt_options.domain is none of GCDT_DOMAIN_...");
+  options.domain = static_cast<Domain>(c.domain);
+  options.regions = c.regions != 0;
+  options.hole_seeds = read_seeds("gcdt_options.hole_seeds", c.hole_seeds, c.hole_seed_count);
+  options.region_seeds = read_seeds("gcdt_options.region_seeds", c.region_seeds, c.region_seed_count);
   if (c.progress)
     options.progress = [call = c.progress, user = c.progress_user](const char* phase, double done) {
       return call(user, phase, done) != 0;

@@ -11,6 +11,7 @@
 #include <new>
 #include <optional>
 
+#include "derived.hpp"
 #include "pipeline.hpp"
 
 namespace gcdt::api {
@@ -136,9 +137,12 @@ struct gcdt_result {
     ++state->results;
   }
   ~gcdt_result() { --state->results; }
-  /// Throws invalid_argument for an unknown number.
+  /// Throws invalid_argument for an unknown number. Makes what is made on demand; within a call on the solver.
   gcdt::api::Array array(std::int32_t number) const;
+  /// Its elements; 0 for an unknown number. Makes nothing.
+  std::uint64_t count(std::int32_t number) const;
 
   std::shared_ptr<gcdt::api::State> state;
   gcdt::DeviceTriangulation data;
+  mutable gcdt::Derived derived;
 };

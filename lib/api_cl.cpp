@@ -217,6 +217,39 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
   });
 }
 
+int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl_mem points, uint64_t point_offset,
+                       uint64_t count, cl_mem triangles, cl_mem weights, cl_uint wait_count,
+                       const cl_event* wait_list) {
+  return guarded_call(result ? result->state.get() : nullptr, [&] {
+    State& state = *result->state;
+    require(state.their_queue() != nullptr, "the solver was not made on an application's queue");
+    const Points::Type type = read_type(coordinate_type);
+    const std::size_t words = words_per_vertex(type);
+    checked_range(state, "points", points, point_offset, count, 8 * words, CL_MEM_WRITE_ONLY);
+    const Range to = checked_range(state, "triangles", triangles, 0, count, 4, CL_MEM_READ_ONLY);
+    const Range also = weights ? checked_range(state, "weights", weights, 0, 3 * count, 4, CL_MEM_READ_ONLY) : Range{};
+    for (const Range& range : {to, also})
+      if (range.root && state.runtime.memory().holds(range.root))
+        throw Error(Status::buffers_overlap, "the destination lies in the solver's memory");
+    wait_for_order(state, wait_count, wait_list);
+    state.runtime.memory().begin_call();
+    constexpr std::uint64_t chunk = 1 << 20;  // queries in the solver's memory at once
+    for (std::uint64_t first = 0; first < count; first += chunk) {
+      const auto part = static_cast<cl_uint>(std::min(chunk, count - first));
+      const InputPoints queries = {
+          part, coordinates_type(type),
+          from_start<cl_ulong>(state.runtime, "queries", points, words * (point_offset + first), words * part)};
+      const Located found = result->derived.locate(state.runtime, state.primitives, result->data, queries);
+      state.runtime.copy_out(found.triangles, triangles, part, static_cast<std::size_t>(first));
+      if (!weights) continue;
+      const auto shares = state.runtime.allocate<cl_float>("weights of queries", std::size_t{3} * part);
+      state.runtime.launch("locate", "locate_weights", runtime::over(part), part, found.triangles, found.areas, shares);
+      state.runtime.copy_out(shares, weights, std::size_t{3} * part, static_cast<std::size_t>(3 * first));
+    }
+    state.runtime.finish();
+  });
+}
+
 int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* buffers) {
   return guarded_call(solver ? solver->state.get() : nullptr, [&] {
     State& state = *solver->state;

@@ -4,28 +4,60 @@
 #include <iterator>
 
 #include "api.hpp"
+#include "quality.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
 
 namespace {
 
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4};  // by GCDT_TRIANGLES ... GCDT_DROPPED
+// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_DROPPED; from 16 on GCDT_REGIONS ...; from 24 on
+// GCDT_VERTEX_TRIANGLES ...
+constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 0, 0, 0, 0, 0, 0,
+                                         0,  0,  4, 4, 4, 4, 0, 0, 0, 0, 4, 4, 12};
 
 }  // namespace
 
-Array gcdt_result::array(std::int32_t number) const {
-  const Pieces& pieces = data.pieces;
-  const std::size_t bytes = gcdt_element_bytes(number);
+std::uint64_t gcdt_result::count(std::int32_t number) const {
   switch (number) {
-    case GCDT_TRIANGLES: return {data.mesh.corners.handle(), data.mesh.triangles, bytes};
-    case GCDT_NEIGHBOURS: return {data.mesh.neighbours.handle(), data.mesh.triangles, bytes};
-    case GCDT_CONSTRAINED: return {data.mesh.constrained.handle(), data.mesh.triangles, bytes};
-    case GCDT_REPRESENTATIVES: return {data.representatives.handle(), data.representatives.size(), bytes};
-    case GCDT_PIECES: return {pieces.ends.handle(), pieces.count, bytes};
-    case GCDT_SOURCE_OFFSETS: return {pieces.source_offsets.handle(), std::uint64_t{pieces.count} + 1, bytes};
-    case GCDT_SOURCES: return {pieces.sources.handle(), pieces.source_count, bytes};
-    case GCDT_DROPPED: return {data.dropped.handle(), data.dropped.size(), bytes};
+    case GCDT_TRIANGLES:
+    case GCDT_NEIGHBOURS:
+    case GCDT_CONSTRAINED:
+    case GCDT_EDGE_PIECES: return data.mesh.triangles;
+    case GCDT_REPRESENTATIVES:
+    case GCDT_VERTEX_TRIANGLES: return data.representatives.size();
+    case GCDT_PIECES: return data.pieces.count;
+    case GCDT_SOURCE_OFFSETS: return std::uint64_t{data.pieces.count} + 1;
+    case GCDT_SOURCES: return data.pieces.source_count;
+    case GCDT_DROPPED: return data.dropped.size();
+    case GCDT_REGIONS:
+    case GCDT_DEPTHS:
+    case GCDT_WINDINGS:
+    case GCDT_REGION_SEEDS: return data.regions.region.size();
+    case GCDT_HULL: return hull_count(data);
+  }
+  return 0;
+}
+
+Array gcdt_result::array(std::int32_t number) const {
+  auto found = [&](const auto& buffer) { return Array{buffer.handle(), count(number), gcdt_element_bytes(number)}; };
+  runtime::Runtime& runtime = state->runtime;
+  switch (number) {
+    case GCDT_TRIANGLES: return found(data.mesh.corners);
+    case GCDT_NEIGHBOURS: return found(data.mesh.neighbours);
+    case GCDT_CONSTRAINED: return found(data.mesh.constrained);
+    case GCDT_REPRESENTATIVES: return found(data.representatives);
+    case GCDT_PIECES: return found(data.pieces.ends);
+    case GCDT_SOURCE_OFFSETS: return found(data.pieces.source_offsets);
+    case GCDT_SOURCES: return found(data.pieces.sources);
+    case GCDT_DROPPED: return found(data.dropped);
+    case GCDT_REGIONS: return found(data.regions.region);
+    case GCDT_DEPTHS: return found(data.regions.depth);
+    case GCDT_WINDINGS: return found(data.regions.winding);
+    case GCDT_REGION_SEEDS: return found(data.regions.seed);
+    case GCDT_VERTEX_TRIANGLES: return found(derived.vertex_triangles(runtime, data));
+    case GCDT_HULL: return found(derived.hull(runtime, state->primitives, data));
+    case GCDT_EDGE_PIECES: return found(derived.edge_pieces(runtime, data));
   }
   throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(number));
 }
@@ -34,9 +66,7 @@ size_t gcdt_element_bytes(int32_t array) {
   return array >= 0 && static_cast<std::size_t>(array) < std::size(element_bytes) ? element_bytes[array] : 0;
 }
 
-uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) {
-  return result && gcdt_element_bytes(array) != 0 ? result->array(array).count : 0;
-}
+uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) { return result ? result->count(array) : 0; }
 
 int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity) {
   return guarded_call(result ? result->state.get() : nullptr, [&] {
@@ -83,7 +113,29 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.symbolic_chain_vertices = s.cases.symbolic_chain_vertices;
     c.device = s.device.c_str(), c.driver = s.driver.c_str();
     c.platform = s.platform.c_str(), c.version = s.version.c_str();
-    write_struct(c, statistics, "gcdt_statistics");
+    c.ms_domain = s.ms.domain, c.regions = s.regions, c.triangles_removed = s.triangles_removed;
+    c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
+    write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
+  });
+}
+
+int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality) {
+  return guarded_call(result ? result->state.get() : nullptr, [&] {
+    const device::Quality q = measure_quality(result->state->runtime, result->data.vertices, result->data.mesh);
+    gcdt_quality c = {};
+    c.least_angle_triangle = c.largest_angle_triangle = -1;
+    if (q.count != 0) {
+      c.triangles = q.count;
+      c.least_angle = degrees(q.least_dot, q.least_angle_area);
+      c.largest_angle = degrees(q.most_dot, q.most_angle_area);
+      c.least_angle_triangle = static_cast<std::int32_t>(q.least_triangle);
+      c.largest_angle_triangle = static_cast<std::int32_t>(q.most_triangle);
+      c.least_doubled = q.least_area, c.largest_doubled = q.most_area, c.doubled = q.area_sum;
+      const double cell = result->data.statistics.grid.cell();
+      const auto area = [&](std::uint64_t doubled) { return static_cast<double>(doubled) / 2 * cell * cell; };
+      c.least_area = area(q.least_area), c.largest_area = area(q.most_area), c.area = area(q.area_sum);
+    }
+    write_struct(c, quality, "gcdt_quality");
   });
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: what needs no device.
 #include "api.hpp"
+#include "foreign.hpp"
 #include "grid.hpp"
+#include "verify_domain.hpp"
 #include "verify_grid.hpp"
 
 using namespace gcdt;
@@ -18,6 +20,28 @@ Grid read_grid(const gcdt_grid* given) {
   grid.cell_units = c.cell_units, grid.cell_decimals = c.cell_decimals, grid.cell_exponent = c.cell_exponent;
   grid.largest_move = c.largest_move;
   return grid;
+}
+
+MeshView read_mesh(const gcdt_mesh* mesh) {
+  const gcdt_mesh m = read_struct(mesh, "gcdt_mesh");
+  require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
+  MeshView view;
+  view.triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(m.triangles),
+                    static_cast<std::size_t>(m.triangle_count)};
+  view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
+  view.constrained = m.constrained;
+  return view;
+}
+
+/// The status of a verification, and what guarded() may have caught while `prove` ran.
+template <class Prove>
+std::int32_t judged(Prove&& prove) {
+  std::int32_t status = GCDT_OK;
+  const std::int32_t thrown = guarded(nullptr, [&] {
+    const Verification found = prove();
+    if (!found.valid) status = failed(nullptr, GCDT_ERROR_NOT_VALID, found.reason.c_str());
+  });
+  return thrown != GCDT_OK ? thrown : status;
 }
 
 }  // namespace
@@ -51,21 +75,43 @@ int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcd
 }
 
 int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing) {
-  std::int32_t status = GCDT_OK;
-  const std::int32_t thrown = guarded(nullptr, [&] {
+  return judged([&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
-    const gcdt_mesh m = read_struct(mesh, "gcdt_mesh");
-    require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
+    const MeshView view = read_mesh(mesh);
     require(crossing == GCDT_CROSSING_REJECT || crossing == GCDT_CROSSING_DROP,
             "crossing is none of GCDT_CROSSING_...");
-    MeshView view;
-    view.triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(m.triangles),
-                      static_cast<std::size_t>(m.triangle_count)};
-    view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
-    view.constrained = m.constrained;
-    const Verification found = proof::verify(read_points(given), read_constraints(given), view, read_grid(grid),
-                                             crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject);
-    if (!found.valid) status = failed(nullptr, GCDT_ERROR_NOT_VALID, found.reason.c_str());
+    return proof::verify(read_points(given), read_constraints(given), view, read_grid(grid),
+                         crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject);
   });
-  return thrown != GCDT_OK ? thrown : status;
+}
+
+int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_regions* regions,
+                           const gcdt_grid* grid, const gcdt_options* options) {
+  return judged([&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const MeshView view = read_mesh(mesh);
+    proof::RegionView said;
+    if (regions) {
+      const gcdt_regions r = read_struct(regions, "gcdt_regions");
+      said = {r.regions, r.depths, r.windings};
+    }
+    return proof::verify_domain(read_points(given), read_constraints(given), view, said, read_grid(grid),
+                                read_options(options));
+  });
+}
+
+int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_options* options) {
+  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const MeshView view = read_mesh(mesh);
+    require(view.triangles.size == 0 || (view.neighbours && view.constrained),
+            "gcdt_mesh.neighbours or constrained is null");
+    require(view.triangles.size <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
+    require(given.constraint_count <= GCDT_MAX_CONSTRAINTS, "gcdt_input.constraint_count is too large");
+    State& state = *solver->state;
+    state.settle();
+    state.runtime.memory().begin_call();
+    check_foreign(state.runtime, state.primitives, read_points(given), read_constraints(given), view,
+                  read_options(options).grid);
+  });
 }

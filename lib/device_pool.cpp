@@ -83,7 +83,10 @@ void DevicePool::lose(Worker& worker, const Error& error) {
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
   const auto start = Clock::now();
-  if (options.grid) fixed_grid(*options.grid);  // what is wrong with it is no device's fault
+  // What is wrong with the options is no device's fault.
+  if (options.domain != Domain::hull || options.regions)
+    throw Error(Status::invalid_argument, "problems of a batch have no domains and regions");
+  if (options.grid) fixed_grid(*options.grid);
   if (all_lost()) throw_reasons();
   std::vector<DeviceShare> shares;
   for (Worker& worker : workers_) {

@@ -233,6 +233,15 @@ ChosenGrid fixed_grid(const FixedGrid& given) {
   return chosen;
 }
 
+device::Scale scale_of(const Grid& grid) {
+  const std::array<std::uint64_t, 2> origin{to_bits(grid.origin[0]), to_bits(grid.origin[1])};
+  if (grid.cell_units == 0) return make_scale(origin, 1, 1, 0, grid.cell_exponent);
+  const std::uint64_t five = device::gcdt_powers_of_five[std::abs(grid.cell_decimals)];
+  if (grid.cell_decimals >= 0) return make_scale(origin, five, grid.cell_units, 0, -grid.cell_decimals);
+  return make_scale(origin, 1, grid.cell_units * five, device::gcdt_mul_high(grid.cell_units, five),
+                    -grid.cell_decimals);
+}
+
 // The key's number R, in units of the window, is R 2^-offset / five of length.
 double move_length(std::uint64_t key, const device::Scale& scale) {
   const int length = static_cast<int>(key >> 56);

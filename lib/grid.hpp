@@ -48,6 +48,9 @@ std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits);
 /// The grid that the caller gave. Throws invalid_argument.
 ChosenGrid fixed_grid(const FixedGrid& given);
 
+/// How coordinates get on a grid that was chosen before; a decimal grid is taken for a given one.
+device::Scale scale_of(const Grid& grid);
+
 /// The length that `key` (gcdt_move_key) stands for: 0 iff the key is 0; good to 2^-52 of itself or
 /// 2^-106 cells, whichever is more.
 double move_length(std::uint64_t key, const device::Scale& scale);

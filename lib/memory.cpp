@@ -62,13 +62,23 @@ std::uint64_t output_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + piece_bytes(s) + std::max(sorting, gathered);
 }
 
+// With a domain. Labels and their scan, or the places of arcs (three a face); then arcs, at most two a piece, with
+// the other half of their sort, and six words a region; or the kept triangles, what is said of them, and the seeds.
+// A piece separates two regions at most, so there are no more regions than pieces and one.
+std::uint64_t domain_step(const Sizes& s) {
+  const std::uint64_t hull = vertex_bytes(s) + piece_bytes(s) + 4 * s.m + 25 * s.faces + 4 * s.faces;
+  const std::uint64_t arcs = 16 * 2 * s.m + 24 * s.m, listing = 4 * 3 * s.faces + 8 * 2 * s.m;
+  const std::uint64_t keeping = (4 + 4 + 25 + 16) * s.faces + 16 * s.m;
+  return hull + std::max({arcs, listing, keeping});
+}
+
 }  // namespace
 
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
-  const std::uint64_t most = std::max(
-      {order_step(s), insert_step(s), clean_step(s), walk_step(s), m == 0 ? 0 : stitch_step(s), output_step(s)});
+  const std::uint64_t most = std::max({order_step(s), insert_step(s), clean_step(s), walk_step(s),
+                                       m == 0 ? 0 : stitch_step(s), output_step(s), domain_step(s)});
   return (constant_bytes + most + most / gaps_share) / page * page + page;
 }
 

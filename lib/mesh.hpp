@@ -2,8 +2,11 @@
 // The triangulation on the device: topology without coordinates (kernels/shared.h has the layout).
 #pragma once
 
+#include <optional>
+
 #include "levels.h"
 #include "opencl.hpp"
+#include "quantise.h"
 #include "shared.h"
 
 namespace gcdt {
@@ -28,6 +31,7 @@ struct Mesh {
 /// The distinct vertices on the grid, numbered level by level (kernels/levels.h).
 struct Vertices {
   Grid grid;
+  std::optional<device::Decimals> decimals;  ///< of a decimal grid
   device::Levels levels = {};
   runtime::Buffer<device::Levels> levels_buffer;  ///< one element
   runtime::Buffer<cl_int2> points;                ///< n grid points; of a forest, what kernels/forest.h says behind

@@ -109,10 +109,10 @@ void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_byt
        [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
 }
 
-void Runtime::copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t bytes) {
+void Runtime::copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes) {
   if (bytes == 0) return;
   call("clEnqueueCopyBuffer", "",
-       [&] { return clEnqueueCopyBuffer(queue_(), from, to, from_offset, 0, bytes, 0, nullptr, nullptr); });
+       [&] { return clEnqueueCopyBuffer(queue_(), from, to, from_offset, to_offset, bytes, 0, nullptr, nullptr); });
 }
 
 void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value) {

@@ -132,7 +132,13 @@ class Runtime {
   }
   template <class T>
   void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count, std::size_t from_offset = 0) {
-    copy_bytes(from.handle(), from_offset * sizeof(T), to.handle(), count * sizeof(T));
+    copy_bytes(from.handle(), from_offset * sizeof(T), to.handle(), 0, count * sizeof(T));
+  }
+
+  /// Into element `offset` on of the caller's buffer.
+  template <class T>
+  void copy_out(const Buffer<T>& from, cl_mem to, std::size_t count, std::size_t offset) {
+    copy_bytes(from.handle(), 0, to, offset * sizeof(T), count * sizeof(T));
   }
 
   /// Enqueues `kernel` of `program`. Buffers are passed as they are, scalars by value with the
@@ -204,7 +210,7 @@ class Runtime {
   cl::Program& find_program(const char* program);
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
-  void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t bytes);
+  void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
   void enqueue(Kernel& kernel, Range range, cl_uint arguments);
 

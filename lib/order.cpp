@@ -22,6 +22,7 @@ constexpr unsigned spare_bits = 4;
 /// Every vertex's Morton code and number.
 struct Keys {
   Grid grid;
+  std::optional<device::Decimals> decimals;
   runtime::Buffer<cl_ulong> codes;
   runtime::Buffer<cl_uint> numbers;
 };
@@ -99,6 +100,7 @@ runtime::Buffer<T> upload(runtime::Runtime& runtime, const char* name, const T& 
 Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
   Keys keys;
   keys.grid = chosen.grid;
+  keys.decimals = chosen.decimals;
   keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
   keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
   if (chosen.decimals) {
@@ -187,6 +189,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   result.merged = n - distinct;
   Vertices& vertices = result.vertices;
   vertices.grid = keys.grid;
+  vertices.decimals = keys.decimals;
   vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
   set_levels(runtime, vertices, distinct, coarsest_level);
   runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,

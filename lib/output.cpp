@@ -60,15 +60,19 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
 }
 
 Buffer<cl_uint> number_by_input(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered) {
-  const cl_uint count = ordered.triangles, inputs = static_cast<cl_uint>(vertices.input_vertex.size());
+  const auto inputs = static_cast<cl_uint>(vertices.input_vertex.size());
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
   if (inputs != 0)
     runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input,
                    vertices.input_vertex, representatives);
-  if (count != 0)
-    runtime.launch("output", "number_corners", over(std::size_t{3} * count), 3 * count, vertices.vertex_input,
-                   ordered.corners);
+  number_corners(runtime, vertices, ordered);
   return representatives;
+}
+
+void number_corners(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered) {
+  const cl_uint count = 3 * ordered.triangles;
+  if (count != 0)
+    runtime.launch("output", "number_corners", over(count), count, vertices.vertex_input, ordered.corners);
 }
 
 void number_by_input(Runtime& runtime, const Vertices& vertices, Pieces& pieces) {

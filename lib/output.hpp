@@ -27,6 +27,9 @@ OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, c
 /// longer holds vertices, as check() wants them.
 runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);
 
+/// Replaces the corners of `ordered`, so far vertices, by input numbers.
+void number_corners(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);
+
 /// Replaces the ends of pieces by input numbers.
 void number_by_input(runtime::Runtime& runtime, const Vertices& vertices, Pieces& pieces);
 

@@ -78,7 +78,7 @@ void Pipeline::run_steps() {
   ticker_.enter(flip_share, 1);
   output();
   ms.core = sort_ms_ + ms.insert + ms.constrain - clean_ms_ + ms.flip;
-  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output;
+  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain;
   ms.build = runtime_.build_ms() - built;
   statistics_.launches = runtime_.launches() - launches;
   statistics_.read_backs = runtime_.read_backs() - reads;
@@ -121,6 +121,7 @@ void Pipeline::constrain_all() {
     pieces_.source_offsets = runtime_.allocate<cl_uint>("source offsets", 1);
     pieces_.sources = runtime_.allocate<cl_uint>("sources of pieces", 0);
     runtime_.fill<cl_uint>(pieces_.source_offsets, 0, 1);
+    turns_ = runtime_.allocate<cl_int>("turns of pieces", 0);
     return;
   }
   ticker_.tick("constrain", 0);
@@ -130,6 +131,7 @@ void Pipeline::constrain_all() {
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
   cleaner_.reset();
+  if (wants_regions()) turns_ = count_turns(runtime_, vertices_, pieces_, constraints_);
   constraints_ = {};
 }
 
@@ -212,12 +214,38 @@ void Pipeline::output() {
     mesh_ = {};
   });
   if (options_.check) timed("check", ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
+  if (wants_regions()) timed("domain", ms.domain, [&] { select(ordered); });
   timed("output", ms.output, [&] {
     result_.representatives = number_by_input(runtime_, vertices_, ordered);
     number_by_input(runtime_, vertices_, pieces_);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
+    if (result_.kept.allocated()) number_corners(runtime_, vertices_, result_.hull);
     result_.mesh = std::move(ordered);
   });
+}
+
+void Pipeline::select(OrderedMesh& ordered) {
+  if (ordered.triangles == 0) return;
+  ticker_.tick("domain", 0.5);
+  SelectedDomain selected = select_domain(runtime_, primitives_, ordered, vertices_, pieces_, turns_, options_);
+  turns_ = {};
+  Statistics& s = statistics_;
+  s.regions = selected.regions.count;
+  s.deepest = selected.regions.deepest;
+  s.open_parity = selected.regions.open_parity;
+  s.open_winding = selected.regions.open_winding;
+  result_.regions = std::move(selected.regions);
+  const bool by_parity = options_.domain == Domain::even_odd, by_winding = options_.domain == Domain::nonzero;
+  if ((by_parity && s.open_parity != 0) || (by_winding && s.open_winding != 0))
+    s.notes.push_back(std::to_string(by_parity ? s.open_parity : s.open_winding) +
+                      " constrained edges are not part of closed borders: regions are taken as seen along the shortest "
+                      "way from outside");
+  if (options_.domain == Domain::hull) return;
+  s.triangles_removed = ordered.triangles - selected.mesh.triangles;
+  if (selected.mesh.triangles == 0) s.notes.push_back("the domain is empty: no triangles");
+  result_.hull = std::move(ordered);
+  result_.kept = std::move(selected.kept);
+  ordered = std::move(selected.mesh);
 }
 
 void Pipeline::finish_statistics() {
@@ -234,10 +262,11 @@ void Pipeline::finish_statistics() {
   s.driver = runtime_.info().driver;
   s.platform = runtime_.info().platform;
   s.version = GCDT_VERSION;
-  if (s.triangles == 0)
+  if (s.triangles + s.triangles_removed == 0)
     s.notes.push_back(vertices_.n() < 3 ? "fewer than three distinct vertices: no triangles"
                                         : "all vertices lie on one line: no triangles");
   result_.pieces = std::move(pieces_);
+  result_.vertices = std::move(vertices_);
 }
 
 }  // namespace gcdt

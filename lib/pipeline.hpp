@@ -6,6 +6,7 @@
 
 #include "clean.hpp"
 #include "constrain.hpp"
+#include "domain.hpp"
 #include "flip.hpp"
 #include "order.hpp"
 #include "output.hpp"
@@ -30,6 +31,10 @@ struct DeviceTriangulation {
   runtime::Buffer<cl_uint> representatives;  ///< one per input vertex
   Pieces pieces;
   runtime::Buffer<cl_uint> dropped;  ///< constraints, ascending
+  Regions regions;                   ///< empty unless asked for
+  Vertices vertices;
+  OrderedMesh hull;              ///< all triangles, where a domain has left some out
+  runtime::Buffer<cl_int> kept;  ///< the place of each of them in `mesh`, or -1
   Statistics statistics;
 };
 
@@ -55,6 +60,8 @@ class Pipeline {
   void constrain_all();
   void resolve_crossings(const ConstrainResult& first);
   void flip_all();
+  void select(OrderedMesh& ordered);
+  bool wants_regions() const { return options_.regions || options_.domain != Domain::hull; }
   void finish_statistics();
   void run_steps();
   [[noreturn]] void ask_for_workspace(const Error& error) const;
@@ -82,6 +89,7 @@ class Pipeline {
   PhaseCounters counters_;
   std::unique_ptr<Cleaner> cleaner_;
   Pieces pieces_;
+  runtime::Buffer<cl_int> turns_;  ///< by piece; for domains
   double sort_ms_ = 0, clean_ms_ = 0;
 };
 

@@ -2,13 +2,11 @@
 // The host's proof of a mesh: the grid, then the topology, the constraints, the flags and the Delaunay property.
 #include <algorithm>
 
-#include "verify_mesh.hpp"
+#include "verify_complete.hpp"
 
 namespace gcdt {
 
 namespace proof {
-
-namespace {
 
 /// Positive iff d is inside the circle through a, b, c (counter-clockwise), zero iff on it.
 /// With S = 2^31 - 1: squared lengths are at most 2 S^2 < 2^63 and areas at most S^2 < 2^62 (twice the largest
@@ -22,6 +20,8 @@ Wide incircle(Vertex a, Vertex b, Vertex c, Vertex d) {
 }
 
 bool before(Vertex a, Vertex b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
+
+namespace {
 
 /// The failure of unconstrained half-edge h, which has a twin, to be the right diagonal (contract 4).
 std::string check_diagonal(const Mesh& mesh, std::uint32_t h) {

@@ -67,6 +67,9 @@ Placed place(double v, double origin, const Cell& cell, double least_move);
 /// or decimal grid, is not on the grid.
 std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reason);
 
+/// Where a point that need not be a vertex stands on the grid, rounded; false: nowhere.
+bool place_seed(const std::array<double, 2>& point, const Grid& grid, Vertex& at);
+
 /// What the public functions of these names say.
 Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed);
 Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid, Crossing crossing);

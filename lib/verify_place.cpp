@@ -174,4 +174,18 @@ std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reaso
   return vertices;
 }
 
+bool place_seed(const std::array<double, 2>& point, const Grid& grid, Vertex& at) {
+  std::int32_t* to[2] = {&at.x, &at.y};
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!is_finite(point[axis])) return false;
+    if (grid.kind == Grid::Kind::decimal &&
+        place_decimal(point[axis], grid.origin[axis], grid.cell_decimals, *to[axis]))
+      continue;
+    const Placed placed = place(point[axis], grid.origin[axis], cell_of(grid), HUGE_VAL);
+    if (placed.outside) return false;
+    *to[axis] = placed.at;
+  }
+  return true;
+}
+
 }  // namespace gcdt::proof

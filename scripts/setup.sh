@@ -8,7 +8,7 @@ set -euo pipefail
 
 build=(g++ cmake make pkg-config ca-certificates
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
-  libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev)
+  libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev libpng-dev)
 tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14
   python3-pyopencl abigail-tools binutils libfreetype-dev fonts-dejavu-core)
 

@@ -119,7 +119,7 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "verify in.poly",
                                 "triangulate in.poly --no-such-option",
                                 "triangulate in.poly --tiles 2",
-                                "triangulate in.poly --domain holes",
+                                "triangulate in.poly --domain inside",
                                 "triangulate in.poly --crossing split",
                                 "triangulate in.poly -o",
                                 "triangulate in.poly -o out.xyz",
@@ -263,6 +263,10 @@ TEST_CASE("statistics have the names of the contract") {
   for (const char* name : {"edge_splits", "constraint_hits", "existing_edges", "pieces_walked", "chain_vertices",
                            "holes", "symbolic_chain_vertices"})
     CHECK(json.at("cases").at(name).is_number_unsigned());
+  for (const char* name : {"least_angle", "largest_angle", "least_area", "largest_area", "area"})
+    CHECK(json.at("quality").at(name).is_number_float());
+  CHECK(json["quality"]["area"] == 1);
+  CHECK(json["quality"]["least_angle"] == 45);
   CHECK(json["n"] == 4);
   CHECK(json["m"] == 1);
   CHECK(json["triangles"] == 2);
@@ -339,6 +343,78 @@ TEST_CASE("holes and regions of the input are said to be unused") {
   CHECK(outcome.status == 0);
   CHECK(contains(outcome.err, "holes"));
   CHECK(session.good("triangulate in.poly -o o.ele --quiet") == "");
+}
+
+TEST_CASE("domains: the seeds of the file, what is removed, and its verification") {
+  Session session;
+  // A square with a square hole in it, both drawn counter-clockwise, and a vertex far to the right; one region.
+  session.write(
+      "in.poly",
+      "9 2 0 0\n0 0 0\n1 9 0\n2 9 9\n3 0 9\n4 3 3\n5 6 3\n6 6 6\n7 3 6\n8 20 4\n8 0\n0 0 1\n1 1 2\n2 2 3\n3 3 "
+      "0\n4 4 5\n5 5 6\n6 6 7\n7 7 4\n1\n0 4 5\n1\n0 1 1 2.5 -1\n");
+  struct Expected {
+    const char* domain;
+    int triangles;  // the ring has 8, the hole 2, the part outside 1 or, with its vertex, 3
+  };
+  for (const Expected& e :
+       {Expected{"hull", 11}, {"even-odd", 8}, {"nonzero", 10}, {"holes", 9}, {"outer", 10}, {"outer-holes", 8}}) {
+    CAPTURE(e.domain);
+    const std::string domain = std::string(" --domain ") + e.domain;
+    session.good("triangulate in.poly -o o.ele -o o.neigh -o o.vtu --stats s.json --verify --quiet --regions" + domain);
+    CHECK(nlohmann::json::parse(session.read("s.json"))["triangles"] == e.triangles);
+    for (const char* output : {"o.ele", "o.neigh", "o.vtu"})
+      CHECK(contains(session.good("verify in.poly " + std::string(output) + domain), "valid"));
+    const std::string other = std::string(e.domain) == "hull" ? "outer" : "hull";
+    session.bad(5, "verify in.poly o.ele --domain " + other);
+    std::istringstream rows(data_lines(session.read("o.ele")));
+    int number, count, corner, with_attribute = 0;
+    double attribute;
+    rows >> count >> number >> number;
+    CHECK(number == 1);
+    while (rows >> number >> corner >> corner >> corner >> attribute) with_attribute += attribute == 2.5;
+    CHECK(with_attribute == 8);
+  }
+  for (const char* name : {"region", "depth", "winding", "region_attribute"})
+    CHECK(contains(session.read("o.vtu"), std::string("Name=\"") + name + "\""));
+}
+
+TEST_CASE("locate says triangle, weights and attributes of each point") {
+  Session session;
+  session.write("in.poly", "4 2 1 0\n1 0 0 10\n2 4 0 20\n3 4 4 40\n4 0 4 30\n1 0\n1 1 3\n0\n");
+  session.write("points.node", "4 2 0 0\n1 3 1\n2 1 3\n3 2 2\n4 9 9\n");
+  session.good("triangulate in.poly -o o.ele");
+  CHECK(contains(session.read("o.ele"), "2 3 0\n1 1 2 3\n2 1 3 4\n"));
+  const std::string places = "1 1 0.25 0.5 0.25 22.5\n2 2 0.25 0.25 0.5 27.5\n3 1 0.5 0 0.5 25\n4 -1 0 0 0 nan\n";
+  CHECK(data_lines(session.good("locate in.poly points.node")) == places);
+  CHECK(session.good("locate in.poly points.node -o places.txt") == "");
+  CHECK(data_lines(session.read("places.txt")) == places);
+  CHECK(contains(data_lines(session.good("locate in.poly points.node --domain outer")), "\n4 -1 "));
+  session.bad(2, "locate in.poly points.node -o points.node");
+  session.bad(3, "locate in.poly missing.node");
+}
+
+TEST_CASE("raster writes the value in the middle of each cell, from the north down, with its place") {
+  Session session;
+  session.write("in.node", "4 2 2 0\n0 10 20 0 5\n1 14 20 4 5\n2 14 22 4 5\n3 10 22 0 5\n");
+  session.good("raster in.node --cell 1 -o o.asc -o o.flt -o o.png");
+  const std::string header = "ncols 4\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 1\nNODATA_value -9999\n";
+  CHECK(session.read("o.asc") == header + "0.5 1.5 2.5 3.5\n0.5 1.5 2.5 3.5\n");
+  CHECK(session.read("o.hdr") == header + "byteorder LSBFIRST\n");
+  for (const char* world : {"o.acw", "o.ftw", "o.pgw"}) CHECK(session.read(world) == "1\n0\n0\n-1\n10.5\n21.5\n");
+  const std::string floats = session.read("o.flt");
+  REQUIRE(floats.size() == 4 * 8);
+  CHECK(floats.substr(4, 4) == std::string("\0\0\xc0\x3f", 4));  // 1.5
+  CHECK(session.read("o.png").substr(1, 3) == "PNG");
+  // A triangle: outside of it there is no value.
+  session.write("t.node", "3 2 2 0\n0 0 0 0 1\n1 4 0 0 2\n2 0 2 0 3\n");
+  session.good("raster t.node --cell 1 --attribute 2 --no-data -1 -o t.asc");
+  CHECK(contains(session.read("t.asc"), "NODATA_value -1\n2.625 -1 -1 -1\n1.625 1.875 2.125 -1\n"));
+  session.bad(2, "raster t.node --attribute 3 -o t.asc");
+  session.bad(2, "raster t.node --cell 0 -o t.asc");
+  session.bad(2, "raster t.node --cell 1e-9 -o t.asc");
+  session.bad(2, "raster t.node -o t.tif");
+  session.bad(2, "raster t.node -o t.flt -o t.hdr");
+  session.bad(2, "raster t.node -o t.asc -o ./t.asc");
 }
 
 TEST_CASE("verify catches every kind of wrong mesh with status 5") {

@@ -242,3 +242,41 @@ TEST_CASE("any order gives the same mesh as the canonical one") {
   };
   CHECK(sorted(mesh.triangles) == sorted(from_host(input).triangles));
 }
+
+TEST_CASE("points in device memory are located as host arrays are, with offsets, and domains come out as buffers") {
+  const App app;
+  const Integers input = integer_input();
+  Options options;
+  options.domain = Domain::even_odd;
+  Solver solver = make_solver(app.queue);
+  const Result result = solve(solver, device_points(app, input), device_constraints(app, input), options);
+  const Triangulation expected = from_host(input, options);
+  CHECK(same_bytes(result.download(), expected));
+  CHECK(copied<std::uint32_t>(app, result, GCDT_REGIONS) == expected.region);
+  CHECK(copied<std::uint32_t>(app, result, GCDT_DEPTHS) == expected.depth);
+  CHECK(copied<std::int32_t>(app, result, GCDT_WINDINGS) == expected.winding);
+  CHECK(copied<std::uint32_t>(app, result, GCDT_HULL) == result.hull());
+  CHECK(copied<std::int32_t>(app, result, GCDT_VERTEX_TRIANGLES) == result.vertex_triangles());
+
+  std::vector<Int2> queries{{-7, 3}, {100000, 5}};
+  Random random(1);
+  for (int i = 0; i < 2000; ++i)
+    queries.push_back({static_cast<std::int32_t>(random.below(400)), static_cast<std::int32_t>(random.below(400))});
+  std::vector<std::array<double, 3>> weights;
+  const std::vector<std::int32_t> triangles = result.locate(queries, &weights);
+  const std::size_t skipped = 1, count = queries.size() - skipped;
+  const cl::Buffer to = app.buffer(4 * count), shares = app.buffer(12 * count);
+  locate(result, {Points::Type::int32, app.buffer(queries), count, skipped}, to, shares);
+  CHECK(app.read<std::int32_t>(to, count) == std::vector<std::int32_t>(triangles.begin() + skipped, triangles.end()));
+  const auto single = app.read<std::array<float, 3>>(shares, count);
+  for (std::size_t i = 0; i < count; ++i)
+    for (int k = 0; k < 3; ++k)  // sums and quotients of single precision
+      CHECK(std::abs(single[i][k] - weights[i + skipped][k]) <= 0x1p-21);
+  const Error small = error_of([&] {
+    locate(result, {Points::Type::int32, app.buffer(queries), count, skipped}, app.buffer(4), shares);
+  });
+  CHECK(small.status() == Status::buffer_too_small);
+  CHECK(error_of([&] {
+          locate(result, {Points::Type::int32, app.buffer(queries), 1, 0}, buffer_of(result, GCDT_REGIONS));
+        }).status() == Status::buffers_overlap);
+}

@@ -100,7 +100,15 @@ TEST_CASE("comments, blank lines, attributes, markers, Windows line ends and a m
       "1 1\r\n1 1 2 -5\r\n1 # holes\r\n1 0.5 0.5\r\n1\r\n1 0.5 0.5 1 0.1");
   CHECK(input.vertices == std::vector<std::array<double, 2>>{{0, 1}, {1, 0}, {0.5, 1}});
   CHECK(input.constraints == std::vector<Constraint>{{0, 1}});
-  CHECK(input.notes.size() == 1);
+  CHECK(input.attribute_count == 2);
+  CHECK(input.attributes.size() == 6);
+  CHECK(input.attributes[2] == 8);
+  CHECK(input.vertex_markers == std::vector<std::int32_t>{1, 1, 1});
+  CHECK(input.constraint_markers == std::vector<std::int32_t>{-5});
+  CHECK(input.holes == std::vector<std::array<double, 2>>{{0.5, 0.5}});
+  REQUIRE(input.regions.size() == 1);
+  CHECK(input.regions[0].attribute == 1);
+  CHECK(input.regions[0].largest_area == 0.1);
   CHECK(input.vertex_lines.of(0) == 5);
   CHECK(input.vertex_lines.of(1) == 7);
   CHECK(input.vertex_lines.of(2) == 8);
@@ -154,6 +162,10 @@ TEST_CASE("malformed poly files are refused with the line and the reason") {
       {"1 2 0 0\n0 0 --1\n0\n", "2: y coordinate must be a number, not \"--1\""},
       {"1 2 0 0\n0 0 +-1\n0\n", "2: y coordinate must be a number, not \"+-1\""},
       {"1 2 0 0\n0 0 0 word\n0\n", "2: an attribute or marker must be a number, not \"word\""},
+      {"1 2 2 0\n0 0 0 5\n0\n", "2: an attribute or marker is missing"},
+      {"1 2 5000 0\n0 0 0\n0\n", "1: the number of attributes is 5000; at most 1000 are possible"},
+      {"1 2 0 1\n0 0 0 1.5\n0\n", "2: the vertex marker must be an integer, not \"1.5\""},
+      {"1 2 0 1\n0 0 0 4294967296\n0\n", "2: the vertex marker has more than 32 bits: 4294967296"},
       {"1 2 0 0\n0 0 0\n", "2: the number of segments is missing"},
       {"1 2 0 0\n0 0 0\n-2 0\n", "3: the number of segments is negative: -2"},
       {"1 2 0 0\n0 0 0\n4000000000 0\n", "3: the number of segments is 4000000000; at most 2147483647 are possible"},
@@ -257,6 +269,35 @@ TEST_CASE("Triangle's formats are written with the input's first number and end 
   CHECK(written(folder, "o.edge", Square(1)) == "5 1\n1 2 3 0\n2 3 1 1\n3 1 2 0\n4 3 4 0\n5 4 1 0\n" + grid);
   CHECK(written(folder, "o.node", Square(1)) == "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n" + grid);
   CHECK(written(folder, "o.poly", Square(1)) == "4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n1 1\n1 1 3 1\n0\n" + grid);
+}
+
+TEST_CASE("attributes, markers, holes and regions go through to the outputs") {
+  Square square(1);
+  square.input.attribute_count = 2;
+  square.input.attributes = {0.5, 1, 2, 3, 4, 5, 6, 1e300};
+  square.input.vertex_markers = {7, -8, 9, 0};
+  square.input.constraint_markers = {0, 42};
+  square.input.holes = {{0.25, 0.5}};
+  square.input.regions = {{{0.5, 0.25}, 3.5, 0.125}};
+  square.mesh.source_offsets = {0, 2};
+  square.mesh.sources = {0, 1};
+  square.mesh.region_seed = {0, -1};
+  ScratchFolder folder;
+  CHECK(written(folder, "o.poly", square).find("\n1 1 3 42\n1\n1 0.25 0.5\n1\n1 0.5 0.25 3.5 0.125\n") !=
+        std::string::npos);
+  CHECK(written(folder, "o.edge", square).find("\n2 3 1 42\n") != std::string::npos);
+  CHECK(written(folder, "o.ele", square).find("2 3 1\n1 1 2 3 3.5\n2 1 3 4 0\n") == 0);
+  for (const char* name : {"o.poly", "o.node"}) {
+    written(folder, name, square);
+    const io::Input back = io::read_input(folder / name);
+    CHECK(back.attributes == square.input.attributes);
+    CHECK(back.vertex_markers == square.input.vertex_markers);
+  }
+  // Without a marker that is not 0, and without markers at all, a constrained edge has 1.
+  square.mesh.sources = {0, 0};
+  CHECK(written(folder, "o.edge", square).find("\n2 3 1 1\n") != std::string::npos);
+  square.input.constraint_markers.clear();
+  CHECK(written(folder, "o.edge", square).find("\n2 3 1 1\n") != std::string::npos);
 }
 
 TEST_CASE("meshes read back from ele, neigh and vtu files are the meshes written") {

@@ -205,6 +205,9 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   Options bad_grid;
   bad_grid.grid = FixedGrid{0, 0, "zero"};
   CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, bad_grid), Error);
+  Options domain;
+  domain.domain = Domain::outer;
+  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, domain), Error);
   Options stop;
   stop.progress = [](const char*, double) { return false; };
   try {

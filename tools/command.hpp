@@ -16,13 +16,32 @@ namespace gcdt::command {
 struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
-  std::string crossing = "reject", grid, device, statistics, trace;
-  bool verify = false, quiet = false;
+  std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
+  bool verify = false, quiet = false, regions = false;
+};
+
+/// A mesh that is made of INPUT to be asked something.
+struct MeshArguments {
+  std::string input;
+  std::string crossing = "reject", domain = "hull", grid, device;
+  bool quiet = false;
+};
+
+struct LocateArguments {
+  MeshArguments mesh;
+  std::string points, output;
+};
+
+struct RasterArguments {
+  MeshArguments mesh;
+  std::vector<std::string> outputs;
+  std::uint32_t attribute = 1;
+  double cell = 0, no_data = -9999;  ///< cell 0: 1024 on the longer side
 };
 
 struct VerifyArguments {
   std::string input, output;
-  std::string crossing = "reject", grid;
+  std::string crossing = "reject", domain = "hull", grid;
   bool quiet = false;
 };
 
@@ -37,9 +56,14 @@ void triangulate(const TriangulateArguments& arguments);
 void verify(const VerifyArguments& arguments);
 /// Inputs that fail spoil no others: what is right is written first.
 void triangulate_batch(const BatchArguments& arguments);
+void locate(const LocateArguments& arguments);
+void raster(const RasterArguments& arguments);
 void list_devices();
 
 Crossing crossing_named(const std::string& name);
+
+/// Sets the domain of that name, and the seeds that the input has.
+void set_domain(const std::string& name, const io::Input& input, Options& options);
 
 /// "X,Y,CELL" as a grid; nothing if the text is empty. Throws io::Failure (Exit::usage).
 std::optional<FixedGrid> grid_from_option(const std::string& text);

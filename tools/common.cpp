@@ -53,6 +53,17 @@ std::string about_coordinate(const Error& error, const io::Input& input, const c
 
 Crossing crossing_named(const std::string& name) { return name == "drop" ? Crossing::drop : Crossing::reject; }
 
+void set_domain(const std::string& name, const io::Input& input, Options& options) {
+  options.domain = name == "even-odd"      ? Domain::even_odd
+                   : name == "nonzero"     ? Domain::nonzero
+                   : name == "holes"       ? Domain::holes
+                   : name == "outer"       ? Domain::outer
+                   : name == "outer-holes" ? Domain::outer_holes
+                                           : Domain::hull;
+  options.hole_seeds = input.holes;
+  for (const io::Input::Region& region : input.regions) options.region_seeds.push_back(region.point);
+}
+
 std::optional<FixedGrid> grid_from_option(const std::string& text) {
   if (text.empty()) return std::nullopt;
   auto wrong = [&](const std::string& why) {

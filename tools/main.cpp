@@ -26,6 +26,16 @@ constexpr const char* batch_help =
     "Inputs that fail are listed, and the others are written; the status is then that of the first that failed.\n"
     "Without -o the statistics are printed.\n\n";
 
+constexpr const char* locate_help =
+    "One line a point: its number, the triangle (as triangulate numbers them; the least of several; -1 outside), the\n"
+    "barycentric weights of the triangle's corners, and each attribute of the vertices there (nan outside).\n\n";
+
+constexpr const char* raster_help =
+    "The cells begin at the least x and y. .asc is the Arc/Info ASCII grid; .flt has float32 with a .hdr; .png is "
+    "grey\n"
+    "from the least value to the largest, and transparent outside. Each has a world file beside it (.acw .ftw "
+    ".pgw).\n\n";
+
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
     "ran out of memory; 5 a check failed; 6 an output cannot be written; 130 interrupted.";
@@ -34,12 +44,26 @@ constexpr const char* grid_help =
     "Round the vertices to this grid: its least corner X,Y and the edge CELL of a cell, a decimal number; "
     "default: the finest that fits the input";
 
+constexpr const char* device_help =
+    "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
+    "default: the variable GCDT_DEVICE, else auto";
+
 void add_crossing(CLI::App& app, std::string& crossing) {
   app.add_option("--crossing", crossing,
                  "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an "
                  "earlier one)")
       ->check(CLI::IsMember({"reject", "drop"}).description(""))
       ->type_name("reject|drop")
+      ->capture_default_str();
+}
+
+void add_domain(CLI::App& app, std::string& domain) {
+  app.add_option("--domain", domain,
+                 "Which triangles are kept: hull (all), even-odd or nonzero (by how often the constraints wind around "
+                 "them), holes (all but the regions with a hole point of the input), outer (all but what is open to "
+                 "the outside), outer-holes (both)")
+      ->check(CLI::IsMember({"hull", "even-odd", "nonzero", "holes", "outer", "outer-holes"}).description(""))
+      ->type_name("hull|even-odd|nonzero|holes|outer|outer-holes")
       ->capture_default_str();
 }
 
@@ -52,12 +76,12 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("OUTPUT");
   add_crossing(*app, arguments.crossing);
+  add_domain(*app, arguments.domain);
+  app->add_flag("--regions", arguments.regions,
+                "Find region, depth and winding number of each triangle (in .vtu; region attributes in .ele too) where "
+                "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
-  app->add_option(
-         "--device", arguments.device,
-         "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
-         "default: the variable GCDT_DEVICE, else auto")
-      ->type_name("SPEC");
+  app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
   app->add_flag("--verify", arguments.verify,
                 "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");
@@ -108,10 +132,48 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
       ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
   add_crossing(*app, arguments.crossing);
+  add_domain(*app, arguments.domain);
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(verify_help) + status_help);
   app->callback([&arguments] { command::verify(arguments); });
+}
+
+void add_mesh(CLI::App& app, command::MeshArguments& mesh) {
+  app.add_option("INPUT", mesh.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+      ->required()
+      ->type_name("");
+  add_crossing(app, mesh.crossing);
+  add_domain(app, mesh.domain);
+  app.add_option("--grid", mesh.grid, grid_help)->type_name("X,Y,CELL");
+  app.add_option("--device", mesh.device, device_help)->type_name("SPEC");
+  app.add_flag("--quiet", mesh.quiet, "Print errors only");
+}
+
+void add_locate(CLI::App& gcdt, command::LocateArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("locate", "Say in which triangles of the mesh of INPUT the points of POINTS are");
+  add_mesh(*app, arguments.mesh);
+  app->add_option("POINTS", arguments.points, "A .node file with the points")->required()->type_name("");
+  app->add_option("-o,--output", arguments.output, "The file to write; default: standard output")->type_name("FILE");
+  app->footer(std::string(locate_help) + status_help);
+  app->callback([&arguments] { command::locate(arguments); });
+}
+
+void add_raster(CLI::App& gcdt, command::RasterArguments& arguments) {
+  CLI::App* app =
+      gcdt.add_subcommand("raster", "Interpolate an attribute of the vertices of INPUT in the middles of square cells");
+  add_mesh(*app, arguments.mesh);
+  app->add_option("-o,--output", arguments.outputs, "A .asc, .flt or .png file; may be given several times")
+      ->required()
+      ->allow_extra_args(false)
+      ->type_name("OUTPUT");
+  app->add_option("--attribute", arguments.attribute, "Which attribute, from 1")->capture_default_str();
+  app->add_option("--cell", arguments.cell, "The edge of a cell; default: the longer side has 1024")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("SIZE");
+  app->add_option("--no-data", arguments.no_data, "The value outside of all triangles")->capture_default_str();
+  app->footer(std::string(raster_help) + status_help);
+  app->callback([&arguments] { command::raster(arguments); });
 }
 
 int leave(io::Exit exit, const std::string& what) {
@@ -137,11 +199,15 @@ int main(int argc, char** argv) {
   command::TriangulateArguments triangulate;
   command::BatchArguments batch;
   command::VerifyArguments verify;
+  command::LocateArguments locate;
+  command::RasterArguments raster;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
   add_batch(app, batch);
   add_verify(app, verify);
+  add_locate(app, locate);
+  add_raster(app, raster);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
   try {
     app.parse(argc, argv);

@@ -23,7 +23,17 @@ Json grid_json(const Grid& grid) {
 Json milliseconds_json(const Statistics::Milliseconds& ms) {
   return {{"read", ms.read},   {"core", ms.core},   {"full", ms.full},     {"write", ms.write},
           {"build", ms.build}, {"order", ms.order}, {"insert", ms.insert}, {"constrain", ms.constrain},
-          {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}};
+          {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}, {"domain", ms.domain}};
+}
+
+Json quality_json(const Quality& q) {
+  return {{"least_angle", q.least_angle},
+          {"least_angle_triangle", q.least_angle_triangle},
+          {"largest_angle", q.largest_angle},
+          {"largest_angle_triangle", q.largest_angle_triangle},
+          {"least_area", q.least_area},
+          {"largest_area", q.largest_area},
+          {"area", q.area}};
 }
 
 Json cases_json(const Statistics::Cases& cases) {
@@ -38,7 +48,7 @@ Json cases_json(const Statistics::Cases& cases) {
 
 }  // namespace
 
-std::string statistics_json(const Statistics& s) {
+std::string statistics_json(const Statistics& s, const Quality& quality) {
   const Json json = {{"n", s.n},
                      {"m", s.m},
                      {"vertices_merged", s.vertices_merged},
@@ -49,6 +59,7 @@ std::string statistics_json(const Statistics& s) {
                      {"constraints_dropped", s.constraints_dropped},
                      {"vertices_added", s.vertices_added},
                      {"triangles", s.triangles},
+                     {"quality", quality_json(quality)},
                      {"grid", grid_json(s.grid)},
                      {"ms", milliseconds_json(s.ms)},
                      {"rounds", {{"insert", s.rounds.insert}, {"flip", s.rounds.flip}}},
@@ -58,6 +69,11 @@ std::string statistics_json(const Statistics& s) {
                      {"launches", s.launches},
                      {"read_backs", s.read_backs},
                      {"crossed_pairs", s.crossed_pairs},
+                     {"regions", s.regions},
+                     {"triangles_removed", s.triangles_removed},
+                     {"deepest", s.deepest},
+                     {"open_parity", s.open_parity},
+                     {"open_winding", s.open_winding},
                      {"peak_device_bytes", s.peak_device_bytes},
                      {"device", s.device},
                      {"driver", s.driver},
@@ -75,7 +91,10 @@ std::string statistics_table(const Statistics& s) {
   row("constraints", fmt::format("{} ({} of length zero, {} dropped)", s.m, s.constraints_zero, s.constraints_dropped));
   row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
   row("crossings", fmt::format("{}", s.crossings));
-  row("triangles", fmt::format("{}", s.triangles));
+  row("triangles", fmt::format("{} ({} removed)", s.triangles, s.triangles_removed));
+  if (s.regions != 0)
+    row("regions", fmt::format("{}, {} deep ({} edges open by even-odd, {} by winding)", s.regions, s.deepest,
+                               s.open_parity, s.open_winding));
   row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
                           s.grid.origin[1], s.grid.cell(), s.grid.largest_move));
   row("rounds", fmt::format("{} insert, {} flip ({} flips)", s.rounds.insert, s.rounds.flip, s.flips));

@@ -8,8 +8,9 @@
 
 namespace gcdt::command {
 
-/// Every field of Statistics under its own name (contract 7), indented, with a newline at the end.
-std::string statistics_json(const Statistics& statistics);
+/// Every field of Statistics under its own name (contract 7), and those of Quality, indented, with a newline at the
+/// end.
+std::string statistics_json(const Statistics& statistics, const Quality& quality);
 
 /// The counts and times that matter, one a line, aligned.
 std::string statistics_table(const Statistics& statistics);

@@ -9,6 +9,7 @@
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
+#include "solved.hpp"
 #include "statistics.hpp"
 #include "trace.hpp"
 
@@ -46,49 +47,57 @@ void check_overwrites_no_input(const TriangulateArguments& arguments, const std:
         throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
 }
 
-std::string chosen_device(const TriangulateArguments& arguments) {
-  bool ambiguous = false;
-  const std::size_t number = select_device(arguments.device, &ambiguous);
-  if (ambiguous && !arguments.quiet) {
-    const DeviceInfo device = devices().at(number);
-    note(fmt::format("several devices fit; device {} is taken: {} ({})", number, device.name, device.platform));
-  }
-  return std::to_string(number);
-}
-
 Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options,
-                       TraceRecord& trace) {
+                       TraceRecord& trace, Quality& quality) {
   ProgressLine line(!arguments.quiet);
   options.progress = [&](const char* phase, double done) {
     line.show(phase, done);
     return !interrupted();
   };
   try {
-    Solver solver(chosen_device(arguments), {}, arguments.trace.empty() ? Trace() : trace.sink());
-    return solver.triangulate(input.vertices, input.constraints, options);
+    Solver solver(device_number(arguments.device, arguments.quiet), {},
+                  arguments.trace.empty() ? Trace() : trace.sink());
+    const Result result = solver.solve(input.vertices, input.constraints, options);
+    if (!arguments.statistics.empty()) quality = result.quality();
+    return result.download();
   } catch (const Error& error) {
     throw explained(error, input, options);
   }
 }
 
-void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing) {
+void prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
+  const bool regions = options.domain != Domain::hull || options.regions;
+  const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
+  const Grid& grid = mesh.statistics.grid;
   const Verification verification =
-      gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
+      regions ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!verification.valid)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
 
+/// What the input has and the options do not use.
+void note_unused(const io::Input& input, const Options& options, Statistics& statistics) {
+  const bool holes_used = options.domain == Domain::holes || options.domain == Domain::outer_holes;
+  auto& notes = statistics.notes;
+  if (holes_used && input.holes.empty()) notes.push_back("the input has no holes");
+  if (!holes_used && !input.holes.empty())
+    notes.push_back(fmt::format("holes ({}) of the input are not used: see --domain", input.holes.size()));
+  if (!input.regions.empty() && options.domain == Domain::hull && !options.regions)
+    notes.push_back(fmt::format("regions ({}) of the input are not used: see --regions", input.regions.size()));
+}
+
 void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics,
-                   const TraceRecord& trace) {
+                   const Quality& quality, const TraceRecord& trace) {
   const Stopwatch write;
   io::OutputFiles files(stop_if_interrupted);
   for (const std::string& path : arguments.outputs) io::writer_for(io::lower_extension(path))(files.add(path), result);
   if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
-  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics));
+  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics, quality));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
   stop_if_interrupted();
   files.commit();
@@ -107,16 +116,20 @@ void triangulate(const TriangulateArguments& arguments) {
   const io::Input input = io::read_input(arguments.input);
   const double read_milliseconds = read.milliseconds();
   check_overwrites_no_input(arguments, input.files);
+  set_domain(arguments.domain, input, options);
+  options.regions = arguments.regions;
   stop_if_interrupted();
 
   TraceRecord trace;
-  Triangulation mesh = computed(input, arguments, options, trace);
+  Quality quality;
+  Triangulation mesh = computed(input, arguments, options, trace, quality);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
-  if (arguments.verify) prove(input, mesh, options.crossing);
+  note_unused(input, options, mesh.statistics);
+  if (arguments.verify) prove(input, mesh, options);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, {input, mesh}, statistics, trace);
+  write_outputs(arguments, {input, mesh}, statistics, quality, trace);
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes) note(text);
   if (arguments.outputs.empty()) print(statistics_table(statistics));

@@ -58,8 +58,16 @@ void verify(const VerifyArguments& arguments) {
   view.triangles = mesh.triangles;
   if (!mesh.neighbours.empty()) view.neighbours = mesh.neighbours.data();
   if (!mesh.constrained.empty()) view.constrained = mesh.constrained.data();
+  options.crossing = crossing_named(arguments.crossing);
+  set_domain(arguments.domain, input, options);
+  RegionView said;
+  if (!mesh.region.empty()) said.region = mesh.region.data();
+  if (!mesh.depth.empty()) said.depth = mesh.depth.data();
+  if (!mesh.winding.empty()) said.winding = mesh.winding.data();
+  const bool regions = options.domain != Domain::hull || !mesh.region.empty();
   const Verification verification =
-      gcdt::verify(input.vertices, input.constraints, view, grid, crossing_named(arguments.crossing));
+      regions ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!verification.valid) throw Failure(Exit::check, fmt::format("{}: {}", arguments.output, verification.reason));
   if (!arguments.quiet)
     print(fmt::format("valid: {} vertices, {} constraints, {} triangles{} on the {} grid with cell {}\n",

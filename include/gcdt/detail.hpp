@@ -113,6 +113,10 @@ struct ProgressCall {
   }
 };
 
+inline const double* seeds(const std::vector<std::array<double, 2>>& points) {
+  return points.empty() ? nullptr : points.data()->data();
+}
+
 /// Refers to `options` and `progress`.
 inline gcdt_options options(const Options& options, ProgressCall& progress) {
   gcdt_options c = GCDT_OPTIONS_INIT;
@@ -123,6 +127,10 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
     c.grid_x = options.grid->x, c.grid_y = options.grid->y, c.grid_cell = options.grid->cell.c_str();
   }
   if (options.progress) c.progress = ProgressCall::call, c.progress_user = &progress;
+  static_assert(static_cast<int>(Domain::outer_holes) == GCDT_DOMAIN_OUTER_HOLES, "domains are numbered alike");
+  c.domain = static_cast<std::int32_t>(options.domain), c.regions = options.regions;
+  c.hole_seeds = seeds(options.hole_seeds), c.hole_seed_count = options.hole_seeds.size();
+  c.region_seeds = seeds(options.region_seeds), c.region_seed_count = options.region_seeds.size();
   return c;
 }
 
@@ -185,6 +193,8 @@ inline Statistics statistics(const gcdt_result* result) {
   s.cases.existing_edges = c.existing_edges, s.cases.pieces_walked = c.pieces_walked;
   s.cases.chain_vertices = c.chain_vertices, s.cases.holes = c.holes;
   s.cases.symbolic_chain_vertices = c.symbolic_chain_vertices;
+  s.ms.domain = c.ms_domain, s.regions = c.regions, s.triangles_removed = c.triangles_removed;
+  s.deepest = c.deepest, s.open_parity = c.open_parity, s.open_winding = c.open_winding;
   for (std::size_t i = 0; const char* note = gcdt_result_note(result, i); ++i) s.notes.emplace_back(note);
   return s;
 }

@@ -189,6 +189,22 @@ enum {
   GCDT_CROSSING_DROP = 1    /* in input order, drop a constraint that crosses an earlier one that was kept */
 };
 
+/* Which triangles a result has. The mesh is made and checked whole; then those outside the domain are removed, and
+ * neighbours across them become -1. A region is a set of triangles joined by edges that are not constrained; its
+ * winding number says how often the constraints, taken from their first end to their second, wind around it
+ * counter-clockwise. Every source of an edge counts, so borders that coincide do not cancel by chance. Borders that are
+ * not closed: windings are counted from outside inwards along a shortest way (by constrained edges crossed; of several,
+ * into each region across the least half edge), and open_parity and open_winding of the statistics say how many edges
+ * that does not suit. An edge with one region on both sides changes nothing. */
+enum {
+  GCDT_DOMAIN_HULL = 0,       /* all */
+  GCDT_DOMAIN_EVEN_ODD = 1,   /* regions with an odd winding number; directions do not matter */
+  GCDT_DOMAIN_NONZERO = 2,    /* regions with a winding number that is not 0 */
+  GCDT_DOMAIN_HOLES = 3,      /* all regions but those with a hole seed */
+  GCDT_DOMAIN_OUTER = 4,      /* all regions but those that an unconstrained edge of the hull opens */
+  GCDT_DOMAIN_OUTER_HOLES = 5 /* neither of the two, as with Triangle's switch -p */
+};
+
 /* Called between rounds by the thread that is in the call, with the phase's name and the share done in [0, 1]. Return
  * 0 to stop: the call then returns GCDT_ERROR_CANCELLED. The rules of gcdt_log_function hold. */
 typedef int32_t (*gcdt_progress_function)(void* user, const char* phase, double done);
@@ -203,9 +219,21 @@ typedef struct gcdt_options {
   const char* grid_cell; /* the cell's edge, a decimal number such as "0.001"; null: "1" */
   gcdt_progress_function progress; /* null: none */
   void* progress_user;
+  int32_t domain;  /* GCDT_DOMAIN_... */
+  int32_t regions; /* 1: the arrays GCDT_REGIONS ... for GCDT_DOMAIN_HULL too; other domains have them anyway */
+  /* Points x, y in the input's coordinates; the caller's, read only during the call; null if there are none. They are
+   * rounded to the grid; outside the hull they do nothing; on an edge or vertex they are in the least triangle there.
+   */
+  const double* hole_seeds; /* used by GCDT_DOMAIN_HOLES and _OUTER_HOLES */
+  uint64_t hole_seed_count; /* at most GCDT_MAX_VERTICES */
+  const double* region_seeds;
+  uint64_t region_seed_count;
 } gcdt_options;
-#define GCDT_OPTIONS_INIT \
-  { sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL }
+#define GCDT_OPTIONS_INIT                                                                                          \
+  {                                                                                                                \
+    sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
+        NULL, 0                                                                                                    \
+  }
 
 /* The CDT of `input` (paper: Fan et al., gCDT, 2026, sections 4 to 8). `options` may be null. Fewer than three
  * distinct vertices, or all on one line: no triangles and a note, no error. The result stays in device memory until it
@@ -233,7 +261,18 @@ enum {
   /* uint32: the input constraints that run along each piece, ascending within a piece. */
   GCDT_SOURCES = 6,
   /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
-  GCDT_DROPPED = 7
+  GCDT_DROPPED = 7,
+  /* Of the domain, T elements, none unless asked for (gcdt_options.domain, regions). Regions are those of the hull,
+   * numbered from 0 in the order of their least triangles there: numbers of removed ones are missing. */
+  GCDT_REGIONS = 16,      /* uint32 */
+  GCDT_DEPTHS = 17,       /* uint32: the least number of constrained edges between the region and outside */
+  GCDT_WINDINGS = 18,     /* int32 */
+  GCDT_REGION_SEEDS = 19, /* int32: the least of gcdt_options.region_seeds in the region, -1 without one */
+  /* Made on the device when first asked for, which blocks and takes device memory; not in gcdt_required_bytes. */
+  GCDT_VERTEX_TRIANGLES = 24, /* int32 per input vertex: the least triangle at its grid point, -1 without one */
+  GCDT_HULL = 25, /* uint32: vertices on the convex hull, counter-clockwise from the first in Z-order; those inside its
+                     edges too; none without triangles. Domains do not change it. */
+  GCDT_EDGE_PIECES = 26 /* T x 3 int32: [t][k] is the element of GCDT_PIECES along the edge opposite corner k, or -1 */
 };
 
 /* Elements of an array, and bytes of one element; 0 for null or an unknown array. */
@@ -243,6 +282,22 @@ GCDT_API size_t gcdt_element_bytes(int32_t array);
 /* Copies an array to host memory with room for `capacity` elements. Too small: GCDT_ERROR_BUFFER_TOO_SMALL, and
  * nothing is written. Blocks. Its time is added to ms_output and ms_full of the result's statistics. */
 GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity);
+
+/* ---- Points in the mesh ------------------------------------------------------------------------------------ */
+
+/* For `count` points in host memory (coordinate_type as for gcdt_input), on the device: triangles[i] is the least
+ * triangle that holds point i, its border included, or -1; weights (may be null) its barycentric weights, three a point
+ * in the order of the corners, 0 outside. Points are rounded to the grid as vertices are, and the answer is exact
+ * there; what is not on the grid is outside. GCDT_ERROR_COORDINATE_NOT_FINITE: indices: point, axis. Takes about 100
+ * bytes of device memory a point, for 2^20 points at a time, and 8 bytes a vertex until the result is released. Blocks.
+ */
+GCDT_API int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
+                             int32_t* triangles, double* weights);
+
+/* The same for the values there, linear in each triangle: vertex_values has one number an input vertex, of which those
+ * of corners (representatives) are read; values[i] is `outside` where no triangle is. Summed on the host. */
+GCDT_API int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
+                                  const double* vertex_values, double outside, double* values);
 
 /* Hands the result's device memory back to its solver, for the next call. Null is allowed. */
 GCDT_API void gcdt_result_release(gcdt_result* result);
@@ -284,9 +339,25 @@ typedef struct gcdt_statistics {
   uint64_t edge_splits, constraint_hits, existing_edges, pieces_walked, chain_vertices, holes;
   uint64_t symbolic_chain_vertices;
   const char *device, *driver, *platform, *version; /* the result's, until it is released */
+  double ms_domain;
+  uint64_t regions, triangles_removed, deepest; /* regions of the hull, 0 unless labelled; the largest depth */
+  uint64_t open_parity, open_winding;           /* see GCDT_DOMAIN_...: 0 where borders are closed */
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
+
+/* Areas and angles of the result's triangles, measured exactly on the device when asked, in integers; the last step, to
+ * degrees and units of the input, is in double on the host. Nothing but zeros and -1 without triangles. */
+typedef struct gcdt_quality {
+  size_t struct_size;
+  uint64_t triangles;
+  double least_angle, largest_angle;                    /* degrees */
+  int32_t least_angle_triangle, largest_angle_triangle; /* the least triangle with such an angle, or -1 */
+  double least_area, largest_area, area;                /* of a triangle, and of all; in units of the input squared */
+  uint64_t least_doubled, largest_doubled, doubled;     /* twice the same, in cells squared, exactly */
+} gcdt_quality;
+
+GCDT_API int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality);
 
 /* Remarks such as that all vertices lie on one line; null from the last on. The result's, until it is released. */
 GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
@@ -301,7 +372,7 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
  * much again, and does with less where the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 
-/* ---- Verification on the host ------------------------------------------------------------------------------ */
+/* ---- Verification, on the host and on the device ------------------------------------------------------------ */
 
 /* A mesh to be verified; triangle order and first corners are free. The caller's, read only. */
 typedef struct gcdt_mesh {
@@ -323,6 +394,28 @@ GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* f
  * a bad mesh: an index that does not exist is a failure. `crossing`: how the mesh was made; under GCDT_CROSSING_DROP
  * it is also proved that exactly the right constraints are missing. O((n + m) log n) expected. */
 GCDT_API int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing);
+
+/* What is said of each triangle of a gcdt_mesh; null: not verified. The caller's, read only. */
+typedef struct gcdt_regions {
+  size_t struct_size;
+  const uint32_t* regions; /* as GCDT_REGIONS, of a mesh in canonical order */
+  const uint32_t* depths;
+  const int32_t* windings;
+} gcdt_regions;
+
+/* As gcdt_verify, of a mesh made with `options`, of which crossing, domain and hole seeds are read: exactly the
+ * triangles of the domain are there, neighbours across removed ones are -1, and `regions` (may be null) are right. The
+ * whole triangulation is made once more for that, by another algorithm on the host, and proved. */
+GCDT_API int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_regions* regions,
+                                    const gcdt_grid* grid, const gcdt_options* options);
+
+/* The check that gcdt_triangulate makes of its own meshes, on the device, of any mesh in host memory that covers the
+ * convex hull: neighbours and constrained must be there, triangles may stand in any order and begin with any corner.
+ * `input` has the vertices, and as constraints those after cleaning (GCDT_PIECES), each once: those that must be
+ * flagged edges. The grid is that of `options` (may be null) if fixed, else the one of the vertices.
+ * GCDT_ERROR_CHECK_FAILED names the first fault. For less trust in the device see gcdt_verify. Blocks. */
+GCDT_API int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
+                            const gcdt_options* options);
 
 #ifdef __cplusplus
 }

@@ -63,7 +63,45 @@ class Result {
   std::vector<std::uint32_t> source_offsets() const { return copy<std::uint32_t>(GCDT_SOURCE_OFFSETS); }
   std::vector<std::uint32_t> sources() const { return copy<std::uint32_t>(GCDT_SOURCES); }
   std::vector<std::uint32_t> dropped() const { return copy<std::uint32_t>(GCDT_DROPPED); }
+  std::vector<std::uint32_t> region() const { return copy<std::uint32_t>(GCDT_REGIONS); }
+  std::vector<std::uint32_t> depth() const { return copy<std::uint32_t>(GCDT_DEPTHS); }
+  std::vector<std::int32_t> winding() const { return copy<std::int32_t>(GCDT_WINDINGS); }
+  std::vector<std::int32_t> region_seed() const { return copy<std::int32_t>(GCDT_REGION_SEEDS); }
+  /// Made on demand; see GCDT_VERTEX_TRIANGLES, GCDT_HULL and GCDT_EDGE_PIECES.
+  std::vector<std::int32_t> vertex_triangles() const { return copy<std::int32_t>(GCDT_VERTEX_TRIANGLES); }
+  std::vector<std::uint32_t> hull() const { return copy<std::uint32_t>(GCDT_HULL); }
+  std::vector<std::array<std::int32_t, 3>> edge_pieces() const {
+    return copy<std::array<std::int32_t, 3>>(GCDT_EDGE_PIECES);
+  }
   Statistics statistics() const { return detail::statistics(handle_.get()); }
+
+  /// Areas and angles, measured on the device. Blocks.
+  Quality quality() const {
+    gcdt_quality c = {};
+    c.struct_size = sizeof c;
+    detail::check(gcdt_result_quality(handle_.get(), &c));
+    return {c.triangles,  c.least_angle,  c.largest_angle, c.least_angle_triangle, c.largest_angle_triangle,
+            c.least_area, c.largest_area, c.area,          c.least_doubled,        c.largest_doubled,
+            c.doubled};
+  }
+  /// Where points are: the least triangle that holds each, border included, or -1. See gcdt_locate. Blocks.
+  std::vector<std::int32_t> locate(Points points, std::vector<std::array<double, 3>>* weights = nullptr) const {
+    std::vector<std::int32_t> triangles(points.size());
+    if (weights) weights->assign(points.size(), {});
+    detail::check(gcdt_locate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
+                              triangles.data(), weights && !weights->empty() ? weights->data()->data() : nullptr));
+    return triangles;
+  }
+  /// The values at points, linear in each triangle; `vertex_values`: one an input vertex. See gcdt_interpolate. Throws
+  /// invalid_argument if they are not as many. Blocks.
+  std::vector<double> interpolate(Points points, Span<double> vertex_values, double outside) const {
+    if (vertex_values.size != count(GCDT_REPRESENTATIVES))
+      throw Error(Status::invalid_argument, "there is not one value for each vertex");
+    std::vector<double> values(points.size());
+    detail::check(gcdt_interpolate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
+                                   vertex_values.data, outside, values.data()));
+    return values;
+  }
 
   /// All of it. Blocks.
   Triangulation download() const {
@@ -76,6 +114,10 @@ class Result {
     all.source_offsets = source_offsets();
     all.sources = sources();
     all.dropped = dropped();
+    all.region = region();
+    all.depth = depth();
+    all.winding = winding();
+    all.region_seed = region_seed();
     all.statistics = statistics();
     return all;
   }

@@ -10,9 +10,10 @@
  * the wait list say; with an empty wait list on an out-of-order queue, after everything enqueued before. The functions
  * named enqueue put a single copy into the application's queue, under the same rules, and do not block.
  *
- * Blocking. gcdt_cl_solver_create (building programs), gcdt_cl_triangulate and gcdt_result_copy block; nothing else
- * does. When gcdt_cl_triangulate returns, the mesh is complete: commands that use it need no event to wait for.
- * If an event of a wait list fails, its status or CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST is returned.
+ * Blocking. gcdt_cl_solver_create (building programs), gcdt_cl_triangulate, gcdt_cl_locate and gcdt_result_copy block,
+ * and whatever first asks for an array that is made on demand; nothing else does. When gcdt_cl_triangulate returns, the
+ * mesh is complete: commands that use it need no event to wait for. If an event of a wait list fails, its status or
+ * CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST is returned.
  */
 #ifndef GCDT_GCDT_CL_H
 #define GCDT_GCDT_CL_H
@@ -66,8 +67,8 @@ GCDT_API int32_t gcdt_cl_triangulate(gcdt_solver* solver, const gcdt_cl_input* i
                                      cl_uint wait_count, const cl_event* wait_list, gcdt_result** result);
 
 /* The device memory that holds an array (GCDT_TRIANGLES ...): gcdt_result_count elements from its start, then nothing
- * that is the caller's. No copy; to be read only. It is the result's: commands that read it must be complete before
- * the result is released. */
+ * that is the caller's; null for an array that was not asked for. No copy; to be read only. It is the result's:
+ * commands that read it must be complete before the result is released. */
 GCDT_API int32_t gcdt_cl_result_buffer(const gcdt_result* result, int32_t array, cl_mem* buffer);
 
 /* Enqueues, in `queue`, a copy of all elements of an array into `destination` from element `offset` on, where
@@ -78,6 +79,13 @@ GCDT_API int32_t gcdt_cl_result_buffer(const gcdt_result* result, int32_t array,
 GCDT_API int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queue queue, cl_mem destination,
                                       uint64_t offset, uint64_t capacity, cl_uint wait_count, const cl_event* wait_list,
                                       cl_event* event);
+
+/* As gcdt_locate, from device memory to device memory: `count` points from element `point_offset` of `points` on (pairs
+ * of the type), `triangles` int32, and `weights` (may be null) three float32 a point, both from their starts. Buffers
+ * of the solver's context. After the events of the wait list; blocks. */
+GCDT_API int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl_mem points, uint64_t point_offset,
+                                uint64_t count, cl_mem triangles, cl_mem weights, cl_uint wait_count,
+                                const cl_event* wait_list);
 
 /* Lets the solver work in the caller's memory alone: `count` buffers of its context, not sub-buffers, distinct,
  * readable and writable by kernels and host. They are retained until another workspace is set (count 0: memory of its

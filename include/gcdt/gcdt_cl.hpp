@@ -93,6 +93,15 @@ inline ::cl::Event enqueue_copy(const Result& result, std::int32_t array, const 
   return ::cl::Event(event);
 }
 
+/// Where points in device memory are, into device memory: cl_int a point, and three cl_float if `weights` is a buffer.
+/// See gcdt_cl_locate. Blocks.
+inline void locate(const Result& result, const DevicePoints& points, const ::cl::Buffer& triangles,
+                   const ::cl::Buffer& weights = {}, const std::vector<::cl::Event>& events = {}) {
+  detail::check(gcdt_cl_locate(result.handle(), detail::coordinate_type(points.type), points.buffer(), points.offset,
+                               points.count, triangles(), weights(), static_cast<cl_uint>(events.size()),
+                               detail::handles(events)));
+}
+
 /// See gcdt_cl_set_workspace.
 inline void set_workspace(Solver& solver, const std::vector<::cl::Buffer>& buffers) {
   std::vector<cl_mem> all;

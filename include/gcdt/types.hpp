@@ -158,6 +158,16 @@ enum class Crossing {
   drop,    ///< in input order, drop a constraint that crosses an earlier one that was kept
 };
 
+/// Which triangles are returned. Borders are the constraints; a region is a set of triangles joined by other edges.
+enum class Domain {
+  hull,        ///< all, which cover the convex hull
+  even_odd,    ///< regions around which the borders wind an odd number of times, every source of an edge counted
+  nonzero,     ///< regions around which they wind, by the constraints' directions, a number of times that is not 0
+  holes,       ///< all but the regions with a hole seed
+  outer,       ///< all but what can be reached from outside without crossing a constraint
+  outer_holes  ///< both, as Triangle's switch -p does
+};
+
 /// Called between rounds with the phase's name and the share done of the whole in [0, 1].
 /// Return false to stop: the call then throws Status::cancelled.
 using Progress = std::function<bool(const char* phase, double done)>;
@@ -168,6 +178,10 @@ struct Options {
   bool check = true;              ///< prove the mesh on the device before it is returned
   bool canonical = true;          ///< triangles in canonical order; else in any, which costs less
   Progress progress;
+  Domain domain = Domain::hull;  ///< what is returned of the mesh, after the check
+  bool regions = false;          ///< region, depth, winding and seed of each triangle; always so unless `hull`
+  /// Points in the input's coordinates, rounded to the grid; on an edge or vertex: in the least triangle there.
+  std::vector<std::array<double, 2>> hole_seeds, region_seeds;
 };
 
 /// Counts and times of one call; names as in the statistics file of the command.
@@ -182,7 +196,7 @@ struct Statistics {
   /// memory to an unordered mesh there, sorting included. full: the whole call without building programs.
   struct Milliseconds {
     double read = 0, core = 0, full = 0, write = 0, build = 0;
-    double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0;
+    double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0, domain = 0;
   } ms;
   struct Rounds {
     std::uint64_t insert = 0, flip = 0;
@@ -205,7 +219,22 @@ struct Statistics {
     std::uint64_t holes = 0;                    ///< triangles made by hole filling (paper 6.5)
     std::uint64_t symbolic_chain_vertices = 0;  ///< chain vertices that are vertices at infinity
   } cases;
+  std::uint64_t regions = 0;            ///< of the convex hull; 0 unless labelled
+  std::uint64_t triangles_removed = 0;  ///< by Options::domain
+  std::uint64_t deepest = 0;            ///< the largest depth of a region
+  /// Constrained edges beside which the parity or the winding numbers are not what the edge says, since the
+  /// borders are not closed there.
+  std::uint64_t open_parity = 0, open_winding = 0;
   std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
+};
+
+/// Areas and angles of a mesh; see gcdt_quality.
+struct Quality {
+  std::uint64_t triangles = 0;
+  double least_angle = 0, largest_angle = 0;  ///< degrees
+  std::int32_t least_angle_triangle = -1, largest_angle_triangle = -1;
+  double least_area = 0, largest_area = 0, area = 0;                  ///< in units of the input, squared
+  std::uint64_t least_doubled = 0, largest_doubled = 0, doubled = 0;  ///< twice the same in cells, exactly
 };
 
 /// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
@@ -226,6 +255,12 @@ struct Triangulation {
   std::vector<std::uint32_t> source_offsets, sources;
   /// The input constraints dropped under Crossing::drop, ascending.
   std::vector<std::uint32_t> dropped;
+  /// One a triangle if Options::domain or regions ask for them, else empty. region: of the convex hull's regions,
+  /// numbered by their least triangles. depth: the least number of constrained edges between region and outside.
+  /// winding: how often the constraints wind around it counter-clockwise, counted inwards along a shortest way.
+  std::vector<std::uint32_t> region, depth;
+  std::vector<std::int32_t> winding;
+  std::vector<std::int32_t> region_seed;  ///< the least of Options::region_seeds in the region, or -1
   Statistics statistics;
 };
 

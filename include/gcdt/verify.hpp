@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The independent proof of a result: exact host arithmetic, no device, no code shared with the pipeline.
+// The independent proof of a result: exact host arithmetic, no device, no code shared with the pipeline. And the
+// device's own check, for any mesh.
 #pragma once
 
-#include <gcdt/detail.hpp>
+#include <gcdt/gcdt.hpp>
 
 namespace gcdt {
 
@@ -44,6 +45,53 @@ inline Verification verify(Points points, Constraints constraints, const MeshVie
   gcdt_error error = GCDT_ERROR_INIT;
   gcdt_last_error(nullptr, &error);
   return {false, error.message};
+}
+
+/// What is said of each triangle of a mesh; null: not verified.
+struct RegionView {
+  const std::uint32_t *region = nullptr, *depth = nullptr;
+  const std::int32_t* winding = nullptr;
+};
+
+/// As verify(), of a mesh made with `options`, of which crossing, domain and hole seeds are read; regions are numbered
+/// as in canonical order. See gcdt_verify_domain.
+inline Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh,
+                                  const RegionView& regions, const Grid& grid, const Options& options) {
+  const gcdt_input input = detail::input(points, constraints);
+  gcdt_mesh view = GCDT_MESH_INIT;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
+  view.triangle_count = mesh.triangles.size;
+  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
+  view.constrained = mesh.constrained;
+  const gcdt_regions said = {sizeof said, regions.region, regions.depth, regions.winding};
+  const gcdt_grid at = detail::grid(grid);
+  detail::ProgressCall none;
+  const gcdt_options given = detail::options(options, none);
+  const std::int32_t status = gcdt_verify_domain(&input, &view, &said, &at, &given);
+  if (status != GCDT_ERROR_NOT_VALID) {
+    detail::check(status);
+    return {true, {}};
+  }
+  gcdt_error error = GCDT_ERROR_INIT;
+  gcdt_last_error(nullptr, &error);
+  return {false, error.message};
+}
+
+/// The device's check of a mesh that covers the hull; `pieces`: the constraints after cleaning. Throws check_failed,
+/// naming the first fault. See gcdt_check.
+inline void check(const Solver& solver, Points points, Constraints pieces, const MeshView& mesh,
+                  const std::optional<FixedGrid>& grid = {}) {
+  const gcdt_input input = detail::input(points, pieces);
+  gcdt_mesh view = GCDT_MESH_INIT;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
+  view.triangle_count = mesh.triangles.size;
+  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
+  view.constrained = mesh.constrained;
+  Options options;
+  options.grid = grid;
+  detail::ProgressCall none;
+  const gcdt_options given = detail::options(options, none);
+  detail::check(gcdt_check(solver.handle(), &input, &view, &given));
 }
 
 }  // namespace gcdt

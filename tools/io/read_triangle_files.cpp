@@ -38,17 +38,45 @@ double coordinate(Records& in, const char* what) {
   return value;
 }
 
-/// `<vertices> <dimension> <attributes> <markers>`, the last three at will.
-std::uint64_t vertex_header(Records& in) {
-  if (!in.next()) in.fail("the number of vertices is missing");
-  const std::uint64_t count = in.count("the number of vertices", max_vertices);
-  if (in.more() && in.integer("the dimension") != 2)
-    in.fail(fmt::format("the dimension must be 2, not {}", in.field()));
-  in.skip_numbers("the header");
-  return count;
+constexpr std::uint64_t max_attributes = 1000;
+
+/// A field that may be absent; 0 then. Beyond 32 bits it is refused.
+std::int32_t marker(Records& in, const char* what) {
+  if (!in.more()) return 0;
+  const std::int64_t value = in.integer(what);
+  if (value != static_cast<std::int32_t>(value)) in.fail(fmt::format("{} has more than 32 bits: {}", what, in.field()));
+  return static_cast<std::int32_t>(value);
 }
 
-void read_vertices(Records& in, std::uint64_t count, Input& out) {
+/// What a header says about each record.
+struct Extras {
+  std::uint64_t count = 0, attributes = 0;
+  bool markers = false;
+};
+
+/// `<vertices> <dimension> <attributes> <markers>`, the last three at will.
+Extras vertex_header(Records& in) {
+  if (!in.next()) in.fail("the number of vertices is missing");
+  Extras header;
+  header.count = in.count("the number of vertices", max_vertices);
+  if (in.more() && in.integer("the dimension") != 2)
+    in.fail(fmt::format("the dimension must be 2, not {}", in.field()));
+  if (in.more()) header.attributes = in.count("the number of attributes", max_attributes);
+  if (in.more()) header.markers = in.count("the number of markers", 1) == 1;
+  in.skip_numbers("the header");
+  return header;
+}
+
+/// Attributes and marker as the header announces them; further numbers are read over.
+void read_extras(Records& in, const Extras& header, Input& out) {
+  for (std::uint64_t i = 0; i < header.attributes; ++i) out.attributes.push_back(in.number("an attribute or marker"));
+  if (header.markers) out.vertex_markers.push_back(marker(in, "the vertex marker"));
+  in.skip_numbers("an attribute or marker");
+}
+
+void read_vertices(Records& in, const Extras& header, Input& out) {
+  const std::uint64_t count = header.count;
+  out.attribute_count = static_cast<std::uint32_t>(header.attributes);
   out.vertices.reserve(reservation(in, count));
   out.vertex_file = in.name();
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -63,7 +91,7 @@ void read_vertices(Records& in, std::uint64_t count, Input& out) {
     }
     const double x = coordinate(in, "x coordinate");
     const double y = coordinate(in, "y coordinate");
-    in.skip_numbers("an attribute or marker");
+    read_extras(in, header, out);
     out.vertices.push_back({x, y});
     out.vertex_lines.append(in.line());
   }
@@ -80,7 +108,7 @@ std::uint32_t segment_end(Records& in, const Input& out, std::uint64_t segment) 
   return static_cast<std::uint32_t>(index);
 }
 
-void read_segments(Records& in, std::uint64_t count, Input& out) {
+void read_segments(Records& in, std::uint64_t count, bool markers, Input& out) {
   out.constraints.reserve(reservation(in, count));
   out.constraint_file = in.name();
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -89,25 +117,35 @@ void read_segments(Records& in, std::uint64_t count, Input& out) {
     if (i == 0) out.first_constraint = number == 1 ? 1 : 0;
     const std::uint32_t a = segment_end(in, out, i + out.first_constraint);
     const std::uint32_t b = segment_end(in, out, i + out.first_constraint);
+    if (markers) out.constraint_markers.push_back(marker(in, "a segment's marker"));
     in.skip_numbers("a segment's marker");
     out.constraints.push_back({a, b});
     out.constraint_lines.append(in.line());
   }
 }
 
-/// Holes or regions: `<number> <x> <y> ...`. Checked, counted and not used.
-std::uint64_t skip_section(Records& in, const char* kind) {
-  if (!in.next()) return 0;
+/// Holes or regions: `<number> <x> <y> ...`. Calls read(point) for each, which may read further fields.
+template <class Read>
+void read_section(Records& in, const char* kind, Read&& read) {
+  if (!in.next()) return;
   const std::uint64_t count = in.count(fmt::format("the number of {}", kind), max_constraints);
   in.skip_numbers("the header");
   for (std::uint64_t i = 0; i < count; ++i) {
     expect_record(in, kind, i, count);
     in.integer("the number");
-    coordinate(in, "x coordinate");
-    coordinate(in, "y coordinate");
+    const double x = coordinate(in, "x coordinate");
+    const double y = coordinate(in, "y coordinate");
+    read(std::array<double, 2>{x, y});
     in.skip_numbers("an attribute");
   }
-  return count;
+}
+
+void read_region(Records& in, const std::array<double, 2>& point, Input& out) {
+  Input::Region region;
+  region.point = point;
+  if (in.more()) region.attribute = in.number("an attribute");
+  if (in.more()) region.largest_area = in.number("the largest area");
+  out.regions.push_back(region);
 }
 
 /// A .poly without vertices takes them from the .node beside it, as Triangle does. Without that file
@@ -129,18 +167,17 @@ void read_vertices_beside(const std::string& path, const Records& poly, bool seg
 
 void read_poly(const std::string& path, Input& out) {
   Records in(path);
-  const std::uint64_t vertices = vertex_header(in);
-  if (vertices > 0) read_vertices(in, vertices, out);
+  const Extras vertices = vertex_header(in);
+  if (vertices.count > 0) read_vertices(in, vertices, out);
   if (!in.next()) in.fail("the number of segments is missing");
   const std::uint64_t segments = in.count("the number of segments", max_constraints);
+  const bool markers = in.more() && in.count("the number of markers", 1) == 1;
   in.skip_numbers("the header");
-  if (vertices == 0) read_vertices_beside(path, in, segments > 0, out);
-  read_segments(in, segments, out);
-  const std::uint64_t holes = skip_section(in, "holes");
-  const std::uint64_t regions = skip_section(in, "regions");
+  if (vertices.count == 0) read_vertices_beside(path, in, segments > 0, out);
+  read_segments(in, segments, markers, out);
+  read_section(in, "holes", [&](const auto& point) { out.holes.push_back(point); });
+  read_section(in, "regions", [&](const auto& point) { read_region(in, point, out); });
   expect_end(in);
-  if (holes + regions > 0)
-    out.notes.push_back(fmt::format("holes ({}) and regions ({}) of the input are not used", holes, regions));
 }
 
 /// The rows of .ele or .neigh, by triangle number: numbers may come in any order.

@@ -145,6 +145,15 @@ class VtuReader {
       mesh.constrained = numbers<std::uint8_t>(array);
       if (mesh.constrained.size() != count) fail(array, "not one number for every triangle");
     }
+    auto regions = [&](const char* name, auto& values) {
+      const auto array = named(data, name);
+      if (!array) return;
+      values = numbers<std::decay_t<decltype(values[0])>>(array);
+      if (values.size() != count) fail(array, "not one number for every triangle");
+    };
+    regions("region", mesh.region);
+    regions("depth", mesh.depth);
+    regions("winding", mesh.winding);
     if (const auto array = named(data, "neighbours")) {
       const auto across = numbers<std::int64_t>(array);
       if (across.size() != 3 * count) fail(array, "not three numbers for every triangle");

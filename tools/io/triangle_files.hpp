@@ -19,8 +19,17 @@ namespace gcdt::io {
 struct Input {
   std::vector<std::array<double, 2>> vertices;
   std::vector<Constraint> constraints;  ///< vertex numbers from 0, whatever the file's first number is
-  std::uint32_t first = 0;              ///< the number of the first vertex in the file: 0 or 1
-  std::uint32_t first_constraint = 0;   ///< the number of the first segment in the file: 0 or 1
+  std::uint32_t attribute_count = 0;    ///< of each vertex
+  std::vector<double> attributes;       ///< attribute_count a vertex
+  std::vector<std::int32_t> vertex_markers, constraint_markers;  ///< empty if the file has none
+  std::vector<std::array<double, 2>> holes;                      ///< points
+  struct Region {
+    std::array<double, 2> point;
+    double attribute = 0, largest_area = -1;  ///< the area is carried through, and not used
+  };
+  std::vector<Region> regions;
+  std::uint32_t first = 0;             ///< the number of the first vertex in the file: 0 or 1
+  std::uint32_t first_constraint = 0;  ///< the number of the first segment in the file: 0 or 1
   LineNumbers vertex_lines, constraint_lines;
   std::string vertex_file, constraint_file;  ///< as named in messages
   std::vector<std::string> files;            ///< paths of all files read
@@ -37,6 +46,8 @@ struct MeshFile {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertex numbers from 0
   std::vector<std::array<std::int32_t, 3>> neighbours;  ///< empty if the file holds none
   std::vector<std::uint8_t> constrained;                ///< empty if the file holds none
+  std::vector<std::uint32_t> region, depth;             ///< empty if the file holds none
+  std::vector<std::int32_t> winding;                    ///< empty if the file holds none
   std::vector<std::array<double, 2>> vertices;          ///< empty if the file holds none
   std::optional<Grid> grid;
 };
@@ -54,9 +65,10 @@ struct Result {
 void write_ele(OutputFile& file, const Result& result);
 void write_node(OutputFile& file, const Result& result);
 void write_neigh(OutputFile& file, const Result& result);
-/// Every edge once; marker 1 for constrained edges and 0 for others.
+/// Every edge once; marker 0 for unconstrained edges; constrained ones have that of the input's first segment along
+/// them with a marker that is not 0, else 1.
 void write_edge(OutputFile& file, const Result& result);
-/// All vertices and the constraints after cleaning, marker 1.
+/// All vertices, the constraints after cleaning with markers as in .edge, holes and regions of the input.
 void write_poly(OutputFile& file, const Result& result);
 
 /// Calls visit(a, b, constrained) for every edge of the mesh, once: from the lesser triangle of its two.

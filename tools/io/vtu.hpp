@@ -9,7 +9,8 @@
 namespace gcdt::io {
 
 /// Points (z = 0; all input vertices, numbered from 0) and triangles, with the cell arrays
-/// `constrained` (bit k: the edge across from corner k) and `neighbours` (-1: none), and the grid as
+/// `constrained` (bit k: the edge across from corner k) and `neighbours` (-1: none), with regions also `region`,
+/// `depth`, `winding` and `region_attribute`; the input's attributes and markers as point arrays; the grid as
 /// field arrays `gcdt_grid_*`. Inline base64, headers of 64 bits, not compressed.
 void write_vtu(OutputFile& file, const Result& result);
 

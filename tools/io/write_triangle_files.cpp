@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <tuple>
+
 #include "grid_text.hpp"
 #include "triangle_files.hpp"
 
@@ -11,19 +14,62 @@ void write_grid(OutputFile& file, const Result& result) {
 }
 
 void write_vertices(OutputFile& file, const Input& input) {
-  file.print("{} 2 0 0\n", input.vertices.size());
+  file.print("{} 2 {} {}\n", input.vertices.size(), input.attribute_count, input.vertex_markers.empty() ? 0 : 1);
   std::uint64_t number = input.first;
-  for (const auto& [x, y] : input.vertices) file.print("{} {} {}\n", number++, x, y);
+  for (std::size_t v = 0; v < input.vertices.size(); ++v) {
+    file.print("{} {} {}", number++, input.vertices[v][0], input.vertices[v][1]);
+    for (std::size_t i = 0; i < input.attribute_count; ++i)
+      file.print(" {}", input.attributes[v * input.attribute_count + i]);
+    if (!input.vertex_markers.empty()) file.print(" {}", input.vertex_markers[v]);
+    file.write("\n");
+  }
+}
+
+/// The markers of constrained edges. An edge has the marker of its least source that has one; 1 if none has.
+class PieceMarkers {
+ public:
+  explicit PieceMarkers(const Result& result) : result_(result) {
+    const auto& pieces = result.mesh.pieces;
+    if (result.input.constraint_markers.empty()) return;
+    for (std::uint32_t i = 0; i < pieces.size(); ++i) by_ends_.emplace_back(std::minmax(pieces[i][0], pieces[i][1]), i);
+    std::sort(by_ends_.begin(), by_ends_.end());
+  }
+  std::int32_t of_piece(std::size_t piece) const {
+    if (result_.input.constraint_markers.empty()) return 1;
+    for (std::uint32_t i = result_.mesh.source_offsets[piece]; i < result_.mesh.source_offsets[piece + 1]; ++i)
+      if (const std::int32_t marker = result_.input.constraint_markers[result_.mesh.sources[i]]) return marker;
+    return 1;
+  }
+  std::int32_t of_edge(std::uint32_t a, std::uint32_t b) const {
+    const auto found = std::lower_bound(by_ends_.begin(), by_ends_.end(), Entry{std::minmax(a, b), 0});
+    return found == by_ends_.end() ? 1 : of_piece(found->second);
+  }
+
+ private:
+  using Entry = std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
+  const Result& result_;
+  std::vector<Entry> by_ends_;
+};
+
+/// What Triangle's switch -A writes: the attribute of the region's seed, 0 without one.
+double region_attribute(const Result& result, std::size_t t) {
+  const std::int32_t seed = result.mesh.region_seed[t];
+  return seed < 0 ? 0 : result.input.regions[static_cast<std::size_t>(seed)].attribute;
 }
 
 }  // namespace
 
 void write_ele(OutputFile& file, const Result& result) {
   const std::uint32_t first = result.input.first;
-  file.print("{} 3 0\n", result.mesh.triangles.size());
+  const bool attributes = !result.mesh.region_seed.empty() && !result.input.regions.empty();
+  file.print("{} 3 {}\n", result.mesh.triangles.size(), attributes ? 1 : 0);
   std::uint64_t number = first;
-  for (const auto& [a, b, c] : result.mesh.triangles)
-    file.print("{} {} {} {}\n", number++, a + first, b + first, c + first);
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = result.mesh.triangles[t];
+    file.print("{} {} {} {}", number++, a + first, b + first, c + first);
+    if (attributes) file.print(" {}", region_attribute(result, t));
+    file.write("\n");
+  }
   write_grid(file, result);
 }
 
@@ -48,8 +94,9 @@ void write_edge(OutputFile& file, const Result& result) {
   for_each_edge(result.mesh, [&](auto, auto, auto) { ++count; });
   file.print("{} 1\n", count);
   std::uint64_t number = first;
+  const PieceMarkers markers(result);
   for_each_edge(result.mesh, [&](std::uint32_t a, std::uint32_t b, bool constrained) {
-    file.print("{} {} {} {}\n", number++, a + first, b + first, constrained ? 1 : 0);
+    file.print("{} {} {} {}\n", number++, a + first, b + first, constrained ? markers.of_edge(a, b) : 0);
   });
   write_grid(file, result);
 }
@@ -59,8 +106,18 @@ void write_poly(OutputFile& file, const Result& result) {
   write_vertices(file, result.input);
   file.print("{} 1\n", result.mesh.pieces.size());
   std::uint64_t number = first;
-  for (const auto& [a, b] : result.mesh.pieces) file.print("{} {} {} 1\n", number++, a + first, b + first);
-  file.print("0\n");
+  const PieceMarkers markers(result);
+  for (std::size_t i = 0; i < result.mesh.pieces.size(); ++i) {
+    const auto& [a, b] = result.mesh.pieces[i];
+    file.print("{} {} {} {}\n", number++, a + first, b + first, markers.of_piece(i));
+  }
+  const auto& [holes, regions] = std::tie(result.input.holes, result.input.regions);
+  file.print("{}\n", holes.size());
+  for (std::size_t i = 0; i < holes.size(); ++i) file.print("{} {} {}\n", i + first, holes[i][0], holes[i][1]);
+  if (!regions.empty()) file.print("{}\n", regions.size());
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    file.print("{} {} {} {} {}\n", i + first, regions[i].point[0], regions[i].point[1], regions[i].attribute,
+               regions[i].largest_area);
   write_grid(file, result);
 }
 

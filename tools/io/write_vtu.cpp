@@ -14,6 +14,7 @@ const char* type_name() {
   if constexpr (std::is_same_v<T, double>) return "Float64";
   if constexpr (std::is_same_v<T, std::uint8_t>) return "UInt8";
   if constexpr (std::is_same_v<T, std::int32_t>) return "Int32";
+  if constexpr (std::is_same_v<T, std::uint32_t>) return "UInt32";
   if constexpr (std::is_same_v<T, std::int64_t>) return "Int64";
   if constexpr (std::is_same_v<T, std::uint64_t>) return "UInt64";
 }
@@ -51,6 +52,31 @@ void write_grid(OutputFile& file, const Grid& grid) {
   file.print("</FieldData>\n");
 }
 
+void write_regions(OutputFile& file, const Result& result) {
+  const Triangulation& mesh = result.mesh;
+  const std::uint64_t count = mesh.triangles.size();
+  write_array<std::uint32_t>(file, "Name=\"region\"", count, [&](std::uint64_t i) { return mesh.region[i]; });
+  write_array<std::uint32_t>(file, "Name=\"depth\"", count, [&](std::uint64_t i) { return mesh.depth[i]; });
+  write_array<std::int32_t>(file, "Name=\"winding\"", count, [&](std::uint64_t i) { return mesh.winding[i]; });
+  if (result.input.regions.empty()) return;
+  write_array<double>(file, "Name=\"region_attribute\"", count, [&](std::uint64_t i) {
+    return mesh.region_seed[i] < 0 ? 0.0 : result.input.regions[mesh.region_seed[i]].attribute;
+  });
+}
+
+/// Attributes and markers of the input's vertices.
+void write_point_data(OutputFile& file, const Input& input) {
+  if (input.attribute_count == 0 && input.vertex_markers.empty()) return;
+  file.print("<PointData>\n");
+  for (std::uint64_t k = 0; k < input.attribute_count; ++k)
+    write_array<double>(file, fmt::format("Name=\"attribute_{}\"", k), input.vertices.size(),
+                        [&](std::uint64_t i) { return input.attributes[i * input.attribute_count + k]; });
+  if (!input.vertex_markers.empty())
+    write_array<std::int32_t>(file, "Name=\"marker\"", input.vertices.size(),
+                              [&](std::uint64_t i) { return input.vertex_markers[i]; });
+  file.print("</PointData>\n");
+}
+
 bool little_endian() {
   const std::uint16_t one = 1;
   return *reinterpret_cast<const unsigned char*>(&one) == 1;
@@ -71,7 +97,9 @@ void write_vtu(OutputFile& file, const Result& result) {
   file.print("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", vertices.size(), triangles);
   write_array<double>(file, "Name=\"Points\" NumberOfComponents=\"3\"", 3 * vertices.size(),
                       [&](std::uint64_t i) { return i % 3 < 2 ? vertices[i / 3][i % 3] : 0.0; });
-  file.print("</Points>\n<Cells>\n");
+  file.print("</Points>\n");
+  write_point_data(file, result.input);
+  file.print("<Cells>\n");
   write_array<std::int32_t>(file, "Name=\"connectivity\"", 3 * triangles,
                             [&](std::uint64_t i) { return mesh.triangles[i / 3][i % 3]; });
   write_array<std::int64_t>(file, "Name=\"offsets\"", triangles, [](std::uint64_t i) { return 3 * (i + 1); });
@@ -81,6 +109,7 @@ void write_vtu(OutputFile& file, const Result& result) {
                             [&](std::uint64_t i) { return mesh.constrained[i]; });
   write_array<std::int32_t>(file, "Name=\"neighbours\" NumberOfComponents=\"3\"", 3 * triangles,
                             [&](std::uint64_t i) { return mesh.neighbours[i / 3][i % 3]; });
+  if (!mesh.region.empty()) write_regions(file, result);
   file.print("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
 }
 

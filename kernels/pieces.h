@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finding a piece of a constraint by its ends. OpenCL C only.
+#ifndef GCDT_PIECES_H
+#define GCDT_PIECES_H
+
+#include "levels.h"
+
+// The number of piece ab, whichever end comes first; GCDT_NONE if there is none. Pieces are sorted by
+// (rank of the lower end, rank of the other). Ends: high - low shrinks.
+GCDT_INLINE uint find_piece(global const Levels* levels, uint pieces, global const uint2* ends, uint a, uint b) {
+  const uint ra = gcdt_rank_of_vertex(levels, a), rb = gcdt_rank_of_vertex(levels, b);
+  const uint lower = min(ra, rb), upper = max(ra, rb);
+  uint low = 0, high = pieces;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    const uint2 e = ends[middle];
+    uint found = gcdt_rank_of_vertex(levels, e.x), wanted = lower;
+    if (found == wanted) {
+      found = gcdt_rank_of_vertex(levels, e.y);
+      wanted = upper;
+      if (found == wanted) return middle;
+    }
+    if (found < wanted)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return GCDT_NONE;
+}
+
+#endif

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the subcommands that ask a mesh something share: the mesh of an input, on a device.
+#pragma once
+
+#include <memory>
+
+#include "command.hpp"
+
+namespace gcdt::command {
+
+/// An input, and its mesh in device memory.
+struct Solved {
+  io::Input input;
+  std::unique_ptr<Solver> solver;
+  std::unique_ptr<Result> result;
+};
+
+/// Reads and triangulates. Throws what the two throw, explained.
+Solved solved(const MeshArguments& arguments);
+
+/// The device that the option names, by number; says which, if several fit, unless `quiet`.
+std::string device_number(const std::string& spec, bool quiet);
+
+}  // namespace gcdt::command
