@@ -56,6 +56,23 @@ std::string fault(const SketchBatch& batch, const BatchResult& result) {
   return {};
 }
 
+/// One number for all bytes of all problems' triangles, neighbours and flags: equal on every set of devices.
+std::string hash(const SketchBatch& batch, const BatchResult& result) {
+  std::uint64_t h = 0xcbf29ce484222325u;  // FNV-1a
+  const auto mix = [&h](const void* data, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; ++i) h = (h ^ static_cast<const unsigned char*>(data)[i]) * 0x100000001b3u;
+  };
+  for (std::size_t p = 0; p < batch.size(); ++p) {
+    const auto triangles = result.triangles(p);
+    mix(triangles.data, 12 * triangles.size);
+    mix(result.neighbours(p).data, 12 * triangles.size);
+    mix(result.constrained(p).data, triangles.size);
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));
+  return text;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -67,7 +84,12 @@ int main(int argc, char** argv) {
     const SketchBatch batch = sketches(problems);
     const BatchView view = {batch.vertices, batch.vertex_offsets, batch.constraints, batch.constraint_offsets};
     Pool pool(devices);
-    std::string found = fault(batch, pool.triangulate(view));  // also builds the programs
+    std::string found, bytes;
+    {
+      const BatchResult first = pool.triangulate(view);  // also builds the programs
+      found = fault(batch, first);
+      bytes = hash(batch, first);
+    }
     std::vector<double> times;
     std::uint64_t triangles = 0;
     for (int i = 0; i < runs; ++i)
@@ -81,7 +103,7 @@ int main(int argc, char** argv) {
     std::string names;
     for (const PoolDevice& device : pool.devices())
       names += (names.empty() ? "" : ", ") + device.info.name + ": " + std::to_string(device.problems);
-    row.add("devices", names);
+    row.add("devices", names).add("bytes", bytes);
 #ifdef GCDT_BENCH_CGAL
     std::vector<double> cgal_times;
     std::uint64_t cgal_triangles = 0;
