@@ -92,8 +92,9 @@ GCDT_API int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl
  * own again) or the solver and its results are released, and hold the results. Together they should have
  * gcdt_required_bytes, in one buffer if the device allows; where that turns out too little (the crossed pairs are only
  * known after the first walk), a call returns GCDT_ERROR_WORKSPACE_TOO_SMALL with the size needed. GCDT_ERROR_IN_USE
- * while a result lives. The solver cuts the buffers into sub-buffers; NVIDIA's driver copies such parts through the host
- * when their use changes, which costs several times the triangulation: memory of its own, or an allocator, is faster. */
+ * while a result lives. The solver cuts the buffers into sub-buffers; NVIDIA's driver copies such parts through the
+ * host when their use changes, which costs several times the triangulation: memory of its own, or an allocator, is
+ * faster. */
 GCDT_API int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* buffers);
 
 /* Where the solver takes device memory from, some forty buffers that it keeps, and where it gives them back. `allocate`
