@@ -73,13 +73,20 @@ std::int32_t failed(State* state, std::int32_t status, const char* message, cons
   return status;
 }
 
+Crossing read_crossing(std::int32_t crossing, const char* name) {
+  switch (crossing) {
+    case GCDT_CROSSING_REJECT: return Crossing::reject;
+    case GCDT_CROSSING_DROP: return Crossing::drop;
+    case GCDT_CROSSING_SPLIT: return Crossing::split;
+  }
+  throw Error(Status::invalid_argument, std::string(name) + " is none of GCDT_CROSSING_...");
+}
+
 Options read_options(const gcdt_options* given) {
   Options options;
   if (!given) return options;
   const gcdt_options c = read_struct(given, "gcdt_options");
-  require(c.crossing == GCDT_CROSSING_REJECT || c.crossing == GCDT_CROSSING_DROP,
-          "gcdt_options.crossing is none of GCDT_CROSSING_...");
-  options.crossing = c.crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject;
+  options.crossing = read_crossing(c.crossing, "gcdt_options.crossing");
   options.check = c.check != 0;
   options.canonical = c.canonical != 0;
   if (c.fixed_grid) options.grid = FixedGrid{c.grid_x, c.grid_y, c.grid_cell ? c.grid_cell : "1"};

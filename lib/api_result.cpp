@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: results.
 #include <chrono>
+#include <cstddef>
 #include <iterator>
 
 #include "api.hpp"
@@ -10,7 +11,7 @@ using namespace gcdt::api;
 
 namespace {
 
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4};  // by GCDT_TRIANGLES ... GCDT_DROPPED
+constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 8, 8};  // by GCDT_TRIANGLES ...
 
 }  // namespace
 
@@ -26,6 +27,8 @@ Array gcdt_result::array(std::int32_t number) const {
     case GCDT_SOURCE_OFFSETS: return {pieces.source_offsets.handle(), std::uint64_t{pieces.count} + 1, bytes};
     case GCDT_SOURCES: return {pieces.sources.handle(), pieces.source_count, bytes};
     case GCDT_DROPPED: return {data.dropped.handle(), data.dropped.size(), bytes};
+    case GCDT_ADDED: return {data.added.points.handle(), data.added.count, bytes};
+    case GCDT_ADDED_CROSSINGS: return {data.added.crossing.handle(), data.added.count, bytes};
   }
   throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(number));
 }
@@ -83,7 +86,8 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.symbolic_chain_vertices = s.cases.symbolic_chain_vertices;
     c.device = s.device.c_str(), c.driver = s.driver.c_str();
     c.platform = s.platform.c_str(), c.version = s.version.c_str();
-    write_struct(c, statistics, "gcdt_statistics");
+    c.constraints_split = s.constraints_split, c.constraint_move = s.constraint_move;
+    write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, constraints_split));
   });
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: what needs no device.
+#include <algorithm>
+#include <cstddef>
+
 #include "api.hpp"
 #include "grid.hpp"
 #include "verify_grid.hpp"
@@ -38,6 +41,36 @@ double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_e
   return edge;
 }
 
+int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count, double* coordinates) {
+  return guarded(nullptr, [&] {
+    const Grid known = read_grid(grid);
+    require((points && coordinates) || count == 0, "points or coordinates is null");
+    const std::string defect = proof::grid_defect(known);
+    require(defect.empty(), defect.c_str());
+    for (uint64_t i = 0; i < 2 * count; ++i) require(points[i] >= 0, "a grid point is negative");
+    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = proof::coordinate_at(known, int(i % 2), points[i]);
+  });
+}
+
+int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint64_t count, int32_t* points) {
+  return guarded(nullptr, [&] {
+    const Grid known = read_grid(grid);
+    require((points && coordinates) || count == 0, "points or coordinates is null");
+    const std::string defect = proof::grid_defect(known);
+    require(defect.empty(), defect.c_str());
+    std::vector<std::int32_t> placed(2 * count);
+    for (uint64_t i = 0; i < 2 * count; ++i) {
+      const std::vector<std::uint64_t> where = {i / 2, i % 2};
+      if (!proof::is_finite(coordinates[i]))
+        throw Error(Status::coordinate_not_finite, "a coordinate is not finite", where);
+      const auto at = proof::nearest_at(known, int(i % 2), coordinates[i]);
+      if (!at) throw Error(Status::coordinate_outside_grid, "a coordinate is outside the grid", where);
+      placed[i] = *at;
+    }
+    std::copy(placed.begin(), placed.end(), points);
+  });
+}
+
 uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return device_bytes_needed(n, m, crossed); }
 
 int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
@@ -54,17 +87,19 @@ int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_g
   std::int32_t status = GCDT_OK;
   const std::int32_t thrown = guarded(nullptr, [&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
-    const gcdt_mesh m = read_struct(mesh, "gcdt_mesh");
+    const gcdt_mesh m = read_struct(mesh, "gcdt_mesh", offsetof(gcdt_mesh, added));
     require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
-    require(crossing == GCDT_CROSSING_REJECT || crossing == GCDT_CROSSING_DROP,
-            "crossing is none of GCDT_CROSSING_...");
+    require(m.added || m.added_count == 0, "gcdt_mesh.added is null");
+    const Crossing made = read_crossing(crossing, "crossing");
+    require(made == Crossing::split || m.added_count == 0, "only GCDT_CROSSING_SPLIT adds vertices");
     MeshView view;
     view.triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(m.triangles),
                       static_cast<std::size_t>(m.triangle_count)};
     view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
     view.constrained = m.constrained;
-    const Verification found = proof::verify(read_points(given), read_constraints(given), view, read_grid(grid),
-                                             crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject);
+    view.added = {reinterpret_cast<const std::array<std::int32_t, 2>*>(m.added),
+                  static_cast<std::size_t>(m.added_count)};
+    const Verification found = proof::verify(read_points(given), read_constraints(given), view, read_grid(grid), made);
     if (!found.valid) status = failed(nullptr, GCDT_ERROR_NOT_VALID, found.reason.c_str());
   });
   return thrown != GCDT_OK ? thrown : status;

@@ -120,7 +120,7 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "triangulate in.poly --no-such-option",
                                 "triangulate in.poly --tiles 2",
                                 "triangulate in.poly --domain holes",
-                                "triangulate in.poly --crossing split",
+                                "triangulate in.poly --crossing merge",
                                 "triangulate in.poly -o",
                                 "triangulate in.poly -o out.xyz",
                                 "triangulate in.poly -o out.ele -o out",
@@ -295,6 +295,32 @@ TEST_CASE("constraints that cross are listed with their numbers, ends and lines,
   CHECK(nlohmann::json::parse(session.read("s.json"))["constraints_dropped"] == 1);
   session.good("verify in.poly o.ele --crossing drop");
   session.bad(5, "verify in.poly o.ele");
+}
+
+TEST_CASE("constraints that cross are split, and files with added vertices are verified") {
+  Session session;
+  session.write("in.poly", crossed);
+  session.good("triangulate in.poly --crossing split --verify -o o.ele -o o.poly -o o.vtu --stats s.json");
+  const auto json = nlohmann::json::parse(session.read("s.json"));
+  CHECK(json["vertices_added"] == 1);
+  CHECK(json["constraints_split"] == 2);
+  CHECK(json["constraint_move"] == 0.0);
+  CHECK(contains(session.read("o.node"), "5 2 0 0\n"));
+  session.good("verify in.poly o.ele --crossing split");
+  session.good("verify in.poly o.vtu --crossing split");
+  session.bad(5, "verify in.poly o.vtu --crossing drop");
+  session.bad(5, "verify in.poly o.ele");
+  // The split graph is an input without crossings, of the same triangles.
+  session.good("triangulate o.poly --verify -o again.ele");
+  CHECK(data_lines(session.read("again.ele")) == data_lines(session.read("o.ele")));
+  // A .node that lacks the vertex, or has it elsewhere.
+  std::string node = session.read("o.node");
+  session.write("o.node", "4 2 0 0\n" + node.substr(node.find('\n') + 1, node.find("\n4 ") - node.find('\n')));
+  session.bad(5, "verify in.poly o.ele --crossing split");
+  // No file of the input is overwritten.
+  session.write("points.node", session.read("o.node"));
+  session.write("points.poly", "0 2 0 0\n2 0\n0 0 2\n1 1 3\n0\n");
+  session.bad(2, "triangulate points.poly --crossing split -o points.ele");
 }
 
 TEST_CASE("a grid can be fixed, is kept in the outputs, and refuses what lies outside") {

@@ -40,7 +40,9 @@ std::string crossings(const Error& error, const io::Input& input, const Options&
         "\nthe vertices are rounded to a grid (cell {}, largest move {}), which can make clean input cross: --grid "
         "X,Y,CELL sets another",
         grid.cell(), grid.largest_move);
-  return text + "\n--crossing drop leaves out every constraint that crosses an earlier one";
+  return text +
+         "\n--crossing drop leaves out every constraint that crosses an earlier one; --crossing split makes the "
+         "crossings vertices";
 }
 
 std::string about_coordinate(const Error& error, const io::Input& input, const char* what) {
@@ -51,7 +53,9 @@ std::string about_coordinate(const Error& error, const io::Input& input, const c
 
 }  // namespace
 
-Crossing crossing_named(const std::string& name) { return name == "drop" ? Crossing::drop : Crossing::reject; }
+Crossing crossing_named(const std::string& name) {
+  return name == "split" ? Crossing::split : name == "drop" ? Crossing::drop : Crossing::reject;
+}
 
 std::optional<FixedGrid> grid_from_option(const std::string& text) {
   if (text.empty()) return std::nullopt;

@@ -36,10 +36,10 @@ constexpr const char* grid_help =
 
 void add_crossing(CLI::App& app, std::string& crossing) {
   app.add_option("--crossing", crossing,
-                 "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an "
-                 "earlier one)")
-      ->check(CLI::IsMember({"reject", "drop"}).description(""))
-      ->type_name("reject|drop")
+                 "What happens to constraints that cross: reject (an error that lists them), drop (all that cross an "
+                 "earlier one) or split (crossings become vertices, rounded to the grid)")
+      ->check(CLI::IsMember({"reject", "drop", "split"}).description(""))
+      ->type_name("reject|drop|split")
       ->capture_default_str();
 }
 

@@ -48,6 +48,8 @@ std::string statistics_json(const Statistics& s) {
                      {"crossings", s.crossings},
                      {"constraints_dropped", s.constraints_dropped},
                      {"vertices_added", s.vertices_added},
+                     {"constraints_split", s.constraints_split},
+                     {"constraint_move", s.constraint_move},
                      {"triangles", s.triangles},
                      {"grid", grid_json(s.grid)},
                      {"ms", milliseconds_json(s.ms)},
@@ -74,7 +76,10 @@ std::string statistics_table(const Statistics& s) {
   row("vertices", fmt::format("{} ({} merged)", s.n, s.vertices_merged));
   row("constraints", fmt::format("{} ({} of length zero, {} dropped)", s.m, s.constraints_zero, s.constraints_dropped));
   row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
-  row("crossings", fmt::format("{}", s.crossings));
+  row("crossings", s.vertices_added + s.constraints_split == 0
+                       ? fmt::format("{}", s.crossings)
+                       : fmt::format("{} ({} vertices added, {} constraints split, moved by {} at most)", s.crossings,
+                                     s.vertices_added, s.constraints_split, s.constraint_move));
   row("triangles", fmt::format("{}", s.triangles));
   row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
                           s.grid.origin[1], s.grid.cell(), s.grid.largest_move));

@@ -2,6 +2,9 @@
 // gcdt triangulate: read, triangulate, prove if asked, write.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include <gcdt/verify.hpp>
 
 #include "command.hpp"
@@ -71,22 +74,54 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
   }
 }
 
+/// What is written: an .ele with added vertices gets the .node that has them.
+std::vector<std::string> with_nodes(const TriangulateArguments& arguments, const Triangulation& mesh,
+                                    const std::vector<std::string>& inputs) {
+  std::vector<std::string> paths = arguments.outputs;
+  if (mesh.added.empty()) return paths;
+  for (const std::string& path : arguments.outputs) {
+    if (io::lower_extension(path) != ".ele") continue;
+    const std::string node = std::filesystem::path(path).replace_extension(".node").string();
+    if (std::any_of(paths.begin(), paths.end(), [&](const std::string& other) { return io::same_file(node, other); }))
+      continue;
+    for (const std::string& input : inputs)
+      if (input != "-" && io::same_file(node, input))
+        throw Failure(Exit::usage,
+                      fmt::format("{}: is an input, but {} needs it for the added vertices: name another", node, path));
+    paths.push_back(node);
+  }
+  return paths;
+}
+
+/// Files hold doubles, and where those are farther apart than the grid's lines, not all grid points are one.
+void note_rounding(Triangulation& mesh) {
+  const auto back = grid_points(mesh.statistics.grid, mesh.added);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < back.size(); ++i) moved += back[i] != mesh.added_on_grid[i];
+  if (moved > 0)
+    mesh.statistics.notes.push_back(
+        fmt::format("{} of {} added vertices lie between doubles: files hold the nearest, and cannot be verified "
+                    "(--grid X,Y,CELL sets a coarser grid)",
+                    moved, back.size()));
+}
+
 void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
+  view.added = mesh.added_on_grid;
   const Verification verification =
       gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
   if (!verification.valid)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
 
-void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics,
-                   const TraceRecord& trace) {
+void write_outputs(const TriangulateArguments& arguments, const std::vector<std::string>& paths,
+                   const io::Result& result, Statistics& statistics, const TraceRecord& trace) {
   const Stopwatch write;
   io::OutputFiles files(stop_if_interrupted);
-  for (const std::string& path : arguments.outputs) io::writer_for(io::lower_extension(path))(files.add(path), result);
+  for (const std::string& path : paths) io::writer_for(io::lower_extension(path))(files.add(path), result);
   if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
   if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
@@ -113,10 +148,11 @@ void triangulate(const TriangulateArguments& arguments) {
   Triangulation mesh = computed(input, arguments, options, trace);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
+  note_rounding(mesh);
   if (arguments.verify) prove(input, mesh, options.crossing);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, {input, mesh}, statistics, trace);
+  write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, trace);
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes) note(text);
   if (arguments.outputs.empty()) print(statistics_table(statistics));

@@ -113,10 +113,16 @@ struct ProgressCall {
   }
 };
 
+inline std::int32_t crossing(Crossing crossing) {
+  return crossing == Crossing::split  ? GCDT_CROSSING_SPLIT
+         : crossing == Crossing::drop ? GCDT_CROSSING_DROP
+                                      : GCDT_CROSSING_REJECT;
+}
+
 /// Refers to `options` and `progress`.
 inline gcdt_options options(const Options& options, ProgressCall& progress) {
   gcdt_options c = GCDT_OPTIONS_INIT;
-  c.crossing = options.crossing == Crossing::drop ? GCDT_CROSSING_DROP : GCDT_CROSSING_REJECT;
+  c.crossing = crossing(options.crossing);
   c.check = options.check, c.canonical = options.canonical;
   if (options.grid) {
     c.fixed_grid = 1;
@@ -172,6 +178,7 @@ inline Statistics statistics(const gcdt_result* result) {
   s.constraints_overlapping = c.constraints_overlapping;
   s.crossings = c.crossings, s.constraints_dropped = c.constraints_dropped;
   s.vertices_added = c.vertices_added, s.triangles = c.triangles;
+  s.constraints_split = c.constraints_split, s.constraint_move = c.constraint_move;
   s.grid = grid(c.grid);
   s.ms.core = c.ms_core, s.ms.full = c.ms_full, s.ms.build = c.ms_build, s.ms.order = c.ms_order;
   s.ms.insert = c.ms_insert, s.ms.constrain = c.ms_constrain, s.ms.flip = c.ms_flip;

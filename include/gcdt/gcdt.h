@@ -186,7 +186,11 @@ typedef struct gcdt_input {
 /* What happens to constraints whose interiors cross, after they were split at all vertices on them. */
 enum {
   GCDT_CROSSING_REJECT = 0, /* GCDT_ERROR_CONSTRAINTS_CROSS */
-  GCDT_CROSSING_DROP = 1    /* in input order, drop a constraint that crosses an earlier one that was kept */
+  GCDT_CROSSING_DROP = 1,   /* in input order, drop a constraint that crosses an earlier one that was kept */
+  /* Crossings become vertices, rounded to the grid. A constraint that crosses another is routed through every vertex
+   * within half a cell of it (of whose pixel it meets), and so is one that would cross a routed one. No constraint
+   * moves by more than half a cell on each axis, nor across a vertex. Definition and proofs: docs/splitting.md. */
+  GCDT_CROSSING_SPLIT = 2
 };
 
 /* Called between rounds by the thread that is in the call, with the phase's name and the share done in [0, 1]. Return
@@ -224,7 +228,7 @@ enum {
   GCDT_NEIGHBOURS = 1,
   /* T uint8: bit k tells that the edge opposite corner k is (part of) a constraint. */
   GCDT_CONSTRAINED = 2,
-  /* One uint32 per input vertex: the least vertex number on its grid point. */
+  /* One uint32 per vertex, input vertices first, then added ones: the least vertex number on its grid point. */
   GCDT_REPRESENTATIVES = 3,
   /* P x 2 uint32: the constraints after cleaning, as edges of the mesh, in Z-order of their ends. */
   GCDT_PIECES = 4,
@@ -233,7 +237,12 @@ enum {
   /* uint32: the input constraints that run along each piece, ascending within a piece. */
   GCDT_SOURCES = 6,
   /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
-  GCDT_DROPPED = 7
+  GCDT_DROPPED = 7,
+  /* Under GCDT_CROSSING_SPLIT, one element per added vertex, which are numbered on from the input's in order of (x, y).
+   * A x 2 int32: where they are on the grid; gcdt_grid_coordinates makes numbers of that. */
+  GCDT_ADDED = 8,
+  /* A x 2 uint32: the least pair of input constraints that cross in the vertex's pixel, the lesser one first. */
+  GCDT_ADDED_CROSSINGS = 9
 };
 
 /* Elements of an array, and bytes of one element; 0 for null or an unknown array. */
@@ -264,6 +273,16 @@ enum {
   GCDT_GRID_FIXED = 3    /* given by the caller */
 };
 
+/* The coordinates of grid points: for each of `count` pairs x, y of `points`, the doubles nearest to
+ * origin + x cell, origin + y cell, written as a pair. Where cells are smaller than the gaps between doubles, several
+ * grid points have the same. GCDT_ERROR_INVALID_ARGUMENT for a grid that is none or a point outside of it. */
+GCDT_API int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count,
+                                       double* coordinates);
+
+/* The grid points to which coordinates are rounded: `count` pairs of each. GCDT_ERROR_COORDINATE_OUTSIDE_GRID, or
+ * GCDT_ERROR_COORDINATE_NOT_FINITE, with the number of the pair and the axis. */
+GCDT_API int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint64_t count, int32_t* points);
+
 /* The double nearest to the edge of a cell. */
 GCDT_API double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent);
 
@@ -284,6 +303,8 @@ typedef struct gcdt_statistics {
   uint64_t edge_splits, constraint_hits, existing_edges, pieces_walked, chain_vertices, holes;
   uint64_t symbolic_chain_vertices;
   const char *device, *driver, *platform, *version; /* the result's, until it is released */
+  uint64_t constraints_split;                       /* constraints that may have been moved by GCDT_CROSSING_SPLIT */
+  double constraint_move; /* the largest distance of one from its edges, in the units of the input */
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
@@ -310,9 +331,11 @@ typedef struct gcdt_mesh {
   uint64_t triangle_count;
   const int32_t* neighbours;  /* triangle_count x 3, or null: not verified */
   const uint8_t* constrained; /* triangle_count, or null: not verified */
+  const int32_t* added;       /* GCDT_CROSSING_SPLIT: added_count x 2, the added vertices on the grid; or null */
+  uint64_t added_count;       /* their numbers follow those of the input */
 } gcdt_mesh;
 #define GCDT_MESH_INIT \
-  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL }
+  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
 
 /* The grid that gcdt_triangulate chooses for the vertices of `input`, by host arithmetic; with `fixed` not null, that
  * of its fixed_grid and grid_... members if fixed_grid is 1. Sets grid->struct_size. */
@@ -321,7 +344,9 @@ GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* f
 /* Proves that `mesh` is the CDT of `input` on `grid`, by exact arithmetic on the host that shares no code with the
  * solver: GCDT_OK, or GCDT_ERROR_NOT_VALID and gcdt_last_error(NULL) with the first failure. Never another error for
  * a bad mesh: an index that does not exist is a failure. `crossing`: how the mesh was made; under GCDT_CROSSING_DROP
- * it is also proved that exactly the right constraints are missing. O((n + m) log n) expected. */
+ * it is also proved that exactly the right constraints are missing, under GCDT_CROSSING_SPLIT that every added vertex
+ * is in the pixel of a crossing, that all crossings are vertices, and that each constraint is either as under
+ * GCDT_CROSSING_REJECT or runs through exactly the vertices whose pixels it meets. O((n + m) log n) expected. */
 GCDT_API int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing);
 
 #ifdef __cplusplus

@@ -37,6 +37,24 @@ inline std::size_t select_device(const std::string& spec, bool* ambiguous = null
 /// Says what the solver does: programs built, memory taken. `level`: GCDT_LOG_WARNING or GCDT_LOG_INFORMATION.
 using Log = std::function<void(int level, const char* message)>;
 
+/// The doubles nearest to the coordinates of grid points; see gcdt_grid_coordinates.
+inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Span<std::array<std::int32_t, 2>> points) {
+  const gcdt_grid at = detail::grid(grid);
+  std::vector<std::array<double, 2>> coordinates(points.size);
+  detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data), points.size,
+                                      reinterpret_cast<double*>(coordinates.data())));
+  return coordinates;
+}
+
+/// The grid points to which coordinates are rounded; see gcdt_grid_points.
+inline std::vector<std::array<std::int32_t, 2>> grid_points(const Grid& grid, Span<std::array<double, 2>> coordinates) {
+  const gcdt_grid at = detail::grid(grid);
+  std::vector<std::array<std::int32_t, 2>> points(coordinates.size);
+  detail::check(gcdt_grid_points(&at, reinterpret_cast<const double*>(coordinates.data), coordinates.size,
+                                 reinterpret_cast<std::int32_t*>(points.data())));
+  return points;
+}
+
 /// A triangulation in device memory, until it is asked for or the object is gone. Move-only.
 class Result {
  public:
@@ -63,6 +81,10 @@ class Result {
   std::vector<std::uint32_t> source_offsets() const { return copy<std::uint32_t>(GCDT_SOURCE_OFFSETS); }
   std::vector<std::uint32_t> sources() const { return copy<std::uint32_t>(GCDT_SOURCES); }
   std::vector<std::uint32_t> dropped() const { return copy<std::uint32_t>(GCDT_DROPPED); }
+  std::vector<std::array<std::int32_t, 2>> added_on_grid() const {
+    return copy<std::array<std::int32_t, 2>>(GCDT_ADDED);
+  }
+  std::vector<Constraint> added_crossing() const { return copy<Constraint>(GCDT_ADDED_CROSSINGS); }
   Statistics statistics() const { return detail::statistics(handle_.get()); }
 
   /// All of it. Blocks.
@@ -76,7 +98,10 @@ class Result {
     all.source_offsets = source_offsets();
     all.sources = sources();
     all.dropped = dropped();
+    all.added_on_grid = added_on_grid();
+    all.added_crossing = added_crossing();
     all.statistics = statistics();
+    all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
     return all;
   }
 

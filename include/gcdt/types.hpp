@@ -156,6 +156,7 @@ struct FixedGrid {
 enum class Crossing {
   reject,  ///< throw constraints_cross
   drop,    ///< in input order, drop a constraint that crosses an earlier one that was kept
+  split,   ///< crossings become vertices, rounded to the grid; see docs/splitting.md
 };
 
 /// Called between rounds with the phase's name and the share done of the whole in [0, 1].
@@ -176,6 +177,8 @@ struct Statistics {
   std::uint64_t vertices_merged = 0;
   std::uint64_t constraints_zero = 0, constraints_pieces = 0, constraints_overlapping = 0;
   std::uint64_t crossings = 0, constraints_dropped = 0, vertices_added = 0;
+  std::uint64_t constraints_split = 0;  ///< constraints that may have been moved by splitting
+  double constraint_move = 0;           ///< the largest distance of one from its edges, in input units
   std::uint64_t triangles = 0;
   Grid grid;
   /// Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device
@@ -218,6 +221,7 @@ struct Triangulation {
   /// Bit k of constrained[t]: the edge opposite corner k of t is (part of) a constraint.
   std::vector<std::uint8_t> constrained;
   /// representative[v]: the vertex that stands for input vertex v; the least number of its grid point.
+  /// Added vertices follow those of the input, and stand for themselves.
   std::vector<std::uint32_t> representative;
   /// The constraints after cleaning: ends (Z-order of the ends), sorted by that order.
   std::vector<Constraint> pieces;
@@ -226,6 +230,11 @@ struct Triangulation {
   std::vector<std::uint32_t> source_offsets, sources;
   /// The input constraints dropped under Crossing::drop, ascending.
   std::vector<std::uint32_t> dropped;
+  /// The vertices added under Crossing::split, in order of (x, y); their numbers follow those of the input. On
+  /// the grid, as the doubles nearest to that, and the least pair of input constraints that cross in each one's pixel.
+  std::vector<std::array<std::int32_t, 2>> added_on_grid;
+  std::vector<std::array<double, 2>> added;
+  std::vector<Constraint> added_crossing;
   Statistics statistics;
 };
 
@@ -258,6 +267,8 @@ struct MeshView {
   Span<std::array<std::uint32_t, 3>> triangles;
   const std::array<std::int32_t, 3>* neighbours = nullptr;  ///< one per triangle, or null: not checked
   const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
+  /// Crossing::split: the vertices after those of the input, on the grid.
+  Span<std::array<std::int32_t, 2>> added = {};
 };
 
 struct Verification {

@@ -23,7 +23,8 @@ inline Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed = {
 /// Proves that `mesh` is the CDT of `points` and `constraints` on `grid`: every triangle
 /// counter-clockwise, every link two-sided, the boundary closed and convex, every representative a
 /// corner, every constraint of the input a chain of edges, every other edge locally Delaunay with
-/// the tie rule. Under Crossing::drop it also proves that exactly the right constraints are missing.
+/// the tie rule. Under Crossing::drop it also proves that exactly the right constraints are missing; under
+/// Crossing::split see gcdt_verify.
 /// Never throws on a bad mesh: an index that does not exist is a failed verification.
 /// O((n + m) log n) expected; thread-safe.
 inline Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid,
@@ -34,9 +35,9 @@ inline Verification verify(Points points, Constraints constraints, const MeshVie
   view.triangle_count = mesh.triangles.size;
   view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
   view.constrained = mesh.constrained;
+  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data), view.added_count = mesh.added.size;
   const gcdt_grid at = detail::grid(grid);
-  const std::int32_t status =
-      gcdt_verify(&input, &view, &at, crossing == Crossing::drop ? GCDT_CROSSING_DROP : GCDT_CROSSING_REJECT);
+  const std::int32_t status = gcdt_verify(&input, &view, &at, detail::crossing(crossing));
   if (status != GCDT_ERROR_NOT_VALID) {
     detail::check(status);
     return {true, {}};

@@ -257,6 +257,16 @@ Input read_input(const std::string& path) {
   return input;
 }
 
+std::vector<std::array<double, 2>> vertices_beside(const std::string& path, const Input& input) {
+  const std::string node = fs::path(path).replace_extension(".node").string();
+  std::error_code ignored;
+  if (!fs::exists(node, ignored)) return input.vertices;
+  std::vector<std::array<double, 2>> vertices = read_input(node).vertices;
+  const bool extends = vertices.size() >= input.vertices.size() &&
+                       std::equal(input.vertices.begin(), input.vertices.end(), vertices.begin());
+  return extends ? vertices : input.vertices;
+}
+
 MeshFile read_mesh(const std::string& path, std::uint64_t vertex_count, std::uint32_t first) {
   MeshFile mesh;
   RowNumbers rows;

@@ -45,10 +45,20 @@ struct MeshFile {
 /// .ele beside it. Throws Failure: Exit::input, or Exit::check for a number that does not exist.
 MeshFile read_mesh(const std::string& path, std::uint64_t vertex_count, std::uint32_t first);
 
+/// The vertices of the .node beside an .ele or .neigh, if there is one that begins with those of the input; else
+/// those of the input.
+std::vector<std::array<double, 2>> vertices_beside(const std::string& path, const Input& input);
+
 /// One result to be written, in the input's numbering.
 struct Result {
   const Input& input;
   const Triangulation& mesh;
+
+  /// The vertices of the input, then those that splitting added.
+  std::size_t vertex_count() const { return input.vertices.size() + mesh.added.size(); }
+  const std::array<double, 2>& vertex(std::size_t v) const {
+    return v < input.vertices.size() ? input.vertices[v] : mesh.added[v - input.vertices.size()];
+  }
 };
 
 void write_ele(OutputFile& file, const Result& result);

@@ -10,10 +10,10 @@ void write_grid(OutputFile& file, const Result& result) {
   file.print("# gcdt grid {}\n", to_text(result.mesh.statistics.grid));
 }
 
-void write_vertices(OutputFile& file, const Input& input) {
-  file.print("{} 2 0 0\n", input.vertices.size());
-  std::uint64_t number = input.first;
-  for (const auto& [x, y] : input.vertices) file.print("{} {} {}\n", number++, x, y);
+void write_vertices(OutputFile& file, const Result& result) {
+  file.print("{} 2 0 0\n", result.vertex_count());
+  for (std::size_t v = 0; v < result.vertex_count(); ++v)
+    file.print("{} {} {}\n", v + result.input.first, result.vertex(v)[0], result.vertex(v)[1]);
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ void write_ele(OutputFile& file, const Result& result) {
 }
 
 void write_node(OutputFile& file, const Result& result) {
-  write_vertices(file, result.input);
+  write_vertices(file, result);
   write_grid(file, result);
 }
 
@@ -56,7 +56,7 @@ void write_edge(OutputFile& file, const Result& result) {
 
 void write_poly(OutputFile& file, const Result& result) {
   const std::uint32_t first = result.input.first;
-  write_vertices(file, result.input);
+  write_vertices(file, result);
   file.print("{} 1\n", result.mesh.pieces.size());
   std::uint64_t number = first;
   for (const auto& [a, b] : result.mesh.pieces) file.print("{} {} {} 1\n", number++, a + first, b + first);

@@ -59,7 +59,7 @@ bool little_endian() {
 }  // namespace
 
 void write_vtu(OutputFile& file, const Result& result) {
-  const auto& vertices = result.input.vertices;
+  const std::uint64_t vertices = result.vertex_count();
   const Triangulation& mesh = result.mesh;
   const std::uint64_t triangles = mesh.triangles.size();
   constexpr int vtk_triangle = 5;
@@ -68,9 +68,9 @@ void write_vtu(OutputFile& file, const Result& result) {
       "header_type=\"UInt64\">\n<UnstructuredGrid>\n",
       little_endian() ? "LittleEndian" : "BigEndian");
   write_grid(file, mesh.statistics.grid);
-  file.print("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", vertices.size(), triangles);
-  write_array<double>(file, "Name=\"Points\" NumberOfComponents=\"3\"", 3 * vertices.size(),
-                      [&](std::uint64_t i) { return i % 3 < 2 ? vertices[i / 3][i % 3] : 0.0; });
+  file.print("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", vertices, triangles);
+  write_array<double>(file, "Name=\"Points\" NumberOfComponents=\"3\"", 3 * vertices,
+                      [&](std::uint64_t i) { return i % 3 < 2 ? result.vertex(i / 3)[i % 3] : 0.0; });
   file.print("</Points>\n<Cells>\n");
   write_array<std::int32_t>(file, "Name=\"connectivity\"", 3 * triangles,
                             [&](std::uint64_t i) { return mesh.triangles[i / 3][i % 3]; });
