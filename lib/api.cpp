@@ -102,8 +102,10 @@ Points::Type read_type(std::int32_t coordinate_type) {
     case GCDT_FLOAT64: return Points::Type::float64;
     case GCDT_FLOAT32: return Points::Type::float32;
     case GCDT_INT32: return Points::Type::int32;
+    case GCDT_INT64: return Points::Type::int64;
   }
-  throw Error(Status::invalid_argument, "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32");
+  throw Error(Status::invalid_argument,
+              "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32, GCDT_INT64");
 }
 
 Points read_points(const gcdt_input& input) {
@@ -112,6 +114,7 @@ Points read_points(const gcdt_input& input) {
   switch (read_type(input.coordinate_type)) {
     case Points::Type::float32: return Points::pairs(static_cast<const float*>(input.vertices), count);
     case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(input.vertices), count);
+    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(input.vertices), count);
     default: return Points::pairs(static_cast<const double*>(input.vertices), count);
   }
 }

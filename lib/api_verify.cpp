@@ -10,9 +10,7 @@
 using namespace gcdt;
 using namespace gcdt::api;
 
-namespace {
-
-Grid read_grid(const gcdt_grid* given) {
+Grid gcdt::api::read_grid(const gcdt_grid* given) {
   const gcdt_grid c = read_struct(given, "gcdt_grid");
   require(c.kind >= GCDT_GRID_BINARY && c.kind <= GCDT_GRID_FIXED, "gcdt_grid.kind is none of GCDT_GRID_...");
   Grid grid;
@@ -22,8 +20,6 @@ Grid read_grid(const gcdt_grid* given) {
   grid.largest_move = c.largest_move;
   return grid;
 }
-
-}  // namespace
 
 gcdt_grid gcdt::api::write_grid(const Grid& grid) {
   gcdt_grid c = {};

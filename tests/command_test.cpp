@@ -323,6 +323,21 @@ TEST_CASE("constraints that cross are split, and files with added vertices are v
   session.bad(2, "triangulate points.poly --crossing split -o points.ele");
 }
 
+TEST_CASE("--assess says what the mesh is worth at the coordinates as they are given") {
+  Session session;
+  session.write("in.poly", square);
+  session.good("triangulate in.poly --assess --stats s.json");
+  CHECK(nlohmann::json::parse(session.read("s.json"))["given"]["valid"] == true);
+  // A cell of 4: the middle two vertices change sides.
+  session.write("in.node", "4 2 0 0\n0 0 0\n1 4 0\n2 3 2.1\n3 1 1.9\n");
+  session.good("triangulate in.node --grid 0,0,4 --assess --stats s.json");
+  const auto given = nlohmann::json::parse(session.read("s.json"))["given"];
+  CHECK(given["valid"] == false);
+  CHECK(given["vertices_lost"] == 1);
+  session.good("triangulate in.node --stats s.json");
+  CHECK(!nlohmann::json::parse(session.read("s.json")).contains("given"));
+}
+
 TEST_CASE("a grid can be fixed, is kept in the outputs, and refuses what lies outside") {
   Session session;
   session.write("in.poly", square);

@@ -79,7 +79,7 @@ TEST_CASE("floats and integers become the bits of the doubles that they are") {
     std::memcpy(&f, &word, sizeof f);
     if (!std::isnan(f)) REQUIRE(device::gcdt_double_of_float(word) == bits_of(double(f)));
     if (std::isnan(f)) REQUIRE(!device::gcdt_is_finite(device::gcdt_double_of_float(word)));
-    REQUIRE(device::gcdt_double_of_int(word) == bits_of(double(std::int32_t(word))));
+    REQUIRE(device::gcdt_double_of_int(std::int32_t(word)) == bits_of(double(std::int32_t(word))));
   }
 }
 

@@ -17,7 +17,7 @@ struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
   std::string crossing = "reject", grid, device, statistics, trace;
-  bool verify = false, quiet = false;
+  bool verify = false, assess = false, quiet = false;
 };
 
 struct VerifyArguments {

@@ -58,6 +58,9 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
          "auto (a GPU if there is one, else a CPU), cpu, gpu, a number from \"gcdt devices\", or a part of a name; "
          "default: the variable GCDT_DEVICE, else auto")
       ->type_name("SPEC");
+  app->add_flag(
+      "--assess", arguments.assess,
+      "Say in the statistics whether the mesh is valid at the coordinates as they are given, before rounding");
   app->add_flag("--verify", arguments.verify,
                 "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");

@@ -105,25 +105,30 @@ void note_rounding(Triangulation& mesh) {
                     moved, back.size()));
 }
 
-void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing) {
+MeshView view_of(const Triangulation& mesh) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
   view.added = mesh.added_on_grid;
+  return view;
+}
+
+void prove(const io::Input& input, const Triangulation& mesh, Crossing crossing) {
   const Verification verification =
-      gcdt::verify(input.vertices, input.constraints, view, mesh.statistics.grid, crossing);
+      gcdt::verify(input.vertices, input.constraints, view_of(mesh), mesh.statistics.grid, crossing);
   if (!verification.valid)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
 
 void write_outputs(const TriangulateArguments& arguments, const std::vector<std::string>& paths,
-                   const io::Result& result, Statistics& statistics, const TraceRecord& trace) {
+                   const io::Result& result, Statistics& statistics, const TraceRecord& trace,
+                   const std::optional<Assessment>& assessment) {
   const Stopwatch write;
   io::OutputFiles files(stop_if_interrupted);
   for (const std::string& path : paths) io::writer_for(io::lower_extension(path))(files.add(path), result);
   if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
-  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics));
+  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics, assessment));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
   stop_if_interrupted();
   files.commit();
@@ -150,12 +155,14 @@ void triangulate(const TriangulateArguments& arguments) {
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
   note_rounding(mesh);
   if (arguments.verify) prove(input, mesh, options.crossing);
+  std::optional<Assessment> assessment;
+  if (arguments.assess) assessment = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, trace);
+  write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, trace, assessment);
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes) note(text);
-  if (arguments.outputs.empty()) print(statistics_table(statistics));
+  if (arguments.outputs.empty()) print(statistics_table(statistics, assessment));
 }
 
 }  // namespace gcdt::command

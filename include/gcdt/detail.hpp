@@ -85,7 +85,12 @@ inline gcdt_grid grid(const Grid& grid) {
 }
 
 inline std::int32_t coordinate_type(Points::Type type) {
-  return type == Points::Type::float64 ? GCDT_FLOAT64 : type == Points::Type::float32 ? GCDT_FLOAT32 : GCDT_INT32;
+  switch (type) {
+    case Points::Type::float32: return GCDT_FLOAT32;
+    case Points::Type::int32: return GCDT_INT32;
+    case Points::Type::int64: return GCDT_INT64;
+    default: return GCDT_FLOAT64;
+  }
 }
 
 inline gcdt_input input(Points points, Constraints constraints) {
@@ -95,6 +100,16 @@ inline gcdt_input input(Points points, Constraints constraints) {
   c.vertices = points.data(), c.vertex_count = points.size();
   c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data), c.constraint_count = constraints.size;
   return c;
+}
+
+inline gcdt_mesh mesh(const MeshView& mesh) {
+  gcdt_mesh view = GCDT_MESH_INIT;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
+  view.triangle_count = mesh.triangles.size;
+  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
+  view.constrained = mesh.constrained;
+  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data), view.added_count = mesh.added.size;
+  return view;
 }
 
 /// A progress function on its way through C, and what it threw.

@@ -52,7 +52,7 @@ enum {
   GCDT_ERROR_INVALID_ARGUMENT = -20001,        /* a null pointer, or a value that makes no sense */
   GCDT_ERROR_STRUCT_SIZE = -20002,             /* struct_size is of no version that this library knows */
   GCDT_ERROR_COORDINATE_NOT_FINITE = -20003,   /* indices: vertex, axis (0: x, 1: y) */
-  GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; with a fixed grid only */
+  GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; of a fixed grid, or an int64 beyond 2^53 */
   GCDT_ERROR_INDEX_OUT_OF_RANGE = -20005,      /* indices: constraint, end (0 or 1) */
   GCDT_ERROR_TOO_MANY_VERTICES = -20006,       /* more than GCDT_MAX_VERTICES */
   GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: up to ten pairs c, d, c, d, ...; pair_count: all */
@@ -168,13 +168,13 @@ GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
 #define GCDT_MAX_VERTICES 536870910u /* 2^29 - 2 */
 #define GCDT_MAX_CONSTRAINTS 2147483647u
 
-enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2 };
+enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2, GCDT_INT64 = 3 };
 
 /* Vertices and constraints in host memory: the caller's, read only during the call. Coordinates must be finite; -0
  * counts as 0. Any attributes of vertices stay with the caller, to be found by vertex number. */
 typedef struct gcdt_input {
   size_t struct_size;
-  int32_t coordinate_type;     /* GCDT_FLOAT64, GCDT_FLOAT32 or GCDT_INT32 */
+  int32_t coordinate_type;     /* GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32 or GCDT_INT64 (up to 2^53 in magnitude) */
   const void* vertices;        /* vertex_count pairs x, y; may be null if there are none */
   uint64_t vertex_count;       /* 0 to GCDT_MAX_VERTICES */
   const uint32_t* constraints; /* constraint_count pairs of vertex numbers from 0, in either order; or null */
@@ -348,6 +348,25 @@ GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* f
  * is in the pixel of a crossing, that all crossings are vertices, and that each constraint is either as under
  * GCDT_CROSSING_REJECT or runs through exactly the vertices whose pixels it meets. O((n + m) log n) expected. */
 GCDT_API int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing);
+
+/* What a mesh that is valid on the grid is worth at the coordinates that were given, which may have been rounded. */
+typedef struct gcdt_assessment {
+  size_t struct_size;
+  int32_t valid;               /* 1: all of the following are right, and edges do not cross */
+  int32_t outline_simple;      /* 1: the outline of the mesh does not meet itself (it need not be convex) */
+  uint64_t triangles_inverted; /* clockwise at the given coordinates */
+  uint64_t triangles_flat;     /* all corners on one line */
+  uint64_t vertices_lost;      /* vertices that were merged with one that was given elsewhere */
+  uint64_t
+      edges_not_delaunay; /* unconstrained inner edges with a vertex strictly inside a circle; no fault of `valid` */
+} gcdt_assessment;
+
+/* Assesses `mesh`, the triangulation of `input` on `grid`, in exact arithmetic on the doubles (every coordinate type
+ * converts to those), on the host. mesh->neighbours are needed; without mesh->constrained every inner edge counts as
+ * unconstrained. Added vertices are where gcdt_grid_coordinates has them. Triangles must cover a convex outline on
+ * the grid: no domain but the hull. Sets all but assessment->struct_size, which the caller sets. O(n log n). */
+GCDT_API int32_t gcdt_assess(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid,
+                             gcdt_assessment* assessment);
 
 #ifdef __cplusplus
 }

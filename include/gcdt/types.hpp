@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -35,31 +36,40 @@ struct Span {
 };
 
 /// A view of the input vertices: `count` pairs (x, y) of one number type, tightly packed.
-/// Every coordinate must be finite; -0 counts as 0. Owned by the caller, read only during the call.
+/// Every coordinate must be finite, an int64 up to 2^53 in magnitude; -0 counts as 0. Owned by the caller, read only
+/// during the call.
 class Points {
  public:
-  enum class Type { float64, float32, int32 };
+  enum class Type { float64, float32, int32, int64 };
 
   Points() = default;
   Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data, p.size) {}
   Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data, p.size) {}
   Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data, p.size) {}
+  Points(Span<std::array<std::int64_t, 2>> p) : Points(Type::int64, p.data, p.size) {}
   Points(const std::vector<std::array<double, 2>>& p) : Points(Span<std::array<double, 2>>(p)) {}
   Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
   Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}
+  Points(const std::vector<std::array<std::int64_t, 2>>& p) : Points(Span<std::array<std::int64_t, 2>>(p)) {}
   /// `count` pairs at `xy`: 2 * count numbers.
   static Points pairs(const double* xy, std::size_t count) { return Points(Type::float64, xy, count); }
   static Points pairs(const float* xy, std::size_t count) { return Points(Type::float32, xy, count); }
   static Points pairs(const std::int32_t* xy, std::size_t count) { return Points(Type::int32, xy, count); }
+  static Points pairs(const std::int64_t* xy, std::size_t count) { return Points(Type::int64, xy, count); }
 
   Type type() const { return type_; }
   const void* data() const { return data_; }
   std::size_t size() const { return size_; }
-  /// Coordinate `axis` (0: x, 1: y) of vertex `i`; every type converts to double exactly.
+  /// Coordinate `axis` (0: x, 1: y) of vertex `i`, exact; infinite for an int64 beyond 2^53 in magnitude.
   double coordinate(std::size_t i, int axis) const {
     switch (type_) {
       case Type::float32: return static_cast<const float*>(data_)[2 * i + axis];
       case Type::int32: return static_cast<const std::int32_t*>(data_)[2 * i + axis];
+      case Type::int64: {
+        const std::int64_t v = static_cast<const std::int64_t*>(data_)[2 * i + axis], most = std::int64_t{1} << 53;
+        if (v < -most || v > most) return v < 0 ? -HUGE_VAL : HUGE_VAL;
+        return static_cast<double>(v);
+      }
       default: return static_cast<const double*>(data_)[2 * i + axis];
     }
   }
@@ -80,7 +90,7 @@ enum class Status {
   ok,
   invalid_argument,         ///< an option or a view that makes no sense
   coordinate_not_finite,    ///< indices: {vertex, axis}
-  coordinate_outside_grid,  ///< only with a fixed grid; indices: {vertex, axis}
+  coordinate_outside_grid,  ///< of a fixed grid, or an int64 beyond 2^53; indices: {vertex, axis}
   index_out_of_range,       ///< indices: {constraint, end (0 or 1)}
   too_many_vertices,        ///< more than the 32-bit numbering holds (max_vertices)
   constraints_cross,        ///< indices: up to ten pairs {c, d, c, d, ...}; see Error::pair_count
@@ -269,6 +279,12 @@ struct MeshView {
   const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
   /// Crossing::split: the vertices after those of the input, on the grid.
   Span<std::array<std::int32_t, 2>> added = {};
+};
+
+/// See gcdt_assessment.
+struct Assessment {
+  bool valid = false, outline_simple = false;
+  std::uint64_t triangles_inverted = 0, triangles_flat = 0, vertices_lost = 0, edges_not_delaunay = 0;
 };
 
 struct Verification {

@@ -20,6 +20,18 @@ inline Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed = {
   return detail::grid(grid);
 }
 
+/// What `mesh`, valid on `grid`, is worth at the coordinates as they were given; see gcdt_assess.
+inline Assessment assess(Points points, const MeshView& mesh, const Grid& grid) {
+  const gcdt_input input = detail::input(points, {});
+  const gcdt_mesh view = detail::mesh(mesh);
+  const gcdt_grid at = detail::grid(grid);
+  gcdt_assessment c = {};
+  c.struct_size = sizeof c;
+  detail::check(gcdt_assess(&input, &view, &at, &c));
+  return {c.valid != 0,     c.outline_simple != 0, c.triangles_inverted,
+          c.triangles_flat, c.vertices_lost,       c.edges_not_delaunay};
+}
+
 /// Proves that `mesh` is the CDT of `points` and `constraints` on `grid`: every triangle
 /// counter-clockwise, every link two-sided, the boundary closed and convex, every representative a
 /// corner, every constraint of the input a chain of edges, every other edge locally Delaunay with
@@ -30,12 +42,7 @@ inline Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed = {
 inline Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid,
                            Crossing crossing = Crossing::reject) {
   const gcdt_input input = detail::input(points, constraints);
-  gcdt_mesh view = GCDT_MESH_INIT;
-  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
-  view.triangle_count = mesh.triangles.size;
-  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
-  view.constrained = mesh.constrained;
-  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data), view.added_count = mesh.added.size;
+  const gcdt_mesh view = detail::mesh(mesh);
   const gcdt_grid at = detail::grid(grid);
   const std::int32_t status = gcdt_verify(&input, &view, &at, detail::crossing(crossing));
   if (status != GCDT_ERROR_NOT_VALID) {
