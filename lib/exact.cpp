@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace gcdt::exact {
 
@@ -147,5 +148,24 @@ int incircle(const Point& a, const Point& b, const Point& c, const Point& d) {
           (rx * rx + ry * ry) * (px * qy - py * qx))
       .sign();
 }
+
+void ShoelaceSum::add(const Point& a, const Point& b) {
+  for (const auto& [u, v, minus] : {std::tuple(a[0], b[1], false), std::tuple(a[1], b[0], true)}) {
+    if (u == 0 || v == 0) continue;
+    const Dyadic p = dyadic(u), q = dyadic(v);
+    const int unit = p.e + q.e;
+    if (empty_) unit_ = unit;
+    empty_ = false;
+    if (unit < unit_) {
+      sum_ = sum_ * Integer(false, 1, unit_ - unit);
+      unit_ = unit;
+    }
+    const auto size = [](std::int64_t m) { return static_cast<std::uint64_t>(m < 0 ? -m : m); };
+    const Integer product = Integer(p.m < 0, size(p.m), unit - unit_) * Integer(q.m < 0, size(q.m), 0);
+    sum_ = minus ? sum_ - product : sum_ + product;
+  }
+}
+
+int ShoelaceSum::sign() const { return sum_.sign(); }
 
 }  // namespace gcdt::exact

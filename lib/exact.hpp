@@ -38,4 +38,16 @@ int orient2d(const Point& a, const Point& b, const Point& c);
 /// 1: d is inside the circle through a, b, c, which turn left; 0: on it; -1: outside.
 int incircle(const Point& a, const Point& b, const Point& c, const Point& d);
 
+/// Twice the area of a polygon, edge by edge, whatever the sizes of its coordinates.
+class ShoelaceSum {
+ public:
+  void add(const Point& a, const Point& b);
+  int sign() const;
+
+ private:
+  Integer sum_;   // in units of 2^unit_
+  int unit_ = 0;  // of the finest product so far
+  bool empty_ = true;
+};
+
 }  // namespace gcdt::exact

@@ -98,7 +98,7 @@ static void check_errors(gcdt_solver* solver) {
   input.vertices = NULL;
   CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
   input = square();
-  input.coordinate_type = 3;
+  input.coordinate_type = 1000;
   CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
   input = square();
   input.vertex_count = (uint64_t)GCDT_MAX_VERTICES + 1;

@@ -338,6 +338,44 @@ TEST_CASE("--assess says what the mesh is worth at the coordinates as they are g
   CHECK(!nlohmann::json::parse(session.read("s.json")).contains("given"));
 }
 
+TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collection; what is wrong is named") {
+  Session session;
+  session.write("in.geojson", R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [
+      [[0, 0], [0, 8], [8, 8], [8, 0], [0, 0]], [[2, 2, 7.5], [4, 2], [4, 4], [2, 2]]]}},
+    {"type": "Feature", "properties": {}, "geometry": null},
+    {"type": "Feature", "properties": {}, "geometry": {"type": "GeometryCollection", "geometries": [
+      {"type": "MultiLineString", "coordinates": [[[5, 5], [7, 5], [7, 7]], [[1, 7], [2, 7]]]},
+      {"type": "MultiPolygon", "coordinates": [[[[20, 0], [24, 0], [24, 4], [20, 0]]]]},
+      {"type": "MultiPoint", "coordinates": [[12, 3]]}, {"type": "Point", "coordinates": [1, 1]}]}}]})");
+  const Outcome made = session.gcdt("triangulate in.geojson --verify -o o.poly -o o.ele --stats s.json");
+  CHECK(made.status == 0);
+  CHECK(contains(made.err, "1 positions have further numbers"));
+  const auto json = nlohmann::json::parse(session.read("s.json"));
+  CHECK(json["n"] == 4 + 3 + 5 + 3 + 2);
+  CHECK(json["m"] == 4 + 3 + 3 + 3);
+  session.good("verify in.geojson o.ele");
+  const char* broken[][2] = {
+      {"{", "no JSON"},
+      {"[]", "an object is due"},
+      {R"({"type": "Polygon"})", "\"coordinates\" is missing"},
+      {R"({"type": "Circle", "coordinates": []})", "there is no type \"Circle\""},
+      {R"({"type": "Polygon", "coordinates": [[[0, 0], [1]]]})",
+       "ring 0, position 1: a position of two numbers is due"},
+      {R"({"type": "LineString", "coordinates": [[0, "x"]]})", "position 0: a position of two numbers"},
+      {R"({"type": "Point", "coordinates": [1e999, 0]})", "no JSON"}};
+  for (const auto& [text, part] : broken) {
+    CAPTURE(std::string(text));
+    session.write("bad.json", text);
+    const Outcome outcome = session.gcdt("triangulate bad.json");
+    CHECK(outcome.status == 3);
+    CHECK(contains(outcome.err, part));
+  }
+  // Crossings are named without lines, which JSON has none of.
+  session.write("cross.json", R"({"type": "MultiLineString", "coordinates": [[[0, 0], [2, 2]], [[0, 2], [2, 0]]]})");
+  CHECK(contains(session.gcdt("triangulate cross.json").err, "segment 0 (vertices 0 1) and segment 1 (vertices 2 3)"));
+}
+
 TEST_CASE("a grid can be fixed, is kept in the outputs, and refuses what lies outside") {
   Session session;
   session.write("in.poly", square);

@@ -14,15 +14,17 @@ namespace gcdt::command {
 
 namespace {
 
-/// FILE:LINE of a record that was read.
+/// FILE:LINE of a record that was read; FILE where the format has no lines.
 std::string place(const std::string& file, const io::LineNumbers& lines, std::uint64_t index) {
-  return fmt::format("{}:{}", file, lines.of(index));
+  const std::uint64_t line = lines.of(index);
+  return line == 0 ? file : fmt::format("{}:{}", file, line);
 }
 
 std::string segment(const io::Input& input, std::uint64_t c) {
   const auto& [a, b] = input.constraints[c];
-  return fmt::format("segment {} (vertices {} {}, line {})", c + input.first_constraint, a + input.first,
-                     b + input.first, input.constraint_lines.of(c));
+  const std::uint64_t line = input.constraint_lines.of(c);
+  return fmt::format("segment {} (vertices {} {}{})", c + input.first_constraint, a + input.first, b + input.first,
+                     line == 0 ? "" : fmt::format(", line {}", line));
 }
 
 std::string crossings(const Error& error, const io::Input& input, const Options& options) {

@@ -45,7 +45,8 @@ void add_crossing(CLI::App& app, std::string& crossing) {
 
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
-  app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+  app->add_option("INPUT", arguments.input,
+                  "A .poly or .node file as of Triangle, GeoJSON (.geojson, .json), or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")

@@ -183,6 +183,29 @@ typedef struct gcdt_input {
 #define GCDT_INPUT_INIT \
   { sizeof(gcdt_input), GCDT_FLOAT64, NULL, 0, NULL, 0 }
 
+/* Polygons in the vertices of an input, as ragged arrays of the caller's. */
+typedef struct gcdt_rings {
+  size_t struct_size;
+  const uint64_t*
+      ring_offsets; /* ring_count + 1, ascending from 0 to the vertex count: ring r is vertices [r] to [r + 1] */
+  uint64_t ring_count;
+  const uint64_t* polygon_offsets; /* polygon_count + 1, ascending from 0 to ring_count: rings of each; null: none */
+  uint64_t polygon_count;
+} gcdt_rings;
+#define GCDT_RINGS_INIT \
+  { sizeof(gcdt_rings), NULL, 0, NULL, 0 }
+
+/* The constraints of rings, one for each vertex of `input` (whose own constraints are not read): constraint v joins
+ * vertex v and the next one of its ring, so that constraints have the numbers of vertices. Rings may end with
+ * their first vertex once more or not (the constraint between the two has no length, and is dropped later), may be
+ * empty, single points or pairs, touch or cross themselves and each other, and overlap. They are directed as they are
+ * given; or, with polygons, the first ring of each counter-clockwise and the others, its holes, clockwise, by the exact
+ * sign of their area (0: as given), so that regions with a nonzero winding number are the union. `capacity` in
+ * constraints, at least the vertex count. Errors: GCDT_ERROR_INVALID_ARGUMENT (offsets; indices: the first wrong one),
+ * GCDT_ERROR_BUFFER_TOO_SMALL; with polygons also GCDT_ERROR_COORDINATE_NOT_FINITE. */
+GCDT_API int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, uint32_t* constraints,
+                                       uint64_t capacity);
+
 /* What happens to constraints whose interiors cross, after they were split at all vertices on them. */
 enum {
   GCDT_CROSSING_REJECT = 0, /* GCDT_ERROR_CONSTRAINTS_CROSS */

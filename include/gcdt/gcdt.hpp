@@ -55,6 +55,20 @@ inline std::vector<std::array<std::int32_t, 2>> grid_points(const Grid& grid, Sp
   return points;
 }
 
+/// The constraints of rings, one for each of `points`; see gcdt_ring_constraints. `ring_offsets`: the first vertex of
+/// each ring, and the vertex count. `polygon_offsets`: the same for the rings of polygons; empty: no polygons.
+inline std::vector<Constraint> ring_constraints(Points points, Span<std::uint64_t> ring_offsets,
+                                                Span<std::uint64_t> polygon_offsets = {}) {
+  const gcdt_input input = detail::input(points, {});
+  gcdt_rings rings = GCDT_RINGS_INIT;
+  rings.ring_offsets = ring_offsets.data, rings.ring_count = ring_offsets.size - (ring_offsets.size > 0);
+  rings.polygon_offsets = polygon_offsets.data, rings.polygon_count = polygon_offsets.size - (polygon_offsets.size > 0);
+  std::vector<Constraint> constraints(points.size());
+  detail::check(
+      gcdt_ring_constraints(&input, &rings, reinterpret_cast<std::uint32_t*>(constraints.data()), constraints.size()));
+  return constraints;
+}
+
 /// A triangulation in device memory, until it is asked for or the object is gone. Move-only.
 class Result {
  public:

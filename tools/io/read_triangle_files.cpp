@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <unordered_map>
 
+#include "geojson.hpp"
 #include "grid_text.hpp"
 #include "paths.hpp"
 #include "triangle_files.hpp"
@@ -243,9 +244,12 @@ void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
 Input read_input(const std::string& path) {
   Input input;
   const std::string extension = lower_extension(path);
+  if (extension == ".geojson" || extension == ".json") return read_geojson(path);
   if (path != "-" && extension != ".poly" && extension != ".node")
-    throw Failure(Exit::usage,
-                  fmt::format("{}: the input must be a .poly or .node file, or - for a .poly on standard input", path));
+    throw Failure(
+        Exit::usage,
+        fmt::format("{}: the input must be a .poly, .node, .geojson or .json file, or - for a .poly on standard input",
+                    path));
   input.files.push_back(path);
   if (extension == ".node") {
     Records in(path);

@@ -27,7 +27,7 @@ struct Input {
   std::vector<std::string> notes;            ///< what was read and is not used
 };
 
-/// Reads a .poly or .node file by its extension; "-" is standard input and read as .poly.
+/// Reads a .poly, .node, .geojson or .json file by its extension; "-" is standard input and read as .poly.
 /// Throws Failure: Exit::usage for another extension, Exit::input with FILE:LINE for what is wrong inside.
 /// Memory is bounded by the size of the file, whatever counts it announces.
 Input read_input(const std::string& path);
