@@ -2,6 +2,7 @@
 // Crossing::split: against the definition by brute force, and what docs/splitting.md promises.
 #include <doctest/doctest.h>
 
+#include "corpus.hpp"
 #include "device_list.hpp"
 #include "solver_fixture.hpp"
 #include "split_oracle.hpp"
@@ -179,6 +180,7 @@ TEST_CASE("split is as defined, against brute force in rational arithmetic") {
     must_be_as_defined(strip(seed, 12, 2147483647, 6), closures);
     must_be_as_defined(strip(100 + seed, 10, 2147483647, 1u << 31), closures);
   }
+  must_be_as_defined(random_graph(900, 240, 120, 1u << 31), closures);  // long segments by the hundred
   CHECK(closures > 0);  // some constraint was routed only since it would cross a routed one
 }
 
@@ -291,6 +293,28 @@ TEST_CASE("lines that overlap keep all their constraints, also where they are cr
   CHECK(all.at({{{6, 5}, {8, 5}}}) == std::vector<std::uint32_t>{0, 1});
   CHECK(all.at({{{8, 5}, {12, 5}}}) == std::vector<std::uint32_t>{1});
   CHECK(fault(graph, mesh) == "");
+}
+
+TEST_CASE("every file of the corpus can be split, and is verified") {
+  const std::string folder = std::string(GCDT_TEST_DATA) + "/corpus";
+  Options options;
+  options.crossing = Crossing::split;
+  int with_crossings = 0;
+  for (const CorpusEntry& entry : readManifest(folder)) {
+    if (entry.status == "invalid") continue;
+    CAPTURE(entry.name);
+    const Workload work = readPoly(folder + "/" + entry.name);
+    const Triangulation mesh = solver().triangulate(work.points, work.constraints, options);
+    CHECK(static_cast<long>(mesh.statistics.crossings) == entry.crossings);
+    CHECK((mesh.statistics.constraints_split > 0) == (entry.crossings > 0));
+    // Each added vertex inside the hull makes two more triangles.
+    CHECK(static_cast<long>(mesh.triangles.size()) == entry.triangles + 2 * static_cast<long>(mesh.added.size()));
+    MeshView seen = view(mesh);
+    seen.added = mesh.added_on_grid;
+    CHECK(verify(work.points, work.constraints, seen, mesh.statistics.grid, Crossing::split).reason == "");
+    with_crossings += entry.crossings > 0;
+  }
+  CHECK(with_crossings >= 9);
 }
 
 TEST_CASE("a crossing on a tie is rounded up, on both axes") {
