@@ -43,7 +43,8 @@ static bool on_stretch(Stretch s, i64 x, i64 y, i64 size) {
 
 // One work-item per part. Visits, in the order along the segment, the vertices whose pixels the segment meets, its
 // ends left out: counts them (emit = 0), or writes their ranks to hits[offsets[part] ...] (emit = 1). Also keeps the
-// largest doubled area of ends and vertex, for the distance. No race: each its own words.
+// largest doubled area of ends and vertex, for the distance; emit = 0 adds to the 64-bit total. No race: each its own
+// words; the sum does not depend on order.
 //
 // The sorted codes are a quadtree: a block of 2^k x 2^k grid points is a range. Blocks that are empty, or whose pixels
 // the segment does not meet, are left. The four parts of a block come in the order of the segment's direction; of the
@@ -51,8 +52,10 @@ static bool on_stretch(Stretch s, i64 x, i64 y, i64 size) {
 // vertices are found in order. Ends: blocks shrink, and each is entered once.
 kernel void route_walk(uint emit, uint count, uint capacity, uint n, GCDT_LEVELS_POINTER levels,
                        global const int2* points, global const ulong* codes, global const uint2* ends,
-                       global const uint* begins, global uint* offsets, global uint* hits, global ulong* areas) {
+                       global const uint* begins, global uint* offsets, global uint* hits, global ulong* areas,
+                       volatile global uint* total) {
   const uint parts = begins[count];
+  u64 all = 0;
   for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
     uint found = 0;
     u64 largest = 0;
@@ -101,7 +104,9 @@ kernel void route_walk(uint emit, uint count, uint capacity, uint n, GCDT_LEVELS
       areas[part] = largest;
     }
     if (!emit) offsets[part] = found;
+    all += found;
   }
+  if (!emit) add_wide(total, total + 1, all);
 }
 
 // One work-item per marked constraint. Writes the largest doubled area of its parts, and its squared length: the

@@ -137,13 +137,20 @@ const Buffer<cl_uint2>& Splitter::route(const Vertices& vertices) {
   const Parts parts = make_parts(runtime_, primitives_, vertices, ends, marked_);
   auto offsets = runtime_.allocate<cl_uint>("vertices of parts", std::size_t(parts.capacity) + 1);
   auto areas = runtime_.allocate<cl_ulong>("areas of parts", parts.capacity);
+  auto total = runtime_.allocate<cl_uint>("vertices of all parts", 2);
+  runtime_.fill<cl_uint>(total, 0, 2);
   auto walk = [&](cl_uint emit, const Buffer<cl_uint>& hits) {
     runtime_.launch("route", "route_walk", over(parts.capacity), emit, cl_uint(marked_), parts.capacity, n,
-                    vertices.levels_buffer, vertices.points, codes, ends, parts.begins, offsets, hits, areas);
+                    vertices.levels_buffer, vertices.points, codes, ends, parts.begins, offsets, hits, areas, total);
   };
   walk(0, offsets);
+  cl_uint words[2];
+  runtime_.read(total, words, 2);
+  const std::uint64_t links = count_ + wide(words[0], words[1]);
+  if (links > GCDT_MAX_CONSTRAINTS)
+    throw Error(Status::out_of_memory, "split: more than 2^31 - 1 parts of constraints: " + std::to_string(links));
   primitives_.exclusive_scan(offsets, offsets, parts.capacity);
-  const cl_uint found = runtime_.read_one(offsets, parts.capacity);
+  const cl_uint found = words[0];
   auto hits = runtime_.allocate<cl_uint>("vertices of constraints", found);
   if (found > 0) walk(1, hits);
 
@@ -153,9 +160,6 @@ const Buffer<cl_uint2>& Splitter::route(const Vertices& vertices) {
   runtime_.launch("route", "route_totals", over(marked_), cl_uint(marked_), vertices.points, ends, list, parts.begins,
                   offsets, areas, farthest, starts);
   primitives_.exclusive_scan(starts, starts, count_);
-  const std::uint64_t links = std::uint64_t(count_) + found;
-  if (links > GCDT_MAX_CONSTRAINTS)
-    throw Error(Status::out_of_memory, "split: more than 2^31 - 1 parts of constraints: " + std::to_string(links));
   links_ = runtime_.allocate<cl_uint2>("links", links);
   owners_ = runtime_.allocate<cl_uint>("owners of links", links);
   runtime_.launch("route", "route_unmarked", over(count_), count_, touched_, constraints_, starts, links_, owners_);

@@ -271,12 +271,12 @@ TEST_CASE("a lattice of 500 x 500 lines has 250,000 crossings, all vertices, and
   CHECK(fault(graph, mesh) == "");
 }
 
-TEST_CASE("a star of lines through one pixel: pairs by the hundred thousand, few vertices") {
-  const Graph graph = star(1000, 1 << 29);
+TEST_CASE("a star of lines through one pixel: pairs by the million, few vertices") {
+  const Graph graph = star(3000, 1 << 29);  // more pairs than are looked at together
   const Triangulation mesh = split(graph);
   // Opposite points of every second line are shifted by one: all lines pass within half a cell of the centre.
-  CHECK(mesh.statistics.crossings == 1000 * 999 / 2);
-  CHECK(mesh.statistics.vertices_added < 3000);
+  CHECK(mesh.statistics.crossings == 3000 * 2999 / 2);
+  CHECK(mesh.statistics.vertices_added < 20000);
   CHECK(fault(graph, mesh) == "");
 }
 
@@ -315,6 +315,65 @@ TEST_CASE("every file of the corpus can be split, and is verified") {
     with_crossings += entry.crossings > 0;
   }
   CHECK(with_crossings >= 9);
+}
+
+TEST_CASE("numbers of any offset and size are split: what comes back is on the grid that is reported") {
+  const Graph base = random_graph(77, 60, 40, 1000);
+  const double scales[] = {1, 0.1, 1e-3, 1e297, 5e-324, 1e-20, 1.0 / 3}, offsets[] = {0, 500000, 1e9, -1e15};
+  int between_doubles = 0;
+  for (const double scale : scales)
+    for (const double offset : offsets) {
+      if (offset != 0 && (scale > 1 || scale < 1e-3)) continue;
+      CAPTURE(scale);
+      CAPTURE(offset);
+      std::vector<std::array<double, 2>> points;
+      for (const auto& [x, y] : base.points) points.push_back({x * scale + offset, y * scale - offset});
+      Options options;
+      options.crossing = Crossing::split;
+      const Triangulation mesh = solver().triangulate(points, base.constraints, options);
+      const Grid& grid = mesh.statistics.grid;
+      CHECK(mesh.statistics.vertices_added > 100);
+      CHECK(mesh.statistics.constraint_move <= 0.70711 * grid.cell());
+      MeshView seen = view(mesh);
+      seen.added = mesh.added_on_grid;
+      CHECK(verify(points, base.constraints, seen, grid, Crossing::split).reason == "");
+      CHECK(mesh.added == grid_coordinates(grid, mesh.added_on_grid));
+      between_doubles += grid_points(grid, mesh.added) != mesh.added_on_grid;
+      CHECK(std::is_sorted(mesh.added_on_grid.begin(), mesh.added_on_grid.end()));
+    }
+  CHECK(between_doubles > 0);  // a grid finer than the doubles there
+  // float, int32 and int64 vertices give what the same doubles give.
+  std::vector<std::array<float, 2>> floats;
+  std::vector<std::array<std::int64_t, 2>> longs;
+  std::vector<std::array<double, 2>> doubles;
+  for (const auto& [x, y] : base.points) {
+    floats.push_back({static_cast<float>(x), static_cast<float>(y)});
+    longs.push_back({x, y});
+    doubles.push_back({static_cast<double>(x), static_cast<double>(y)});
+  }
+  Options options;
+  options.crossing = Crossing::split;
+  const Triangulation expected = solver().triangulate(doubles, base.constraints, options);
+  for (const Triangulation& mesh :
+       {solver().triangulate(floats, base.constraints, options), solver().triangulate(longs, base.constraints, options),
+        solver().triangulate(base.points, base.constraints, options)}) {
+    CHECK(mesh.triangles == expected.triangles);
+    CHECK(mesh.added_on_grid == expected.added_on_grid);
+    CHECK(mesh.added_crossing == expected.added_crossing);
+  }
+}
+
+TEST_CASE("nothing, one, two and three vertices, and vertices on a line, have nothing to be split") {
+  for (const Graph& graph :
+       {Graph{"none", {}, {}}, Graph{"one", {{5, 5}}, {{0, 0}}}, Graph{"two", {{0, 0}, {9, 9}}, {{0, 1}}},
+        Graph{"three", {{0, 0}, {9, 0}, {0, 9}}, {{0, 1}, {1, 2}, {2, 0}, {0, 1}}},
+        Graph{"line", {{0, 0}, {9, 9}, {3, 3}, {6, 6}}, {{0, 3}, {2, 1}}}}) {
+    CAPTURE(graph.name);
+    const Triangulation mesh = split(graph);
+    CHECK(mesh.added.empty());
+    CHECK(mesh.statistics.crossings == 0);
+    CHECK(fault(graph, mesh) == "");
+  }
 }
 
 TEST_CASE("a crossing on a tie is rounded up, on both axes") {

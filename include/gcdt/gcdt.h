@@ -340,9 +340,10 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
 /* The device memory that triangulating n vertices and m constraints needs at most, in bytes, and so the size of a
  * workspace (gcdt_cl_set_workspace); the caller's own buffers are not in it. `crossed`: the (triangle, constraint)
  * pairs that the constraints cross (crossed_pairs of the statistics), known after the first walk; UINT64_MAX stands
- * for the worst case, all triangles. Count a constraint that runs through k vertices as k + 1. Listing constraints
- * that cross is not in it. A solver with memory of its own keeps what it has used for its next calls, up to half as
- * much again, and does with less where the device is short of memory. */
+ * for the worst case, all triangles. Count a constraint that runs through k vertices as k + 1. Listing and
+ * splitting constraints that cross are not in it; what is split needs as much as its result would as an input. A solver
+ * with memory of its own keeps what it has used for its next calls, up to half as much again, and does with less where
+ * the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 
 /* ---- Verification on the host ------------------------------------------------------------------------------ */
