@@ -4,66 +4,16 @@
 
 #include "corpus.hpp"
 #include "device_list.hpp"
-#include "solver_fixture.hpp"
-#include "split_oracle.hpp"
+#include "split_graphs.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
+using namespace gcdt::test::graphs;
 
 namespace {
 
 // Before anything else lists devices.
 const std::size_t device_count = every_device().size();
-
-struct Graph {
-  std::string name;
-  std::vector<std::array<std::int32_t, 2>> points;
-  std::vector<Constraint> constraints;
-
-  std::vector<oracle::GridPair> wide() const {
-    std::vector<oracle::GridPair> all;
-    for (const auto& [x, y] : points) all.push_back({x, y});
-    return all;
-  }
-};
-
-Options splitting() {
-  Options options;
-  options.crossing = Crossing::split;
-  options.grid = FixedGrid{};  // cells of 1: what the points are
-  return options;
-}
-
-Triangulation split(const Graph& graph, Solver& with = solver()) {
-  return with.triangulate(graph.points, graph.constraints, splitting());
-}
-
-std::string fault(const Graph& graph, const Triangulation& mesh) {
-  MeshView seen = view(mesh);
-  seen.added = mesh.added_on_grid;
-  return verify(graph.points, graph.constraints, seen, mesh.statistics.grid, Crossing::split).reason;
-}
-
-oracle::GridPair place(const Graph& graph, const Triangulation& mesh, std::uint32_t v) {
-  const auto at = v < graph.points.size() ? graph.points[v] : mesh.added_on_grid.at(v - graph.points.size());
-  return {at[0], at[1]};
-}
-
-using Shape = std::vector<std::array<oracle::GridPair, 3>>;
-Shape shape(const Graph& graph, const Triangulation& mesh) {
-  Shape all;
-  for (const auto& t : mesh.triangles)
-    all.push_back({place(graph, mesh, t[0]), place(graph, mesh, t[1]), place(graph, mesh, t[2])});
-  return all;
-}
-
-std::map<oracle::Edge, std::vector<std::uint32_t>> pieces(const Graph& graph, const Triangulation& mesh) {
-  std::map<oracle::Edge, std::vector<std::uint32_t>> all;
-  for (std::size_t i = 0; i < mesh.pieces.size(); ++i)
-    all[oracle::edge_of(place(graph, mesh, mesh.pieces[i][0]), place(graph, mesh, mesh.pieces[i][1]))] = {
-        mesh.sources.begin() + mesh.source_offsets[i], mesh.sources.begin() + mesh.source_offsets[i + 1]};
-  return all;
-}
 
 void must_be_as_defined(const Graph& graph, std::uint64_t& closures) {
   CAPTURE(graph.name);
@@ -104,66 +54,6 @@ void must_be_as_defined(const Graph& graph, std::uint64_t& closures) {
   }
   closures += expected.crossings == 0 ? 0 : crossing < expected.moved.size();
   CHECK(s.constraint_move == doctest::Approx(move).epsilon(1e-12));
-}
-
-/// `count` points in a square, and random constraints between them.
-Graph random_graph(std::uint64_t seed, std::size_t points, std::size_t constraints, std::uint64_t side) {
-  Random random(seed);
-  Graph graph;
-  graph.name = "random " + std::to_string(seed);
-  const auto at = [&] { return static_cast<std::int32_t>(random.below(side)); };
-  for (std::size_t i = 0; i < points; ++i) {
-    const std::int32_t x = at();
-    graph.points.push_back({x, at()});
-  }
-  const auto any = [&] { return static_cast<std::uint32_t>(random.below(points)); };
-  for (std::size_t i = 0; i < constraints; ++i) {
-    const std::uint32_t a = any();
-    graph.constraints.push_back({a, any()});
-  }
-  return graph;
-}
-
-/// Lines from the left of a flat strip to its right: they cross at small angles, many in one pixel.
-Graph strip(std::uint64_t seed, std::size_t lines, std::int32_t length, std::uint64_t height) {
-  Random random(seed);
-  Graph graph;
-  graph.name = "strip " + std::to_string(seed);
-  for (std::uint32_t i = 0; i < lines; ++i) {
-    graph.points.push_back({0, static_cast<std::int32_t>(random.below(height))});
-    graph.points.push_back({length, static_cast<std::int32_t>(random.below(height))});
-    graph.constraints.push_back({2 * i, 2 * i + 1});
-  }
-  return graph;
-}
-
-/// `rows` x `rows` lines from side to side of a square.
-Graph lattice(std::uint32_t rows, std::int32_t step) {
-  Graph graph;
-  graph.name = "lattice";
-  const std::int32_t far = static_cast<std::int32_t>(rows + 1) * step;
-  for (std::uint32_t i = 0; i < rows; ++i) {
-    const std::int32_t at = static_cast<std::int32_t>(i + 1) * step;
-    for (const auto& p : {std::array{at, 0}, std::array{at, far}, std::array{0, at}, std::array{far, at}})
-      graph.points.push_back(p);
-    graph.constraints.push_back({4 * i, 4 * i + 1});
-    graph.constraints.push_back({4 * i + 2, 4 * i + 3});
-  }
-  return graph;
-}
-
-/// Lines through the middle of a square, from all over its boundary: opposite points are symmetric but for one cell.
-Graph star(std::uint32_t lines, std::int32_t radius) {
-  Graph graph;
-  graph.name = "star";
-  for (std::uint32_t i = 0; i < lines; ++i) {
-    const auto along = static_cast<std::int32_t>(2LL * radius * i / lines);
-    const std::int32_t shake = static_cast<std::int32_t>(i % 2);
-    graph.points.push_back({along, 0});
-    graph.points.push_back({2 * radius - along + shake, 2 * radius});
-    graph.constraints.push_back({2 * i, 2 * i + 1});
-  }
-  return graph;
 }
 
 }  // namespace
@@ -380,121 +270,4 @@ TEST_CASE("a crossing on a tie is rounded up, on both axes") {
   // (0, 0)-(3, 3) and (0, 3)-(3, 0) cross at (1.5, 1.5).
   Graph graph{"tie", {{0, 0}, {3, 3}, {0, 3}, {3, 0}}, {{0, 1}, {2, 3}}};
   CHECK(split(graph).added_on_grid == std::vector<std::array<std::int32_t, 2>>{{2, 2}});
-}
-
-namespace {
-
-/// The mesh of `links` over the points and added vertices, as a splitter might have made it.
-std::string fault_of(const Graph& graph, const std::vector<std::array<std::int32_t, 2>>& added,
-                     const std::vector<std::array<oracle::GridPair, 2>>& links,
-                     std::set<oracle::Edge>* edges = nullptr) {
-  Graph made = graph;
-  made.points.insert(made.points.end(), added.begin(), added.end());
-  std::map<oracle::GridPair, std::uint32_t> number;
-  for (std::uint32_t v = 0; v < made.points.size(); ++v) number.insert({{made.points[v][0], made.points[v][1]}, v});
-  made.constraints.clear();
-  for (const auto& [a, b] : links) made.constraints.push_back({number.at(a), number.at(b)});
-  Options options = splitting();
-  options.crossing = Crossing::reject;
-  Triangulation mesh = solver().triangulate(made.points, made.constraints, options);
-  mesh.added_on_grid = added;
-  if (edges)
-    for (const auto& piece : pieces(graph, mesh)) edges->insert(piece.first);
-  return fault(graph, mesh);
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-}  // namespace
-
-TEST_CASE("the verification rejects a vertex too many or too few, and constraints routed wrongly") {
-  int routed = 0, added_wrongly = 0, lacking = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    const Graph graph = seed % 2 ? random_graph(300 + seed, 16, 10, 30) : strip(seed, 8, 300, 6);
-    CAPTURE(graph.name);
-    const oracle::Split right = oracle::split(graph.wide(), graph.constraints);
-    std::vector<std::array<std::int32_t, 2>> added;
-    for (const auto& [at, pair] : right.added)
-      added.push_back({static_cast<std::int32_t>(at[0]), static_cast<std::int32_t>(at[1])});
-    std::vector<std::array<oracle::GridPair, 2>> links;
-    for (const auto& chain : right.links)
-      for (std::size_t i = 0; i + 1 < chain.size(); ++i) links.push_back({chain[i], chain[i + 1]});
-    CHECK(fault_of(graph, added, links) == "");
-
-    // One more vertex, where none cross.
-    Random random(seed);
-    std::set<oracle::GridPair> taken;
-    for (const auto& p : graph.wide()) taken.insert(p);
-    for (const auto& [at, pair] : right.added) taken.insert(at);
-    const oracle::GridPair extra = {static_cast<std::int64_t>(random.below(30)),
-                                    static_cast<std::int64_t>(random.below(6))};
-    auto more = added;
-    more.push_back({static_cast<std::int32_t>(extra[0]), static_cast<std::int32_t>(extra[1])});
-    std::sort(more.begin(), more.end());
-    bool free = !taken.count(extra);
-    for (const auto& [a, b] : links) free &= !oracle::meets(a, b, extra);
-    if (free) {
-      CHECK(fault_of(graph, more, links) != "");
-      ++added_wrongly;
-    }
-
-    // A routed constraint that leaves out a vertex where it bends, if what is left does not cross others.
-    for (std::uint32_t c : right.moved) {
-      const auto& chain = right.links[c];
-      for (std::size_t i = 1; i + 1 < chain.size(); ++i) {
-        if (oracle::turn(chain[i - 1], chain[i], chain[i + 1]) == 0) continue;
-        auto fewer = links;
-        for (std::size_t j : {i - 1, i})
-          if (right.pieces.at(oracle::edge_of(chain[j], chain[j + 1])).size() == 1)
-            fewer.erase(std::remove(fewer.begin(), fewer.end(), std::array{chain[j], chain[j + 1]}), fewer.end());
-        fewer.push_back({chain[i - 1], chain[i + 1]});
-        std::string reason;
-        std::set<oracle::Edge> edges, all;
-        for (const auto& piece : right.pieces) all.insert(piece.first);
-        try {
-          reason = fault_of(graph, added, fewer, &edges);
-        } catch (const Error& error) {
-          CHECK(error.status() == Status::constraints_cross);
-          continue;
-        }
-        CHECK((reason == "") == (edges == all));  // others may run along the edges
-        routed += edges != all;
-      }
-    }
-
-    // A vertex beside the pixel where it must be.
-    if (!added.empty()) {
-      auto shifted = added;
-      shifted[0][0] += 1;
-      std::sort(shifted.begin(), shifted.end());
-      if (!taken.count({shifted[0][0], shifted[0][1]}) &&
-          std::adjacent_find(shifted.begin(), shifted.end()) == shifted.end()) {
-        CHECK(fault_of(graph, shifted, {}) != "");
-        ++lacking;
-      }
-    }
-  }
-  CHECK(routed > 30);
-  CHECK(added_wrongly > 20);
-  CHECK(lacking > 20);
-}
-
-TEST_CASE("the verification names a duplicate, a disorder and a vertex outside the grid") {
-  const Graph graph{"pair", {{0, 0}, {4, 4}, {0, 4}, {4, 0}}, {{0, 1}, {2, 3}}};
-  Triangulation mesh = split(graph);
-  REQUIRE(mesh.added_on_grid.size() == 1);
-  CHECK(fault(graph, mesh) == "");
-  mesh.added_on_grid = {{2, -2}};
-  CHECK(contains(fault(graph, mesh), "added vertex 4 is outside the grid"));
-  mesh.added_on_grid = {{4, 4}};
-  CHECK(contains(fault(graph, mesh), "added vertex 4 is where vertex 1 is"));
-  mesh.added_on_grid = {{3, 2}, {2, 2}};
-  CHECK(contains(fault(graph, mesh), "are not in order"));
-  // Both pass the pixel of vertex 4, and cross at (50, 5).
-  const Graph narrow{"narrow", {{0, 0}, {100, 10}, {0, 1}, {100, 9}, {48, 5}}, {{0, 1}, {2, 3}}};
-  const oracle::GridPair near = {48, 5}, cross = {50, 5}, ends[] = {{0, 0}, {100, 10}, {0, 1}, {100, 9}};
-  CHECK(fault_of(narrow, {{50, 5}},
-                 {{ends[0], near}, {ends[2], near}, {near, cross}, {cross, ends[1]}, {cross, ends[3]}}) == "");
-  CHECK(contains(fault_of(narrow, {}, {{ends[0], near}, {ends[2], near}, {near, ends[1]}, {near, ends[3]}}),
-                 "cross, but no vertex was added at grid point (50, 5)"));
 }
