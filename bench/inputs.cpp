@@ -48,6 +48,7 @@ std::vector<Input> inputs(List list, const std::vector<std::string>& maps) {
   add(rows, "fan", {200000});
   add(rows, "spiral", {100000});
   for (const std::string& path : maps) rows.push_back({stem(path), 0, path});
+  add(rows, "dirty", {million});
   add(rows, "leafs", {1700000});
   add(rows, "uniform", {3 * million, 5 * million});
   if (!gpu) return rows;
@@ -81,6 +82,7 @@ Workload make(const Input& input,
   if (!input.path.empty()) return read_poly(input.path);
   if (input.name == "leafs") return leafs(input.size);
   if (input.name == "airport") return airport(input.size);
+  if (input.name == "dirty") return dirty(input.size);
   const std::string synthetic = "synthetic_cons_";
   if (input.name.compare(0, synthetic.size(), synthetic) != 0) return test::workload(input.name, input.size);
   const int k = std::atoi(input.name.c_str() + synthetic.size());
@@ -92,6 +94,29 @@ Workload make(const Input& input,
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     return edges;
   });
+}
+
+Workload dirty(std::size_t n) {
+  std::uint32_t side = 1;
+  while ((std::size_t{side} + 1) * (side + 1) <= n) ++side;
+  test::Random random(20001);
+  std::vector<std::uint32_t> number(std::size_t{side} * side);  // vertices in random order
+  for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = v;
+  test::shuffle(number, random);
+  Workload work;
+  work.points.resize(number.size());
+  for (std::uint32_t v = 0; v < number.size(); ++v)
+    work.points[number[v]] = {static_cast<double>(v % side), static_cast<double>(v / side)};
+  while (work.constraints.size() < n) {
+    const auto v = static_cast<std::uint32_t>(random.below(number.size()));
+    const auto steps = static_cast<std::uint32_t>(random.below(8));
+    const bool along_x = random.below(2) != 0;
+    if ((along_x ? v % side : v / side) + steps >= side) continue;
+    const std::uint32_t w = v + steps * (along_x ? 1 : side);
+    const bool back = random.below(2) != 0;
+    work.constraints.push_back({number[back ? w : v], number[back ? v : w]});
+  }
+  return work;
 }
 
 // Vertices without attributes or markers first, then segments; no holes. That is all that maps need.

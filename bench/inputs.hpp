@@ -41,6 +41,10 @@ Workload leafs(std::size_t n);
 /// Few lines across the whole scene, and clusters of outlines of very different sizes between them.
 Workload airport(std::size_t n);
 
+/// About n points of a square of integers and as many constraints along its rows and columns, 0 to 7 steps long: what
+/// cleaning has to do with overlaps, vertices inside constraints, repeated ones and such without length.
+Workload dirty(std::size_t n);
+
 Workload read_poly(const std::string& path);
 /// Writes 8 bytes PSLGBIN1, int64 n, int64 m, n pairs of float64, m pairs of int32, little endian.
 void write_pslg(const Workload& work, const std::string& path);

@@ -5,7 +5,9 @@
 // Two pieces cross at a point X inside both. X is no vertex (pieces are split at vertices), so it lies
 // in a face or inside an edge, and both pieces pass through every face whose closure holds X, or run
 // along one of its edges. So all pairs of pieces in one face are tested, and a pair counts in the face
-// that holds X; if X lies on an edge, in the face of the smaller number: exactly once.
+// that holds X; if X lies on an edge, in the face of the smaller number: exactly once. Where few faces are large and
+// each is crossed by many pieces, testing every piece with every other one is less work (lib/crossings.cpp).
+#include "snap.h"
 #include "walk.h"
 
 // One work-item per part. For each face that the part passes (and both faces beside a piece that is an
@@ -48,20 +50,28 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_P
   }
 }
 
-// Sign of the side of the line p -> q on which the crossing X of pieces 1 and 2 lies. With
-// s = orient2d(a2, b2, a1) and r = orient2d(a2, b2, b1), of opposite signs, X divides a1-b1 as s : -r, so
-// (s - r) orient2d(p, q, X) = s orient2d(p, q, b1) - r orient2d(p, q, a1): below 2^62 * 2^63 * 2 = 2^126.
+// One work-item per face. Adds to the 64-bit total the pairs of records of the face. Sums do not depend on order.
+kernel void crossings_work(uint faces, global const uint* counts, volatile global Counters* counters) {
+  u64 mine = 0;
+  for (uint t = get_global_id(0); t < faces; t += get_global_size(0)) {
+    const u64 k = counts[t];
+    mine += k * (k - (k > 0 ? 1u : 0u)) / 2u;
+  }
+  add_wide(&counters->pairs_low, &counters->pairs_high, mine);
+}
+
+// Sign of the side of the line p -> q on which the crossing X lies that divides a1-b1 as s : r, s + r > 0:
+// (s + r) orient2d(p, q, X) = s orient2d(p, q, b1) + r orient2d(p, q, a1), below 2^62 * 2^63 * 2 = 2^126.
 static int side_of_crossing(Vertex p, Vertex q, Vertex a1, Vertex b1, i64 s, i64 r) {
-  const Int128 sum = gcdt_add(gcdt_multiply(s, gcdt_orient2d(p, q, b1)), gcdt_multiply(-r, gcdt_orient2d(p, q, a1)));
-  return s > 0 ? gcdt_sign128(sum) : -gcdt_sign128(sum);
+  return gcdt_sign128(gcdt_add(gcdt_multiply(s, gcdt_orient2d(p, q, b1)), gcdt_multiply(r, gcdt_orient2d(p, q, a1))));
 }
 
 static bool cross_in_face(Mesh mesh, uint t, uint2 e1, uint2 e2) {
   const Vertex a1 = load_vertex(mesh.points, mesh.n, e1.x), b1 = load_vertex(mesh.points, mesh.n, e1.y);
-  const Vertex a2 = load_vertex(mesh.points, mesh.n, e2.x), b2 = load_vertex(mesh.points, mesh.n, e2.y);
-  const i64 s = gcdt_orient2d(a2, b2, a1), r = gcdt_orient2d(a2, b2, b1);
-  if (!((s > 0 && r < 0) || (s < 0 && r > 0))) return false;
-  if (gcdt_sign64(gcdt_orient2d(a1, b1, a2)) * gcdt_sign64(gcdt_orient2d(a1, b1, b2)) >= 0) return false;
+  i64 s, r;
+  if (!gcdt_segments_cross(a1, b1, load_vertex(mesh.points, mesh.n, e2.x), load_vertex(mesh.points, mesh.n, e2.y), &s,
+                           &r))
+    return false;
   const uint4 c = mesh.face_data[GCDT_CORNERS(t)], sides = mesh.face_data[GCDT_SIDES(t)];
   for (uint k = 0; k < 3u; ++k) {
     const int side = side_of_crossing(load_vertex(mesh.points, mesh.n, element(c, next_corner(k))),
@@ -74,25 +84,52 @@ static bool cross_in_face(Mesh mesh, uint t, uint2 e1, uint2 e2) {
 }
 
 // One work-item per record. Tests its piece against those recorded after it in the same face. emit = 0:
-// writes how many cross to its own word, and adds to the 64-bit total; emit = 1: writes the pairs
-// (smaller piece first) to its own range. No race.
-kernel void crossings_pairs(uint emit, uint faces, GCDT_MESH_PARAMETERS, global const uint2* ends,
-                            global const uint* starts, global const uint* records, global uint* counts,
-                            global uint2* pairs, volatile global Counters* counters) {
+// writes how many cross to its own word, and adds to the 64-bit total; emit = 1, `counts` then being their scan:
+// writes the pairs (smaller piece first) of numbers first .. last - 1 to their own places. No race.
+kernel void crossings_pairs(uint emit, uint first, uint last, uint faces, GCDT_MESH_PARAMETERS,
+                            global const uint2* ends, global const uint* starts, global const uint* records,
+                            global uint* counts, global uint2* pairs, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint total = starts[faces];
   for (uint i = get_global_id(0); i < total; i += get_global_size(0)) {
+    if (emit && (counts[i] == counts[i + 1u] || counts[i] >= last || counts[i + 1u] <= first)) continue;
     const uint t = piece_of_part(starts, faces, i);
     const uint c = records[i];
     uint found = 0;
     for (uint j = i + 1u; j < starts[t + 1u]; ++j) {
       const uint d = records[j];
       if (!cross_in_face(mesh, t, ends[c], ends[d])) continue;
-      if (emit) pairs[counts[i] + found] = (uint2)(min(c, d), max(c, d));
+      if (emit && counts[i] + found >= first && counts[i] + found < last)
+        pairs[counts[i] + found - first] = (uint2)(min(c, d), max(c, d));
       ++found;
     }
     if (!emit) {
       counts[i] = found;
+      add_wide(&counters->pairs_low, &counters->pairs_high, found);
+    }
+  }
+}
+
+// The same for all pairs of pieces, whatever faces they pass: one work-item per piece, tested against those after it.
+kernel void crossings_all(uint emit, uint first, uint last, uint pieces, global const int2* points,
+                          global const uint2* ends, global uint* counts, global uint2* pairs,
+                          volatile global Counters* counters) {
+  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
+    if (emit && (counts[c] == counts[c + 1u] || counts[c] >= last || counts[c + 1u] <= first)) continue;
+    const int2 a = points[ends[c].x], b = points[ends[c].y];
+    uint found = 0;
+    for (uint d = c + 1u; d < pieces; ++d) {
+      const int2 p = points[ends[d].x], q = points[ends[d].y];
+      i64 s, r;
+      if (!gcdt_segments_cross(gcdt_finite_vertex(a.x, a.y), gcdt_finite_vertex(b.x, b.y), gcdt_finite_vertex(p.x, p.y),
+                               gcdt_finite_vertex(q.x, q.y), &s, &r))
+        continue;
+      if (emit && counts[c] + found >= first && counts[c] + found < last)
+        pairs[counts[c] + found - first] = (uint2)(c, d);
+      ++found;
+    }
+    if (!emit) {
+      counts[c] = found;
       add_wide(&counters->pairs_low, &counters->pairs_high, found);
     }
   }

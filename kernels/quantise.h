@@ -25,10 +25,11 @@ namespace gcdt::device {
 #define GCDT_HIDDEN_BIT 0x0010000000000000ul
 #define GCDT_LEAST_EXPONENT (-1074)
 
-// How coordinates lie in the staging buffer: doubles one per word, the 32-bit types two per word.
+// How coordinates lie in the staging buffer: the 64-bit types one per word, the 32-bit types two per word.
 #define GCDT_COORDINATES_FLOAT64 0u
 #define GCDT_COORDINATES_FLOAT32 1u
 #define GCDT_COORDINATES_INT32 2u
+#define GCDT_COORDINATES_INT64 3u
 
 GCDT_INLINE i32 gcdt_leading_zeros(u64 v) {
 #ifdef __OPENCL_VERSION__
@@ -77,17 +78,26 @@ GCDT_INLINE u64 gcdt_double_of_float(u32 bits) {
   const i32 length = gcdt_bit_length(fraction);
   return sign | ((u64)(length - 1 - 149 + 1023) << 52) | ((fraction << (53 - length)) & (GCDT_HIDDEN_BIT - 1));
 }
-GCDT_INLINE u64 gcdt_double_of_int(u32 bits) {
-  const u64 sign = (u64)(bits >> 31) << 63;
-  const u64 value = sign ? (u32)(~bits + 1u) : bits;
+// The double of an integer from its sign bit and magnitude, which is at most 2^53: exact.
+GCDT_INLINE u64 gcdt_double_of_whole(u64 sign, u64 value) {
   if (value == 0) return 0;
   const i32 length = gcdt_bit_length(value);
-  return sign | ((u64)(length - 1 + 1023) << 52) | ((value << (53 - length)) & (GCDT_HIDDEN_BIT - 1));
+  const u64 fraction = length > 53 ? 0 : value << (53 - length);
+  return sign | ((u64)(length - 1 + 1023) << 52) | (fraction & (GCDT_HIDDEN_BIT - 1));
+}
+GCDT_INLINE u64 gcdt_double_of_int(u32 bits) {
+  return gcdt_double_of_whole((u64)(bits >> 31) << 63, (bits >> 31) ? (u32)(~bits + 1u) : bits);
+}
+// Beyond 2^53 in magnitude infinity, as some have no double.
+GCDT_INLINE u64 gcdt_double_of_long(u64 bits) {
+  const u64 sign = bits & GCDT_SIGN_BIT, value = sign ? ~bits + 1u : bits;
+  return value > 2 * GCDT_HIDDEN_BIT ? sign | GCDT_INFINITE_BITS : gcdt_double_of_whole(sign, value);
 }
 
 // Coordinate `index` = 2 * vertex + axis as the bits of a double, -0 made 0.
 GCDT_INLINE u64 gcdt_coordinate(GCDT_GLOBAL const u64* coordinates, u32 type, u32 index) {
   if (type == GCDT_COORDINATES_FLOAT64) return gcdt_without_negative_zero(coordinates[index]);
+  if (type == GCDT_COORDINATES_INT64) return gcdt_double_of_long(coordinates[index]);
   const u32 bits = (u32)(coordinates[index >> 1] >> (32u * (index & 1u)));
   return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float(bits)
                                                                      : gcdt_double_of_int(bits));

@@ -91,13 +91,20 @@ std::vector<std::array<double, 2>> read_seeds(const char* name, const double* xy
 
 }  // namespace
 
+Crossing read_crossing(std::int32_t crossing, const char* name) {
+  switch (crossing) {
+    case GCDT_CROSSING_REJECT: return Crossing::reject;
+    case GCDT_CROSSING_DROP: return Crossing::drop;
+    case GCDT_CROSSING_SPLIT: return Crossing::split;
+  }
+  throw Error(Status::invalid_argument, std::string(name) + " is none of GCDT_CROSSING_...");
+}
+
 Options read_options(const gcdt_options* given) {
   Options options;
   if (!given) return options;
   const gcdt_options c = read_struct(given, "gcdt_options", offsetof(gcdt_options, domain));
-  require(c.crossing == GCDT_CROSSING_REJECT || c.crossing == GCDT_CROSSING_DROP,
-          "gcdt_options.crossing is none of GCDT_CROSSING_...");
-  options.crossing = c.crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject;
+  options.crossing = read_crossing(c.crossing, "gcdt_options.crossing");
   options.check = c.check != 0;
   options.canonical = c.canonical != 0;
   if (c.fixed_grid) options.grid = FixedGrid{c.grid_x, c.grid_y, c.grid_cell ? c.grid_cell : "1"};
@@ -119,8 +126,10 @@ Points::Type read_type(std::int32_t coordinate_type) {
     case GCDT_FLOAT64: return Points::Type::float64;
     case GCDT_FLOAT32: return Points::Type::float32;
     case GCDT_INT32: return Points::Type::int32;
+    case GCDT_INT64: return Points::Type::int64;
   }
-  throw Error(Status::invalid_argument, "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32");
+  throw Error(Status::invalid_argument,
+              "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32, GCDT_INT64");
 }
 
 Points read_points(const gcdt_input& input) {
@@ -129,6 +138,7 @@ Points read_points(const gcdt_input& input) {
   switch (read_type(input.coordinate_type)) {
     case Points::Type::float32: return Points::pairs(static_cast<const float*>(input.vertices), count);
     case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(input.vertices), count);
+    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(input.vertices), count);
     default: return Points::pairs(static_cast<const double*>(input.vertices), count);
   }
 }

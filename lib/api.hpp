@@ -107,11 +107,13 @@ void write_struct(T value, T* to, const char* name, std::size_t least = sizeof(T
 }
 
 Options read_options(const gcdt_options* options);
+Crossing read_crossing(std::int32_t crossing, const char* name);
 Points::Type read_type(std::int32_t coordinate_type);
 Points read_points(const gcdt_input& input);
 Constraints read_constraints(const gcdt_input& input);
 gcdt_device_info device_info(const DeviceInfo& info);
 gcdt_grid write_grid(const Grid& grid);
+Grid read_grid(const gcdt_grid* grid);
 /// `options` may be null.
 gcdt_solver_options read_solver_options(const gcdt_solver_options* options);
 runtime::Log read_log(gcdt_log_function call, void* user);

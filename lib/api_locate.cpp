@@ -21,6 +21,7 @@ Points part_of(const Points& points, std::size_t first, std::size_t count) {
   const char* bytes = static_cast<const char*>(points.data());
   switch (points.type()) {
     case Points::Type::float32: return Points::pairs(reinterpret_cast<const float*>(bytes) + 2 * first, count);
+    case Points::Type::int64: return Points::pairs(reinterpret_cast<const std::int64_t*>(bytes) + 2 * first, count);
     case Points::Type::int32: return Points::pairs(reinterpret_cast<const std::int32_t*>(bytes) + 2 * first, count);
     default: return Points::pairs(reinterpret_cast<const double*>(bytes) + 2 * first, count);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: results.
 #include <chrono>
+#include <cstddef>
 #include <iterator>
 
 #include "api.hpp"
@@ -11,9 +12,9 @@ using namespace gcdt::api;
 
 namespace {
 
-// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_DROPPED; from 16 on GCDT_REGIONS ...; from 24 on
-// GCDT_VERTEX_TRIANGLES ...
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 0, 0, 0, 0, 0, 0,
+// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_ADDED_CROSSINGS; from 16 on GCDT_REGIONS ...; from 24
+// on GCDT_VERTEX_TRIANGLES ...
+constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 8, 8, 0, 0, 0, 0,
                                          0,  0,  4, 4, 4, 4, 0, 0, 0, 0, 4, 4, 12};
 
 }  // namespace
@@ -30,6 +31,8 @@ std::uint64_t gcdt_result::count(std::int32_t number) const {
     case GCDT_SOURCE_OFFSETS: return std::uint64_t{data.pieces.count} + 1;
     case GCDT_SOURCES: return data.pieces.source_count;
     case GCDT_DROPPED: return data.dropped.size();
+    case GCDT_ADDED:
+    case GCDT_ADDED_CROSSINGS: return data.added.count;
     case GCDT_REGIONS:
     case GCDT_DEPTHS:
     case GCDT_WINDINGS:
@@ -51,6 +54,8 @@ Array gcdt_result::array(std::int32_t number) const {
     case GCDT_SOURCE_OFFSETS: return found(data.pieces.source_offsets);
     case GCDT_SOURCES: return found(data.pieces.sources);
     case GCDT_DROPPED: return found(data.dropped);
+    case GCDT_ADDED: return found(data.added.points);
+    case GCDT_ADDED_CROSSINGS: return found(data.added.crossing);
     case GCDT_REGIONS: return found(data.regions.region);
     case GCDT_DEPTHS: return found(data.regions.depth);
     case GCDT_WINDINGS: return found(data.regions.winding);
@@ -115,6 +120,7 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.platform = s.platform.c_str(), c.version = s.version.c_str();
     c.ms_domain = s.ms.domain, c.regions = s.regions, c.triangles_removed = s.triangles_removed;
     c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
+    c.constraints_split = s.constraints_split, c.constraint_move = s.constraint_move;
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });
 }

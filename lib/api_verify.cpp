@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: what needs no device.
+#include <algorithm>
+#include <cstddef>
+
 #include "api.hpp"
 #include "foreign.hpp"
 #include "grid.hpp"
@@ -9,9 +12,7 @@
 using namespace gcdt;
 using namespace gcdt::api;
 
-namespace {
-
-Grid read_grid(const gcdt_grid* given) {
+Grid gcdt::api::read_grid(const gcdt_grid* given) {
   const gcdt_grid c = read_struct(given, "gcdt_grid");
   require(c.kind >= GCDT_GRID_BINARY && c.kind <= GCDT_GRID_FIXED, "gcdt_grid.kind is none of GCDT_GRID_...");
   Grid grid;
@@ -22,14 +23,25 @@ Grid read_grid(const gcdt_grid* given) {
   return grid;
 }
 
+namespace {
+
 MeshView read_mesh(const gcdt_mesh* mesh) {
-  const gcdt_mesh m = read_struct(mesh, "gcdt_mesh");
+  const gcdt_mesh m = read_struct(mesh, "gcdt_mesh", offsetof(gcdt_mesh, added));
   require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
+  require(m.added || m.added_count == 0, "gcdt_mesh.added is null");
   MeshView view;
   view.triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(m.triangles),
                     static_cast<std::size_t>(m.triangle_count)};
   view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
   view.constrained = m.constrained;
+  view.added = {reinterpret_cast<const std::array<std::int32_t, 2>*>(m.added), static_cast<std::size_t>(m.added_count)};
+  return view;
+}
+
+/// As read_mesh, of a mesh made with `crossing`.
+MeshView read_mesh(const gcdt_mesh* mesh, Crossing crossing) {
+  const MeshView view = read_mesh(mesh);
+  require(crossing == Crossing::split || view.added.size == 0, "only GCDT_CROSSING_SPLIT adds vertices");
   return view;
 }
 
@@ -62,6 +74,36 @@ double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_e
   return edge;
 }
 
+int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count, double* coordinates) {
+  return guarded(nullptr, [&] {
+    const Grid known = read_grid(grid);
+    require((points && coordinates) || count == 0, "points or coordinates is null");
+    const std::string defect = proof::grid_defect(known);
+    require(defect.empty(), defect.c_str());
+    for (uint64_t i = 0; i < 2 * count; ++i) require(points[i] >= 0, "a grid point is negative");
+    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = proof::coordinate_at(known, int(i % 2), points[i]);
+  });
+}
+
+int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint64_t count, int32_t* points) {
+  return guarded(nullptr, [&] {
+    const Grid known = read_grid(grid);
+    require((points && coordinates) || count == 0, "points or coordinates is null");
+    const std::string defect = proof::grid_defect(known);
+    require(defect.empty(), defect.c_str());
+    std::vector<std::int32_t> placed(2 * count);
+    for (uint64_t i = 0; i < 2 * count; ++i) {
+      const std::vector<std::uint64_t> where = {i / 2, i % 2};
+      if (!proof::is_finite(coordinates[i]))
+        throw Error(Status::coordinate_not_finite, "a coordinate is not finite", where);
+      const auto at = proof::nearest_at(known, int(i % 2), coordinates[i]);
+      if (!at) throw Error(Status::coordinate_outside_grid, "a coordinate is outside the grid", where);
+      placed[i] = *at;
+    }
+    std::copy(placed.begin(), placed.end(), points);
+  });
+}
+
 uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return device_bytes_needed(n, m, crossed); }
 
 int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
@@ -77,11 +119,8 @@ int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcd
 int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing) {
   return judged([&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
-    const MeshView view = read_mesh(mesh);
-    require(crossing == GCDT_CROSSING_REJECT || crossing == GCDT_CROSSING_DROP,
-            "crossing is none of GCDT_CROSSING_...");
-    return proof::verify(read_points(given), read_constraints(given), view, read_grid(grid),
-                         crossing == GCDT_CROSSING_DROP ? Crossing::drop : Crossing::reject);
+    const Crossing made = read_crossing(crossing, "crossing");
+    return proof::verify(read_points(given), read_constraints(given), read_mesh(mesh, made), read_grid(grid), made);
   });
 }
 
@@ -89,14 +128,14 @@ int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const
                            const gcdt_grid* grid, const gcdt_options* options) {
   return judged([&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
-    const MeshView view = read_mesh(mesh);
+    const Options made = read_options(options);
+    const MeshView view = read_mesh(mesh, made.crossing);
     proof::RegionView said;
     if (regions) {
       const gcdt_regions r = read_struct(regions, "gcdt_regions");
       said = {r.regions, r.depths, r.windings};
     }
-    return proof::verify_domain(read_points(given), read_constraints(given), view, said, read_grid(grid),
-                                read_options(options));
+    return proof::verify_domain(read_points(given), read_constraints(given), view, said, read_grid(grid), made);
   });
 }
 
@@ -104,6 +143,7 @@ int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
   return guarded_call(solver ? solver->state.get() : nullptr, [&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
     const MeshView view = read_mesh(mesh);
+    require(view.added.size == 0, "added vertices of a mesh to be checked are vertices of the input");
     require(view.triangles.size == 0 || (view.neighbours && view.constrained),
             "gcdt_mesh.neighbours or constrained is null");
     require(view.triangles.size <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");

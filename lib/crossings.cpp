@@ -12,52 +12,73 @@ namespace {
 
 constexpr std::size_t pairs_in_message = 10;
 
-// Crossing pairs of pieces, by number of the piece.
-std::vector<cl_uint2> crossing_pieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
-                                      const Pieces& pieces, PhaseCounters& counters) {
-  const Mesh& mesh = walked.mesh;
-  const cl_uint faces = mesh.faces();
-  counters.zero();
-  const Parts parts = make_parts(runtime, primitives, walked.vertices, pieces.ends, pieces.count);
-  auto starts = runtime.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
-  auto filled = runtime.allocate<cl_uint>("records filled", faces);
-  runtime.fill<cl_uint>(starts, 0, std::size_t(faces) + 1);
-  runtime.fill<cl_uint>(filled, 0, faces);
-  auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
-    walked.launch(runtime, "crossings", "crossings_records", over(parts.capacity),
-                  std::make_tuple(emit, pieces.count, parts.capacity), pieces.ends, parts.begins, starts, filled,
-                  records, counters.buffer());
-  };
-  collect(0, filled);
-  primitives.exclusive_scan(starts, starts, faces);
-  if (counters.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
-  const cl_uint total = runtime.read_one(starts, faces);
-  auto records = runtime.allocate<cl_uint>("records of faces", total);
-  collect(1, records);
-
-  auto counts = runtime.allocate<cl_uint>("pairs of records", std::size_t(total) + 1);
-  auto test = [&](cl_uint emit, const runtime::Buffer<cl_uint2>& pairs) {
-    runtime.launch("crossings", "crossings_pairs", over(total), emit, faces, mesh.n, walked.vertices.points,
-                   mesh.face_data, mesh.edge_faces, pieces.ends, starts, records, counts, pairs, counters.buffer());
-  };
-  test(0, pieces.ends);
-  const std::uint64_t found = wide(counters.read().pairs_low, counters.last().pairs_high);
-  if (found >= 0xFFFFFFFFull)
-    throw Error(Status::out_of_memory,
-                "crossings: " + std::to_string(found) + " pairs of pieces cross, too many to list");
-  primitives.exclusive_scan(counts, counts, total);
-  auto pairs = runtime.allocate<cl_uint2>("crossing pieces", found);
-  test(1, pairs);
-  std::vector<cl_uint2> result(found);
-  runtime.read(pairs, result.data(), found);
-  return result;
-}
+// Testing all pieces with all others is one loop of a work-item over the pieces.
+constexpr cl_uint most_for_all = 1u << 16;
 
 }  // namespace
 
+CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                               const Pieces& pieces, PhaseCounters& counters)
+    : runtime_(runtime), primitives_(primitives), walked_(walked), pieces_(pieces), counters_(counters) {
+  counters_.zero();
+  find_records();
+  counts_ = runtime_.allocate<cl_uint>("pairs of records", std::size_t(rows_) + 1);
+  counters_.zero();
+  test(0, 0, 0, pieces_.ends);
+  const std::uint64_t found = wide(counters_.read().pairs_low, counters_.last().pairs_high);
+  if (found >= 0xFFFFFFFFull)
+    throw Error(Status::out_of_memory,
+                "crossings: " + std::to_string(found) + " pairs of pieces cross, too many to list");
+  primitives_.exclusive_scan(counts_, counts_, rows_);
+  count_ = cl_uint(found);
+}
+
+// Records by face, unless testing all pairs of pieces takes fewer tests.
+void CrossingPieces::find_records() {
+  const cl_uint faces = walked_.mesh.faces();
+  const Parts parts = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
+  starts_ = runtime_.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
+  auto filled = runtime_.allocate<cl_uint>("records filled", faces);
+  runtime_.fill<cl_uint>(starts_, 0, std::size_t(faces) + 1);
+  runtime_.fill<cl_uint>(filled, 0, faces);
+  auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
+    walked_.launch(runtime_, "crossings", "crossings_records", over(parts.capacity),
+                   std::make_tuple(emit, pieces_.count, parts.capacity), pieces_.ends, parts.begins, starts_, filled,
+                   records, counters_.buffer());
+  };
+  collect(0, filled);
+  runtime_.launch("crossings", "crossings_work", over(faces), faces, starts_, counters_.buffer());
+  if (counters_.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
+  const std::uint64_t by_faces = wide(counters_.last().pairs_low, counters_.last().pairs_high);
+  // In a forest, pieces of different problems must not meet: their grids are different.
+  all_ = walked_.vertices.roots == 1 && pieces_.count <= most_for_all &&
+         std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
+  rows_ = pieces_.count;
+  if (all_) return;
+  primitives_.exclusive_scan(starts_, starts_, faces);
+  rows_ = runtime_.read_one(starts_, faces);
+  records_ = runtime_.allocate<cl_uint>("records of faces", rows_);
+  collect(1, records_);
+}
+
+void CrossingPieces::test(cl_uint emit, cl_uint first, cl_uint last, const runtime::Buffer<cl_uint2>& pairs) {
+  const Mesh& mesh = walked_.mesh;
+  if (all_)
+    runtime_.launch("crossings", "crossings_all", over(rows_), emit, first, last, pieces_.count,
+                    walked_.vertices.points, pieces_.ends, counts_, pairs, counters_.buffer());
+  else
+    runtime_.launch("crossings", "crossings_pairs", over(rows_), emit, first, last, mesh.faces(), mesh.n,
+                    walked_.vertices.points, mesh.face_data, mesh.edge_faces, pieces_.ends, starts_, records_, counts_,
+                    pairs, counters_.buffer());
+}
+
 std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
                                        const Pieces& pieces, PhaseCounters& counters) {
-  const std::vector<cl_uint2> crossing = crossing_pieces(runtime, primitives, walked, pieces, counters);
+  CrossingPieces found(runtime, primitives, walked, pieces, counters);
+  auto pairs = runtime.allocate<cl_uint2>("crossing pieces", found.count());
+  if (found.count() > 0) found.list(0, found.count(), pairs);
+  std::vector<cl_uint2> crossing(found.count());
+  runtime.read(pairs, crossing.data(), crossing.size());
   std::vector<cl_uint> offsets(std::size_t(pieces.count) + 1), sources(pieces.source_count);
   runtime.read(pieces.source_offsets, offsets.data(), offsets.size());
   runtime.read(pieces.sources, sources.data(), sources.size());
@@ -88,8 +109,8 @@ Error crossings_error(const std::vector<Constraint>& crossings, const std::funct
   if (crossings.size() > pairs_in_message) message += ", ...";
   if (rounded)
     message +=
-        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid or drop "
-        "crossing constraints";
+        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid, or drop or "
+        "split crossing constraints";
   return Error(Status::constraints_cross, message, indices, crossings.size());
 }
 

@@ -102,6 +102,9 @@ class ForestPipeline final : public Pipeline {
     throw invalid;
   }
 
+  // Added vertices would have to be numbered problem by problem: such problems are run alone.
+  bool splits() const override { return false; }
+
   void output() override {
     auto& ms = statistics_.ms;
     OrderedMesh ordered;

@@ -178,9 +178,7 @@ class ForestOrdering {
     InvalidProblems invalid;
     for (cl_uint p = 0; p < problems_; ++p) {
       const cl_ulong bad = found[std::size_t{p} * survey_columns + 5];
-      if (bad != 0)
-        invalid.errors.emplace_back(p,
-                                    coordinate_error(Status::coordinate_not_finite, " is not a finite number", ~bad));
+      if (bad != 0) invalid.errors.emplace_back(p, survey_error(points_.type, ~bad));
     }
     if (!invalid.errors.empty()) throw invalid;
     return found;

@@ -61,7 +61,7 @@ Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
   runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows,
                  maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
-  if (found[5] != 0) throw coordinate_error(Status::coordinate_not_finite, " is not a finite number", ~found[5]);
+  if (found[5] != 0) throw survey_error(staged.type, ~found[5]);
   return survey_of(found.data());
 }
 
@@ -143,13 +143,22 @@ Error coordinate_error(Status status, const char* what, std::uint64_t coordinate
                {vertex, axis});
 }
 
+Error survey_error(cl_uint type, std::uint64_t coordinate) {
+  if (type == GCDT_COORDINATES_INT64)
+    return coordinate_error(Status::coordinate_outside_grid, " is beyond 2^53", coordinate);
+  return coordinate_error(Status::coordinate_not_finite, " is not a finite number", coordinate);
+}
+
 cl_uint coordinates_type(Points::Type type) {
   return type == Points::Type::float64   ? GCDT_COORDINATES_FLOAT64
+         : type == Points::Type::int64   ? GCDT_COORDINATES_INT64
          : type == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32
                                          : GCDT_COORDINATES_INT32;
 }
 
-std::size_t words_per_vertex(Points::Type type) { return type == Points::Type::float64 ? 2 : 1; }
+std::size_t words_per_vertex(Points::Type type) {
+  return type == Points::Type::float64 || type == Points::Type::int64 ? 2 : 1;
+}
 
 void check_vertex_count(std::uint64_t n) {
   if (n > max_vertices)

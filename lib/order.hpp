@@ -17,6 +17,8 @@ struct InputPoints {
 
 /// What is wrong with coordinate 2 * vertex + axis.
 Error coordinate_error(Status status, const char* what, std::uint64_t coordinate);
+/// What is wrong with one that a survey calls not finite: for int64, that it is beyond 2^53.
+Error survey_error(cl_uint type, std::uint64_t coordinate);
 
 /// GCDT_COORDINATES_... of a type, and the words of 8 bytes that a vertex takes.
 cl_uint coordinates_type(Points::Type type);

@@ -166,14 +166,21 @@ ConstrainResult Pipeline::enforce() {
 // Enforcement failed: either constraints cross, and their pairs are named, or something is wrong.
 void Pipeline::resolve_crossings(const ConstrainResult& first) {
   if (first.mesh_changed) insert();
+  if (options_.crossing == Crossing::split && splits()) return split_crossings();
   const std::vector<Constraint> crossings =
       find_crossings(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, counters_);
-  if (crossings.empty())
-    throw Error(Status::check_failed,
-                "constrain: the mesh would be invalid though no constraints cross (failure bits " +
-                    std::to_string(first.failed) + ")");
+  if (crossings.empty()) fail_without_crossings(first);
   statistics_.crossings = crossings.size();
-  if (options_.crossing == Crossing::reject) reject(crossings);
+  if (options_.crossing != Crossing::drop) reject(crossings);
+  drop_crossings(crossings);
+}
+
+void Pipeline::fail_without_crossings(const ConstrainResult& failed) const {
+  throw Error(Status::check_failed, "constrain: the mesh would be invalid though no constraints cross (failure bits " +
+                                        std::to_string(failed.failed) + ")");
+}
+
+void Pipeline::drop_crossings(const std::vector<Constraint>& crossings) {
   const std::vector<std::uint32_t> dropped = drop_crossing(crossings);
   statistics_.constraints_dropped = dropped.size();
   result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", dropped.size());
@@ -186,6 +193,39 @@ void Pipeline::resolve_crossings(const ConstrainResult& first) {
   if (second.failed)
     throw Error(Status::check_failed, "constrain: constraints still cross after dropping (failure bits " +
                                           std::to_string(second.failed) + ")");
+}
+
+// The pixels of the crossings become vertices, once. Then the constraints that cross are routed, and those that cross
+// a routed one, until none cross (docs/splitting.md). Ends: each further round has marked another constraint.
+void Pipeline::split_crossings() {
+  auto splitter = std::make_unique<Splitter>(runtime_, primitives_, constraints_, std::uint32_t(source_.n));
+  auto walked = [&] { return WalkedMesh{vertices_, mesh_, history_}; };
+  cleaner_.reset();
+  statistics_.crossings = splitter->find(walked(), pieces_, counters_);
+  if (statistics_.crossings == 0) fail_without_crossings({});
+  pieces_ = {};
+  mesh_ = {};
+  lists_ = {};
+  history_ = {};
+  vertices_ = splitter->add(std::move(vertices_), coarsest_level);
+  for (;;) {
+    ticker_.tick("constrain", 0.5);
+    const auto& links = splitter->route(vertices_);
+    insert();
+    cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, links,
+                                         std::uint32_t(vertices_.input_vertex.size()));
+    timed("clean", clean_ms_, [&] { clean({}); });
+    const ConstrainResult enforced = enforce();
+    if (!enforced.failed) break;
+    if (enforced.mesh_changed) insert();
+    if (splitter->mark(walked(), pieces_, counters_) == 0) fail_without_crossings(enforced);
+  }
+  cleaner_.reset();
+  splitter->name_sources(pieces_);
+  result_.added = std::move(splitter->added());
+  statistics_.vertices_added = result_.added.count;
+  statistics_.constraints_split = splitter->marked();
+  statistics_.constraint_move = splitter->largest_move() * vertices_.grid.cell();
 }
 
 void Pipeline::reject(const std::vector<Constraint>& crossings) {
@@ -220,6 +260,10 @@ void Pipeline::output() {
     number_by_input(runtime_, vertices_, pieces_);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
     if (result_.kept.allocated()) number_corners(runtime_, vertices_, result_.hull);
+    if (!result_.added.points.allocated()) {
+      result_.added.points = runtime_.allocate<cl_int2>("added vertices", 0);
+      result_.added.crossing = runtime_.allocate<cl_uint2>("constraints of added vertices", 0);
+    }
     result_.mesh = std::move(ordered);
   });
 }

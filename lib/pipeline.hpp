@@ -10,6 +10,7 @@
 #include "flip.hpp"
 #include "order.hpp"
 #include "output.hpp"
+#include "split.hpp"
 
 namespace gcdt {
 
@@ -28,13 +29,14 @@ struct InputSource {
 /// What a run leaves in device memory; all numbers are input numbers.
 struct DeviceTriangulation {
   OrderedMesh mesh;
-  runtime::Buffer<cl_uint> representatives;  ///< one per input vertex
+  runtime::Buffer<cl_uint> representatives;  ///< one per input vertex, then per added one
   Pieces pieces;
   runtime::Buffer<cl_uint> dropped;  ///< constraints, ascending
   Regions regions;                   ///< empty unless asked for
   Vertices vertices;
   OrderedMesh hull;              ///< all triangles, where a domain has left some out
   runtime::Buffer<cl_int> kept;  ///< the place of each of them in `mesh`, or -1
+  AddedVertices added;
   Statistics statistics;
 };
 
@@ -50,6 +52,8 @@ class Pipeline {
   virtual OrderResult order_points(InputPoints points);
   [[noreturn]] virtual void reject(const std::vector<Constraint>& crossings);
   virtual void output();
+  /// Whether Crossing::split can be followed; if not, crossings are rejected.
+  virtual bool splits() const { return true; }
 
   /// Runs a step and adds its wall time, without building programs, to `ms`. `phase` is its name in a trace.
   template <class Step>
@@ -59,6 +63,9 @@ class Pipeline {
   void insert();
   void constrain_all();
   void resolve_crossings(const ConstrainResult& first);
+  void drop_crossings(const std::vector<Constraint>& crossings);
+  void split_crossings();
+  [[noreturn]] void fail_without_crossings(const ConstrainResult& failed) const;
   void flip_all();
   void select(OrderedMesh& ordered);
   bool wants_regions() const { return options_.regions || options_.domain != Domain::hull; }

@@ -21,6 +21,25 @@ Wide incircle(Vertex a, Vertex b, Vertex c, Vertex d) {
 
 bool before(Vertex a, Vertex b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
+std::string check_sizes(Points points, Constraints constraints) {
+  if (points.size() > max_vertices) return say(points.size(), " vertices are more than ", max_vertices);
+  if (constraints.size >= none) return say(constraints.size, " constraints are more than ", none - 1);
+  for (std::size_t c = 0; c < constraints.size; ++c)
+    for (std::uint32_t v : constraints[c])
+      if (v >= points.size()) return say("constraint ", c, ": vertex ", v, " does not exist");
+  return {};
+}
+
+std::string append_added(Span<std::array<std::int32_t, 2>> added, std::vector<Vertex>& vertices) {
+  if (added.size > max_vertices - vertices.size())
+    return say(vertices.size(), " and ", added.size, " added vertices are more than ", max_vertices);
+  for (const auto& [x, y] : added) {
+    if (x < 0 || y < 0) return say("added vertex ", vertices.size(), " is outside the grid");
+    vertices.push_back({x, y});
+  }
+  return {};
+}
+
 namespace {
 
 /// The failure of unconstrained half-edge h, which has a twin, to be the right diagonal (contract 4).
@@ -60,30 +79,29 @@ std::string check_flags(const Mesh& mesh, const std::uint8_t* constrained, const
   return {};
 }
 
-std::string check_sizes(Points points, Constraints constraints) {
-  if (points.size() > max_vertices) return say(points.size(), " vertices are more than ", max_vertices);
-  if (constraints.size >= none) return say(constraints.size, " constraints are more than ", none - 1);
-  for (std::size_t c = 0; c < constraints.size; ++c)
-    for (std::uint32_t v : constraints[c])
-      if (v >= points.size()) return say("constraint ", c, ": vertex ", v, " does not exist");
-  return {};
-}
-
 /// The first failure, or an empty text.
 std::string prove(Points points, Constraints constraints, const MeshView& view, const Grid& grid, Crossing crossing) {
   auto reason = check_sizes(points, constraints);
   if (!reason.empty()) return reason;
   auto vertices = quantise(points, grid, reason);
   if (!reason.empty()) return reason;
+  const auto inputs = static_cast<std::uint32_t>(vertices.size());
+  reason = append_added(view.added, vertices);
+  if (!reason.empty()) return reason;
   const Sites sites(std::move(vertices));
+  reason = check_added(sites, inputs);
+  if (!reason.empty()) return reason;
   if (sites.flat) {
+    if (view.added.size > 0) return "vertices were added, but all are on one line";
     if (view.triangles.size == 0) return {};
     return say(view.triangles.size, " triangles, but the ", sites.distinct, " distinct vertices are all on one line");
   }
   Mesh mesh(sites, view);
   reason = mesh.prove_topology();
   Sources sources;
-  if (reason.empty()) reason = prove_constraints(sites, mesh, constraints, crossing, sources);
+  if (reason.empty())
+    reason = crossing == Crossing::split ? prove_split(sites, mesh, inputs, constraints, sources)
+                                         : prove_constraints(sites, mesh, constraints, crossing, sources);
   if (reason.empty() && view.constrained) reason = check_flags(mesh, view.constrained, sources);
   if (reason.empty()) reason = check_delaunay(mesh, sources);
   return reason;

@@ -14,11 +14,6 @@ namespace gcdt::proof {
 
 namespace {
 
-struct Segment {
-  std::uint32_t a, b;  // representatives, a < b
-  std::uint32_t constraint;
-};
-
 /// Walks segments through the mesh and records which edges are constrained.
 class Walker {
  public:
@@ -42,24 +37,12 @@ class Walker {
 
   /// The least constraint on the first edge that the segment crosses and that belongs to a constraint before `limit`.
   std::uint32_t crossed_before(const Segment& segment, std::uint32_t limit) const {
-    for (std::uint32_t v = segment.a; v != segment.b;) {
-      const auto exit = mesh_.leave(v, segment.b);
-      if (exit.along_edge) {
-        v = exit.end;
-        continue;
-      }
-      // Through triangles until one has its apex on the segment.
-      for (std::uint32_t h = exit.half_edge;;) {
-        if (sources_[h] < limit) return sources_[h];
-        h = mesh_.twin(h);
-        v = mesh_.apex(h);
-        const std::int64_t side = orient(mesh_.at(segment.a), mesh_.at(segment.b), mesh_.at(v));
-        if (side == 0) break;
-        // h runs from the segment's left to its right; the next one must run from right to left, as seen from here.
-        h = side > 0 ? Mesh::next(h) : Mesh::next(Mesh::next(h));
-      }
-    }
-    return none;
+    std::uint32_t found = none;
+    walk_across(mesh_, segment, [&](std::uint32_t h) {
+      if (sources_[h] < limit) found = sources_[h];
+      return found != none;
+    });
+    return found;
   }
 
  private:
@@ -70,8 +53,9 @@ class Walker {
   std::vector<std::uint32_t> chain_;
 };
 
-/// The distinct constraints of positive length between representatives, each with the least number that it has.
-std::vector<Segment> clean(const Sites& sites, Constraints constraints) {
+}  // namespace
+
+std::vector<Segment> distinct_segments(const Sites& sites, Constraints constraints) {
   std::vector<Segment> segments;
   segments.reserve(constraints.size);
   for (std::uint32_t c = 0; c < constraints.size; ++c) {
@@ -88,15 +72,13 @@ std::vector<Segment> clean(const Sites& sites, Constraints constraints) {
   return segments;
 }
 
-}  // namespace
-
 std::string prove_constraints(const Sites& sites, const Mesh& mesh, Constraints constraints, Crossing crossing,
                               Sources& sources) {
   sources.assign(mesh.half_edges(), none);
   Walker walker(mesh, sources);
   std::vector<Segment> missing;
   std::vector<std::uint32_t> crossed;
-  for (const Segment& segment : clean(sites, constraints)) {
+  for (const Segment& segment : distinct_segments(sites, constraints)) {
     const std::uint32_t h = walker.keep(segment);
     if (h == none) continue;
     missing.push_back(segment);

@@ -6,24 +6,106 @@
 #include <algorithm>
 
 #include "verify_complete.hpp"
+#include "verify_pixels.hpp"
 
 namespace gcdt::proof {
 
 namespace {
 
+/// Vertices of the mesh, all representatives; between each and the next runs a straight chain of edges.
+using Path = std::vector<std::uint32_t>;
+
+/// The whole mesh, and the path of each constraint that is in it, from its first end to its second.
+class Rebuilt {
+ public:
+  Rebuilt(const Sites& sites, std::uint32_t inputs, Constraints constraints, Crossing crossing)
+      : sites_(sites), inputs_(inputs), constraints_(constraints), crossing_(crossing) {}
+
+  /// Returns the first failure.
+  std::string run() {
+    const std::string reason = crossing_ == Crossing::split ? insert_split() : insert_in_order();
+    if (reason.empty()) mesh_->sort();
+    return reason;
+  }
+  const Completion& mesh() const { return *mesh_; }
+  const std::vector<Path>& paths() const { return paths_; }
+
+ private:
+  std::uint32_t end(std::size_t c, int k) const { return sites_.representative[constraints_[c][k]]; }
+
+  bool insert(const Path& path) {
+    for (std::size_t i = 0; i + 1 < path.size(); ++i)
+      if (!mesh_->constrain(path[i], path[i + 1])) return false;
+    return true;
+  }
+
+  std::string insert_in_order() {
+    mesh_.emplace(sites_);
+    for (std::size_t c = 0; c < constraints_.size; ++c) {
+      if (end(c, 0) == end(c, 1)) continue;
+      const Path path = {end(c, 0), end(c, 1)};
+      if (insert(path))
+        paths_.push_back(path);
+      else if (crossing_ != Crossing::drop)
+        return say("constraint ", c, " (", path[0], "-", path[1], ") crosses an earlier one");
+    }
+    return {};
+  }
+
+  /// Routed constraints first; then those left straight that cross one are routed too. Ends: each round but the last
+  /// routes another.
+  std::string insert_split() {
+    const PixelTree tree(sites_);
+    const std::vector<Segment> segments = distinct_segments(sites_, constraints_);
+    std::vector<bool> routed;
+    if (auto reason = find_crossing(sites_, tree, inputs_, segments, routed); !reason.empty()) return reason;
+    const auto path_of = [&](std::size_t s, std::uint32_t a, std::uint32_t b) {
+      return routed[s] ? tree.along(a, b) : Path{a, b};
+    };
+    for (bool more = true; more;) {
+      more = false;
+      mesh_.emplace(sites_);
+      for (const bool now : {true, false})
+        for (std::size_t s = 0; s < segments.size(); ++s) {
+          if (routed[s] != now || insert(path_of(s, segments[s].a, segments[s].b))) continue;
+          if (now) return say("the routes of constraint ", segments[s].constraint, " and of another one cross");
+          routed[s] = more = true;
+        }
+    }
+    const auto number_of = [&](std::uint32_t a, std::uint32_t b) {
+      const auto less = [](const Segment& s, const std::array<std::uint32_t, 2>& ends) {
+        return std::array{s.a, s.b} < ends;
+      };
+      return std::lower_bound(segments.begin(), segments.end(), std::array{std::min(a, b), std::max(a, b)}, less) -
+             segments.begin();
+    };
+    for (std::size_t c = 0; c < constraints_.size; ++c)
+      if (end(c, 0) != end(c, 1))
+        paths_.push_back(path_of(std::size_t(number_of(end(c, 0), end(c, 1))), end(c, 0), end(c, 1)));
+    return {};
+  }
+
+  const Sites& sites_;
+  const std::uint32_t inputs_;
+  const Constraints constraints_;
+  const Crossing crossing_;
+  std::optional<Completion> mesh_;
+  std::vector<Path> paths_;
+};
+
 /// The regions of a complete mesh in canonical order, with depths and windings.
 class Flood {
  public:
-  Flood(const Sites& sites, const Completion& mesh, const std::vector<Constraint>& kept)
-      : mesh_(mesh), region_(mesh.triangles().size(), none) {
+  Flood(const Completion& mesh, const std::vector<Path>& paths) : mesh_(mesh), region_(mesh.triangles().size(), none) {
     for (std::uint32_t t = 0; t < region_.size(); ++t)
       if (region_[t] == none) fill(t, count_++);
     turns_.assign(3 * region_.size(), 0);
-    for (const auto& [a, b] : kept)
-      mesh.follow(sites.representative[a], sites.representative[b], [&](std::uint32_t h, bool along) {
-        turns_[h] += along ? 1 : -1;
-        if (mesh.twin(h) != none) turns_[mesh.twin(h)] -= along ? 1 : -1;
-      });
+    for (const Path& path : paths)
+      for (std::size_t i = 0; i + 1 < path.size(); ++i)
+        mesh.follow(path[i], path[i + 1], [&](std::uint32_t h, bool along) {
+          turns_[h] += along ? 1 : -1;
+          if (mesh.twin(h) != none) turns_[mesh.twin(h)] -= along ? 1 : -1;
+        });
     search();
   }
 
@@ -213,29 +295,25 @@ std::vector<char> chosen(const Sites& sites, const Completion& mesh, const Flood
 
 std::string prove(Points points, Constraints constraints, const MeshView& view, const RegionView& regions,
                   const Grid& grid, const Options& options) {
-  std::string reason;
+  std::string reason = check_sizes(points, constraints);
+  if (!reason.empty()) return reason;
   auto vertices = quantise(points, grid, reason);
+  if (!reason.empty()) return reason;
+  const auto inputs = static_cast<std::uint32_t>(vertices.size());
+  reason = append_added(view.added, vertices);
   if (!reason.empty()) return reason;
   const Sites sites(std::move(vertices));
   if (sites.flat) return verify(points, constraints, view, grid, options.crossing).reason;
-  Completion mesh(sites);
-  std::vector<Constraint> kept;
-  for (std::size_t c = 0; c < constraints.size; ++c) {
-    for (const std::uint32_t v : constraints[c])
-      if (v >= points.size()) return say("constraint ", c, ": vertex ", v, " does not exist");
-    const auto a = sites.representative[constraints[c][0]], b = sites.representative[constraints[c][1]];
-    if (a == b) continue;
-    if (mesh.constrain(a, b))
-      kept.push_back(constraints[c]);
-    else if (options.crossing != Crossing::drop)
-      return say("constraint ", c, " (", a, "-", b, ") crosses an earlier one");
-  }
-  mesh.sort();
+  Rebuilt rebuilt(sites, inputs, constraints, options.crossing);
+  reason = rebuilt.run();
+  if (!reason.empty()) return reason;
+  const Completion& mesh = rebuilt.mesh();
   MeshView whole;
   whole.triangles = mesh.triangles();
+  whole.added = view.added;
   const Verification proved = verify(points, constraints, whole, grid, options.crossing);
   if (!proved.valid) return say("the whole mesh made for comparison is not valid: ", proved.reason);
-  const Flood flood(sites, mesh, kept);
+  const Flood flood(mesh, rebuilt.paths());
   return Comparison(mesh, flood, chosen(sites, mesh, flood, grid, options), view).run(regions);
 }
 

@@ -63,6 +63,16 @@ struct Placed {
 /// round_half_even((v - origin) / cell), exactly. Moves below `least_move` need not be computed.
 Placed place(double v, double origin, const Cell& cell, double least_move);
 
+/// A reason why `grid` describes no grid, or an empty text.
+std::string grid_defect(const Grid& grid);
+
+/// The double nearest to the coordinate of grid line `at` of a grid without defect.
+double coordinate_at(const Grid& grid, int axis, std::int32_t at);
+
+/// The grid line to which a finite coordinate is rounded; none if that is outside. On a decimal grid the coordinate
+/// is read as it is written, if it is written with its decimals.
+std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v);
+
 /// All vertices on `grid`. Returns an empty vector and a reason if one does not fit or, on a binary
 /// or decimal grid, is not on the grid.
 std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reason);

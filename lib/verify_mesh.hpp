@@ -115,6 +115,51 @@ class Mesh {
 /// The constraint that each half-edge is part of: the least number, or none; equal on both sides of an edge.
 using Sources = std::vector<std::uint32_t>;
 
+/// A constraint of positive length between representatives.
+struct Segment {
+  std::uint32_t a, b;  ///< a < b
+  std::uint32_t constraint;
+};
+
+/// The distinct segments, each with the least constraint that it is.
+std::vector<Segment> distinct_segments(const Sites& sites, Constraints constraints);
+
+/// Visits the half-edges that `segment` crosses between their ends, in order, seen from where it comes from, until
+/// visit(half_edge) returns true.
+template <class Visit>
+void walk_across(const Mesh& mesh, const Segment& segment, Visit&& visit) {
+  for (std::uint32_t v = segment.a; v != segment.b;) {
+    const auto exit = mesh.leave(v, segment.b);
+    if (exit.along_edge) {
+      v = exit.end;
+      continue;
+    }
+    // Through triangles until one has its apex on the segment.
+    for (std::uint32_t h = exit.half_edge;;) {
+      if (visit(h)) return;
+      h = mesh.twin(h);
+      v = mesh.apex(h);
+      const std::int64_t side = orient(mesh.at(segment.a), mesh.at(segment.b), mesh.at(v));
+      if (side == 0) break;
+      // h runs from the segment's left to its right; the next one must run from right to left, as seen from here.
+      h = side > 0 ? Mesh::next(h) : Mesh::next(Mesh::next(h));
+    }
+  }
+}
+
+/// The failure of an index or a count to be possible.
+std::string check_sizes(Points points, Constraints constraints);
+
+/// Appends the added vertices to those of the input.
+std::string append_added(Span<std::array<std::int32_t, 2>> added, std::vector<Vertex>& vertices);
+
+/// Crossing::split. Vertices from `inputs` on must be no duplicates, and in order of x and y.
+std::string check_added(const Sites& sites, std::uint32_t inputs);
+
+/// Proves that the constraints were split (verify_split.cpp), and fills `sources`. Returns the first failure.
+std::string prove_split(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, Constraints constraints,
+                        Sources& sources);
+
 /// Proves contract 3 from the constraints of the input and fills `sources`. Returns the first failure.
 std::string prove_constraints(const Sites& sites, const Mesh& mesh, Constraints constraints, Crossing crossing,
                               Sources& sources);

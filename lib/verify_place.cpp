@@ -115,18 +115,10 @@ bool place_decimal(double v, double origin, int decimals, std::int32_t& at) {
   return true;
 }
 
-/// A reason why `grid` describes no grid, or an empty text.
-std::string grid_defect(const Grid& grid) {
-  if (!is_finite(grid.origin[0]) || !is_finite(grid.origin[1])) return "the grid's origin is not finite";
-  if (grid.cell_units > 0 && (grid.cell_decimals < -max_decimals || grid.cell_decimals > max_decimals))
-    return "the grid's cell has too many decimals";
-  if (grid.cell_units == 0 && (grid.cell_exponent < -1200 || grid.cell_exponent > 1100))
-    return "the grid's cell is too small or too large";
-  if (grid.kind == Grid::Kind::decimal && (grid.cell_units != 1 || grid.cell_decimals < 0))
-    return "the cell of a decimal grid is not a power of ten";
-  if ((grid.kind == Grid::Kind::binary || grid.kind == Grid::Kind::rounded) && grid.cell_units != 0)
-    return "the cell of a binary or rounded grid is not a power of two";
-  return {};
+/// left + right or, if `minus`, left - right; the sign apart.
+std::pair<bool, Big> signed_sum(bool minus, const Big& left, const Big& right) {
+  if (!minus) return {false, left + right};
+  return left < right ? std::pair(true, right - left) : std::pair(false, left - right);
 }
 
 std::string place_vertex(Points points, std::size_t vertex, int axis, const Grid& grid, std::int32_t& at) {
@@ -161,6 +153,51 @@ Placed place(double v, double origin, const Cell& cell, double least_move) {
   if (a.negative != b.negative) return place_with_exit(a.negative, left + right, base, cell, least_move);
   const bool smaller = left < right;
   return place_with_exit(smaller != a.negative, smaller ? right - left : left - right, base, cell, least_move);
+}
+
+std::string grid_defect(const Grid& grid) {
+  if (!is_finite(grid.origin[0]) || !is_finite(grid.origin[1])) return "the grid's origin is not finite";
+  if (grid.cell_units > 0 && (grid.cell_decimals < -max_decimals || grid.cell_decimals > max_decimals))
+    return "the grid's cell has too many decimals";
+  if (grid.cell_units == 0 && (grid.cell_exponent < -1200 || grid.cell_exponent > 1100))
+    return "the grid's cell is too small or too large";
+  if (grid.kind == Grid::Kind::decimal && (grid.cell_units != 1 || grid.cell_decimals < 0))
+    return "the cell of a decimal grid is not a power of ten";
+  if ((grid.kind == Grid::Kind::binary || grid.kind == Grid::Kind::rounded) && grid.cell_units != 0)
+    return "the cell of a binary or rounded grid is not a power of two";
+  return {};
+}
+
+double coordinate_at(const Grid& grid, int axis, std::int32_t at) {
+  if (grid.kind == Grid::Kind::decimal) {
+    const Wide units = in_units(grid.origin[axis], grid.cell_decimals).value_or(0) + at;
+    const bool negative = units < 0;
+    const Big n(static_cast<UWide>(negative ? -units : units));
+    const int d = grid.cell_decimals;
+    const double v = d == 0 || units == 0 ? nearest_double(n, -d) : nearest_double(n, -d, d);
+    return negative ? -v : v;
+  }
+  // origin + at * units * 2^two * 5^five, over 5^down and in units of 2^base
+  const Cell cell = cell_of(grid);
+  const Dyadic origin = dyadic(grid.origin[axis]);
+  const int up = std::max(0, cell.five), down = std::max(0, -cell.five);
+  if (at == 0) return grid.origin[axis];
+  const int base = origin.mantissa == 0 ? cell.two : std::min(origin.exponent, cell.two);
+  Big left = Big(origin.mantissa) * power_of_five(down);
+  if (origin.mantissa != 0) left = left << (origin.exponent - base);
+  const Big right = ((Big(static_cast<UWide>(at)) * cell.units) * power_of_five(up)) << (cell.two - base);
+  const auto [turned, sum] = signed_sum(origin.negative, right, left);
+  if (sum == Big(0)) return 0;
+  const double v = down == 0 ? nearest_double(sum, base) : nearest_double(sum, base, down);
+  return turned ? -v : v;
+}
+
+std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v) {
+  std::int32_t at = 0;
+  if (grid.kind == Grid::Kind::decimal && place_decimal(v, grid.origin[axis], grid.cell_decimals, at)) return at;
+  const Placed placed = place(v, grid.origin[axis], cell_of(grid), HUGE_VAL);
+  if (placed.outside) return std::nullopt;
+  return placed.at;
 }
 
 std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reason) {

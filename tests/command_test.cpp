@@ -120,7 +120,8 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "triangulate in.poly --no-such-option",
                                 "triangulate in.poly --tiles 2",
                                 "triangulate in.poly --domain inside",
-                                "triangulate in.poly --crossing split",
+                                "triangulate in.poly --domain even-odd --assess",
+                                "triangulate in.poly --crossing merge",
                                 "triangulate in.poly -o",
                                 "triangulate in.poly -o out.xyz",
                                 "triangulate in.poly -o out.ele -o out",
@@ -299,6 +300,85 @@ TEST_CASE("constraints that cross are listed with their numbers, ends and lines,
   CHECK(nlohmann::json::parse(session.read("s.json"))["constraints_dropped"] == 1);
   session.good("verify in.poly o.ele --crossing drop");
   session.bad(5, "verify in.poly o.ele");
+}
+
+TEST_CASE("constraints that cross are split, and files with added vertices are verified") {
+  Session session;
+  session.write("in.poly", crossed);
+  session.good("triangulate in.poly --crossing split --verify -o o.ele -o o.poly -o o.vtu --stats s.json");
+  const auto json = nlohmann::json::parse(session.read("s.json"));
+  CHECK(json["vertices_added"] == 1);
+  CHECK(json["constraints_split"] == 2);
+  CHECK(json["constraint_move"] == 0.0);
+  CHECK(contains(session.read("o.node"), "5 2 0 0\n"));
+  session.good("verify in.poly o.ele --crossing split");
+  session.good("verify in.poly o.vtu --crossing split");
+  session.bad(5, "verify in.poly o.vtu --crossing drop");
+  session.bad(5, "verify in.poly o.ele");
+  // The split graph is an input without crossings, of the same triangles.
+  session.good("triangulate o.poly --verify -o again.ele");
+  CHECK(data_lines(session.read("again.ele")) == data_lines(session.read("o.ele")));
+  // A .node that lacks the vertex, or has it elsewhere.
+  std::string node = session.read("o.node");
+  session.write("o.node", "4 2 0 0\n" + node.substr(node.find('\n') + 1, node.find("\n4 ") - node.find('\n')));
+  session.bad(5, "verify in.poly o.ele --crossing split");
+  // No file of the input is overwritten.
+  session.write("points.node", session.read("o.node"));
+  session.write("points.poly", "0 2 0 0\n2 0\n0 0 2\n1 1 3\n0\n");
+  session.bad(2, "triangulate points.poly --crossing split -o points.ele");
+}
+
+TEST_CASE("--assess says what the mesh is worth at the coordinates as they are given") {
+  Session session;
+  session.write("in.poly", square);
+  session.good("triangulate in.poly --assess --stats s.json");
+  CHECK(nlohmann::json::parse(session.read("s.json"))["given"]["valid"] == true);
+  // A cell of 4: the middle two vertices change sides.
+  session.write("in.node", "4 2 0 0\n0 0 0\n1 4 0\n2 3 2.1\n3 1 1.9\n");
+  session.good("triangulate in.node --grid 0,0,4 --assess --stats s.json");
+  const auto given = nlohmann::json::parse(session.read("s.json"))["given"];
+  CHECK(given["valid"] == false);
+  CHECK(given["vertices_lost"] == 1);
+  session.good("triangulate in.node --stats s.json");
+  CHECK(!nlohmann::json::parse(session.read("s.json")).contains("given"));
+}
+
+TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collection; what is wrong is named") {
+  Session session;
+  session.write("in.geojson", R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [
+      [[0, 0], [0, 8], [8, 8], [8, 0], [0, 0]], [[2, 2, 7.5], [4, 2], [4, 4], [2, 2]]]}},
+    {"type": "Feature", "properties": {}, "geometry": null},
+    {"type": "Feature", "properties": {}, "geometry": {"type": "GeometryCollection", "geometries": [
+      {"type": "MultiLineString", "coordinates": [[[5, 5], [7, 5], [7, 7]], [[1, 7], [2, 7]]]},
+      {"type": "MultiPolygon", "coordinates": [[[[20, 0], [24, 0], [24, 4], [20, 0]]]]},
+      {"type": "MultiPoint", "coordinates": [[12, 3]]}, {"type": "Point", "coordinates": [1, 1]}]}}]})");
+  const Outcome made = session.gcdt("triangulate in.geojson --verify -o o.poly -o o.ele --stats s.json");
+  CHECK(made.status == 0);
+  CHECK(contains(made.err, "1 positions have further numbers"));
+  const auto json = nlohmann::json::parse(session.read("s.json"));
+  CHECK(json["n"] == 4 + 3 + 5 + 3 + 2);
+  CHECK(json["m"] == 4 + 3 + 3 + 3);
+  session.good("verify in.geojson o.ele");
+  const char* broken[][2] = {
+      {"{", "no JSON"},
+      {"[]", "an object is due"},
+      {R"({"type": "Polygon"})", "\"coordinates\" is missing"},
+      {R"({"type": "Circle", "coordinates": []})", "there is no type \"Circle\""},
+      {R"({"type": "Polygon", "coordinates": [[[0, 0], [1]]]})",
+       "ring 0, position 1: a position of two numbers is due"},
+      {R"({"type": "LineString", "coordinates": [[0, "x"]]})", "position 0: a position of two numbers"},
+      {R"({"type": "Point", "coordinates": [1e999, 0]})", "no JSON"}};
+  for (const auto& [text, part] : broken) {
+    CAPTURE(std::string(text));
+    session.write("bad.json", text);
+    const Outcome outcome = session.gcdt("triangulate bad.json");
+    CHECK(outcome.status == 3);
+    CHECK(contains(outcome.err, part));
+  }
+  // Crossings are named without lines, which JSON has none of.
+  session.write("cross.json", R"({"type": "MultiLineString", "coordinates": [[[0, 0], [2, 2]], [[0, 2], [2, 0]]]})");
+  CHECK(contains(session.gcdt("triangulate cross.json").err, "segment 0 (vertices 0 1) and segment 1 (vertices 2 3)"));
 }
 
 TEST_CASE("a grid can be fixed, is kept in the outputs, and refuses what lies outside") {

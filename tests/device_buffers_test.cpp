@@ -88,6 +88,27 @@ TEST_CASE("real coordinates in device memory get the grid that host arrays get")
   CHECK(wide.statistics().grid.largest_move == expected.statistics.grid.largest_move);
   const Result narrow = solve(solver, {Points::Type::float32, app.buffer(floats), floats.size(), 0});
   CHECK(same_bytes(narrow.download(), test::solver().triangulate(floats)));
+  std::vector<std::array<std::int64_t, 2>> longs;  // as far from 0 as they may be
+  for (const Point& p : work.points)
+    longs.push_back({(std::int64_t{1} << 53) - static_cast<std::int64_t>(p[0] * 1e6),
+                     static_cast<std::int64_t>(p[1] * 1e6) - (std::int64_t{1} << 53)});
+  const Result whole = solve(solver, {Points::Type::int64, app.buffer(longs), longs.size(), 0});
+  CHECK(same_bytes(whole.download(), test::solver().triangulate(longs)));
+  CHECK(whole.statistics().grid.kind == Grid::Kind::binary);
+}
+
+TEST_CASE("crossings are split in device memory as in host memory") {
+  const App app;
+  Solver solver = make_solver(app.queue);
+  const Integers crossing{{{0, 0}, {9, 8}, {8, 9}, {0, 8}, {3, 0}, {3, 9}}, {{0, 2}, {1, 3}, {4, 5}}};
+  Options options;
+  options.crossing = Crossing::split;
+  const Result split = solve(solver, device_points(app, crossing), device_constraints(app, crossing), options);
+  const Triangulation expected = from_host(crossing, options);
+  REQUIRE(expected.added.size() == 3);
+  CHECK(same_bytes(copied(app, split), expected));
+  CHECK(app.read<std::array<std::int32_t, 2>>(buffer_of(split, GCDT_ADDED), 3) == expected.added_on_grid);
+  CHECK(app.read<Constraint>(buffer_of(split, GCDT_ADDED_CROSSINGS), 3) == expected.added_crossing);
 }
 
 TEST_CASE("offsets and sub-buffers are honoured") {

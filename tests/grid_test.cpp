@@ -80,6 +80,12 @@ TEST_CASE("floats and integers become the bits of the doubles that they are") {
     if (!std::isnan(f)) REQUIRE(device::gcdt_double_of_float(word) == bits_of(double(f)));
     if (std::isnan(f)) REQUIRE(!device::gcdt_is_finite(device::gcdt_double_of_float(word)));
     REQUIRE(device::gcdt_double_of_int(word) == bits_of(double(std::int32_t(word))));
+    const std::uint64_t whole = e() >> (e() % 64), most = std::uint64_t(1) << 53;
+    for (const std::uint64_t v : {whole, ~whole, most, ~most + 1, most + 1, ~most})
+      if (const auto number = std::int64_t(v); number <= std::int64_t(most) && number >= -std::int64_t(most))
+        REQUIRE(device::gcdt_double_of_long(v) == bits_of(double(number)));
+      else
+        REQUIRE(!device::gcdt_is_finite(device::gcdt_double_of_long(v)));
   }
 }
 

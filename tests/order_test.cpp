@@ -230,7 +230,7 @@ TEST_CASE("ties go to even and a hair beside a tie decides") {
   }
 }
 
-TEST_CASE("floats and 32-bit integers are taken as the doubles they are") {
+TEST_CASE("floats and integers are taken as the doubles they are") {
   Engine e(3);
   for (auto& device : devices_under_test()) {
     CAPTURE(device->runtime.info().name);
@@ -251,6 +251,13 @@ TEST_CASE("floats and 32-bit integers are taken as the doubles they are") {
       for (const auto& p : ints) from_ints.push_back({double(p[0]), double(p[1])});
       check_same(run(*device, floats), run(*device, from_floats));
       check_same(run(*device, ints), run(*device, from_ints));
+      std::vector<std::array<std::int64_t, 2>> longs(40);
+      Doubles from_longs;
+      for (auto& p : longs)
+        for (auto& v : p) v = integer(e, -(std::int64_t(1) << 53), std::int64_t(1) << 53) >> (round % 4 * 16);
+      longs[0] = {-(std::int64_t(1) << 53), std::int64_t(1) << 53};
+      for (const auto& p : longs) from_longs.push_back({double(p[0]), double(p[1])});
+      check_same(run(*device, longs), run(*device, from_longs));
     }
   }
 }

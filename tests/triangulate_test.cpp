@@ -230,7 +230,7 @@ TEST_CASE("-0 counts as 0") {
   CHECK(sameBytes(triangulated(zero), triangulated(minus)));
 }
 
-TEST_CASE("float and int32 vertices give the same bytes as the same numbers as doubles") {
+TEST_CASE("float, int32 and int64 vertices give the same bytes as the same numbers as doubles") {
   for (const Workload& work : {randomPslg(50, 20, 80, 7), moved(grid(49), [](Point p) {
                                  return Point{p[0] - 3, p[1] - 3};
                                })}) {
@@ -243,6 +243,9 @@ TEST_CASE("float and int32 vertices give the same bytes as the same numbers as d
     const Triangulation expected = triangulated(work);
     CHECK(sameBytes(solver().triangulate(floats, work.constraints), expected));
     CHECK(sameBytes(solver().triangulate(ints, work.constraints), expected));
+    std::vector<std::array<std::int64_t, 2>> longs;
+    for (const auto& p : ints) longs.push_back({p[0], p[1]});
+    CHECK(sameBytes(solver().triangulate(longs, work.constraints), expected));
   }
   std::vector<std::array<float, 2>> fine;  // 24-bit fractions: exact as floats, and no integers
   Workload work;
@@ -253,6 +256,26 @@ TEST_CASE("float and int32 vertices give the same bytes as the same numbers as d
     work.points.push_back({fine.back()[0], fine.back()[1]});
   }
   CHECK(sameBytes(solver().triangulate(fine), triangulated(work)));
+}
+
+TEST_CASE("int64 is exact up to 2^53, and beyond that an error that names the coordinate") {
+  const std::int64_t most = std::int64_t{1} << 53;
+  std::vector<std::array<std::int64_t, 2>> points{
+      {most, -most}, {most - 7, -most}, {most - 3, 5 - most}, {most, 9 - most}};
+  std::vector<std::array<double, 2>> doubles;
+  for (const auto& p : points) doubles.push_back({double(p[0]), double(p[1])});
+  const Triangulation mesh = solver().triangulate(points);
+  CHECK(mesh.statistics.grid.kind == Grid::Kind::binary);
+  CHECK(sameBytes(mesh, solver().triangulate(doubles)));
+  CHECK(fault(points, {}, mesh) == "");
+  for (const std::int64_t bad : {most + 1, -most - 1, std::numeric_limits<std::int64_t>::min()}) {
+    points[2][1] = bad;
+    const Error error = errorOf(points);
+    CHECK(error.status() == Status::coordinate_outside_grid);
+    CHECK(error.indices() == std::vector<std::uint64_t>{2, 1});
+    MeshView none;
+    CHECK(!verify(points, {}, none, mesh.statistics.grid).valid);
+  }
 }
 
 TEST_CASE("the extremes of int32 are exact") {

@@ -17,7 +17,7 @@ struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
   std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
-  bool verify = false, quiet = false, regions = false;
+  bool verify = false, assess = false, quiet = false, regions = false;
 };
 
 /// A mesh that is made of INPUT to be asked something.

@@ -14,15 +14,17 @@ namespace gcdt::command {
 
 namespace {
 
-/// FILE:LINE of a record that was read.
+/// FILE:LINE of a record that was read; FILE where the format has no lines.
 std::string place(const std::string& file, const io::LineNumbers& lines, std::uint64_t index) {
-  return fmt::format("{}:{}", file, lines.of(index));
+  const std::uint64_t line = lines.of(index);
+  return line == 0 ? file : fmt::format("{}:{}", file, line);
 }
 
 std::string segment(const io::Input& input, std::uint64_t c) {
   const auto& [a, b] = input.constraints[c];
-  return fmt::format("segment {} (vertices {} {}, line {})", c + input.first_constraint, a + input.first,
-                     b + input.first, input.constraint_lines.of(c));
+  const std::uint64_t line = input.constraint_lines.of(c);
+  return fmt::format("segment {} (vertices {} {}{})", c + input.first_constraint, a + input.first, b + input.first,
+                     line == 0 ? "" : fmt::format(", line {}", line));
 }
 
 std::string crossings(const Error& error, const io::Input& input, const Options& options) {
@@ -40,7 +42,9 @@ std::string crossings(const Error& error, const io::Input& input, const Options&
         "\nthe vertices are rounded to a grid (cell {}, largest move {}), which can make clean input cross: --grid "
         "X,Y,CELL sets another",
         grid.cell(), grid.largest_move);
-  return text + "\n--crossing drop leaves out every constraint that crosses an earlier one";
+  return text +
+         "\n--crossing drop leaves out every constraint that crosses an earlier one; --crossing split makes the "
+         "crossings vertices";
 }
 
 std::string about_coordinate(const Error& error, const io::Input& input, const char* what) {
@@ -51,7 +55,9 @@ std::string about_coordinate(const Error& error, const io::Input& input, const c
 
 }  // namespace
 
-Crossing crossing_named(const std::string& name) { return name == "drop" ? Crossing::drop : Crossing::reject; }
+Crossing crossing_named(const std::string& name) {
+  return name == "split" ? Crossing::split : name == "drop" ? Crossing::drop : Crossing::reject;
+}
 
 void set_domain(const std::string& name, const io::Input& input, Options& options) {
   options.domain = name == "even-odd"      ? Domain::even_odd

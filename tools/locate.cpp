@@ -13,13 +13,6 @@ namespace gcdt::command {
 
 namespace {
 
-/// The input's attribute `k` of each vertex.
-std::vector<double> attribute(const io::Input& input, std::uint32_t k) {
-  std::vector<double> values(input.vertices.size());
-  for (std::size_t v = 0; v < values.size(); ++v) values[v] = input.attributes[v * input.attribute_count + k];
-  return values;
-}
-
 /// One line a point.
 template <class Print>
 void write_places(const Solved& mesh, const io::Input& points, Print&& print) {
@@ -28,7 +21,7 @@ void write_places(const Solved& mesh, const io::Input& points, Print&& print) {
   constexpr double outside = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::vector<double>> values;
   for (std::uint32_t k = 0; k < mesh.input.attribute_count; ++k)
-    values.push_back(mesh.result->interpolate(points.vertices, attribute(mesh.input, k), outside));
+    values.push_back(mesh.result->interpolate(points.vertices, mesh.attribute(k), outside));
   print(fmt::format("# point triangle weight weight weight{}\n", values.empty() ? "" : " attributes"));
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const std::int64_t triangle = triangles[i] < 0 ? -1 : std::int64_t{triangles[i]} + mesh.input.first;

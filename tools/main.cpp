@@ -50,10 +50,10 @@ constexpr const char* device_help =
 
 void add_crossing(CLI::App& app, std::string& crossing) {
   app.add_option("--crossing", crossing,
-                 "What happens to constraints that cross: reject (an error that lists them) or drop (all that cross an "
-                 "earlier one)")
-      ->check(CLI::IsMember({"reject", "drop"}).description(""))
-      ->type_name("reject|drop")
+                 "What happens to constraints that cross: reject (an error that lists them), drop (all that cross an "
+                 "earlier one) or split (crossings become vertices, rounded to the grid)")
+      ->check(CLI::IsMember({"reject", "drop", "split"}).description(""))
+      ->type_name("reject|drop|split")
       ->capture_default_str();
 }
 
@@ -69,7 +69,8 @@ void add_domain(CLI::App& app, std::string& domain) {
 
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
-  app->add_option("INPUT", arguments.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+  app->add_option("INPUT", arguments.input,
+                  "A .poly or .node file as of Triangle, GeoJSON (.geojson, .json), or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")
@@ -82,6 +83,9 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
                 "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
+  app->add_flag(
+      "--assess", arguments.assess,
+      "Say in the statistics whether the mesh is valid at the coordinates as they are given, before rounding");
   app->add_flag("--verify", arguments.verify,
                 "Prove the result by exact arithmetic on the host before anything is written");
   app->add_option("--stats", arguments.statistics, "Write the statistics as JSON")->type_name("FILE.json");

@@ -97,12 +97,9 @@ void raster(const RasterArguments& arguments) {
   if (arguments.attribute < 1 || arguments.attribute > count)
     throw Failure(Exit::usage, fmt::format("--attribute {}: {} has {} attributes a vertex", arguments.attribute,
                                            mesh.input.vertex_file, count));
-  std::vector<double> values(mesh.input.vertices.size());
-  for (std::size_t v = 0; v < values.size(); ++v)
-    values[v] = mesh.input.attributes[v * count + arguments.attribute - 1];
   io::Raster raster = frame(mesh.input, arguments.cell);
   raster.no_data = arguments.no_data;
-  fill(raster, mesh, values);
+  fill(raster, mesh, mesh.attribute(arguments.attribute - 1));
   io::OutputFiles files(stop_if_interrupted);
   for (const std::string& path : arguments.outputs) io::write_raster(files, path, raster);
   stop_if_interrupted();

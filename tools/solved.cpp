@@ -17,6 +17,14 @@ std::string device_number(const std::string& spec, bool quiet) {
   return std::to_string(number);
 }
 
+std::vector<double> Solved::attribute(std::uint32_t k) const {
+  std::vector<double> values = io::attribute_of(input, k);
+  const auto added = grid_coordinates(result->statistics().grid, result->added_on_grid());
+  const auto more = added_values(input.vertices, input.constraints, added, result->added_crossing(), values);
+  values.insert(values.end(), more.begin(), more.end());
+  return values;
+}
+
 Solved solved(const MeshArguments& arguments) {
   Options options;
   options.crossing = crossing_named(arguments.crossing);

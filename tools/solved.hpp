@@ -13,6 +13,9 @@ struct Solved {
   io::Input input;
   std::unique_ptr<Solver> solver;
   std::unique_ptr<Result> result;
+
+  /// Attribute k of all vertices, added ones last.
+  std::vector<double> attribute(std::uint32_t k) const;
 };
 
 /// Reads and triangulates. Throws what the two throw, explained.

@@ -46,57 +46,76 @@ Json cases_json(const Statistics::Cases& cases) {
           {"symbolic_chain_vertices", cases.symbolic_chain_vertices}};
 }
 
+Json assessment_json(const Assessment& a) {
+  return {{"valid", a.valid},
+          {"outline_simple", a.outline_simple},
+          {"triangles_inverted", a.triangles_inverted},
+          {"triangles_flat", a.triangles_flat},
+          {"vertices_lost", a.vertices_lost},
+          {"edges_not_delaunay", a.edges_not_delaunay}};
+}
+
 }  // namespace
 
-std::string statistics_json(const Statistics& s, const Quality& quality) {
-  const Json json = {{"n", s.n},
-                     {"m", s.m},
-                     {"vertices_merged", s.vertices_merged},
-                     {"constraints_zero", s.constraints_zero},
-                     {"constraints_pieces", s.constraints_pieces},
-                     {"constraints_overlapping", s.constraints_overlapping},
-                     {"crossings", s.crossings},
-                     {"constraints_dropped", s.constraints_dropped},
-                     {"vertices_added", s.vertices_added},
-                     {"triangles", s.triangles},
-                     {"quality", quality_json(quality)},
-                     {"grid", grid_json(s.grid)},
-                     {"ms", milliseconds_json(s.ms)},
-                     {"rounds", {{"insert", s.rounds.insert}, {"flip", s.rounds.flip}}},
-                     {"flips", s.flips},
-                     {"history_depth", s.history_depth},
-                     {"location_steps", s.location_steps},
-                     {"launches", s.launches},
-                     {"read_backs", s.read_backs},
-                     {"crossed_pairs", s.crossed_pairs},
-                     {"regions", s.regions},
-                     {"triangles_removed", s.triangles_removed},
-                     {"deepest", s.deepest},
-                     {"open_parity", s.open_parity},
-                     {"open_winding", s.open_winding},
-                     {"peak_device_bytes", s.peak_device_bytes},
-                     {"device", s.device},
-                     {"driver", s.driver},
-                     {"platform", s.platform},
-                     {"version", s.version},
-                     {"cases", cases_json(s.cases)},
-                     {"notes", s.notes}};
+std::string statistics_json(const Statistics& s, const Measured& measured) {
+  Json json = {{"n", s.n},
+               {"m", s.m},
+               {"vertices_merged", s.vertices_merged},
+               {"constraints_zero", s.constraints_zero},
+               {"constraints_pieces", s.constraints_pieces},
+               {"constraints_overlapping", s.constraints_overlapping},
+               {"crossings", s.crossings},
+               {"constraints_dropped", s.constraints_dropped},
+               {"vertices_added", s.vertices_added},
+               {"constraints_split", s.constraints_split},
+               {"constraint_move", s.constraint_move},
+               {"triangles", s.triangles},
+               {"quality", quality_json(measured.quality)},
+               {"grid", grid_json(s.grid)},
+               {"ms", milliseconds_json(s.ms)},
+               {"rounds", {{"insert", s.rounds.insert}, {"flip", s.rounds.flip}}},
+               {"flips", s.flips},
+               {"history_depth", s.history_depth},
+               {"location_steps", s.location_steps},
+               {"launches", s.launches},
+               {"read_backs", s.read_backs},
+               {"crossed_pairs", s.crossed_pairs},
+               {"regions", s.regions},
+               {"triangles_removed", s.triangles_removed},
+               {"deepest", s.deepest},
+               {"open_parity", s.open_parity},
+               {"open_winding", s.open_winding},
+               {"peak_device_bytes", s.peak_device_bytes},
+               {"device", s.device},
+               {"driver", s.driver},
+               {"platform", s.platform},
+               {"version", s.version},
+               {"cases", cases_json(s.cases)},
+               {"notes", s.notes}};
+  if (measured.given) json["given"] = assessment_json(*measured.given);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string statistics_table(const Statistics& s) {
+std::string statistics_table(const Statistics& s, const Measured& measured) {
   std::string table;
   auto row = [&](const char* name, const std::string& value) { table += fmt::format("{:<12}  {}\n", name, value); };
   row("vertices", fmt::format("{} ({} merged)", s.n, s.vertices_merged));
   row("constraints", fmt::format("{} ({} of length zero, {} dropped)", s.m, s.constraints_zero, s.constraints_dropped));
   row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
-  row("crossings", fmt::format("{}", s.crossings));
+  row("crossings", s.vertices_added + s.constraints_split == 0
+                       ? fmt::format("{}", s.crossings)
+                       : fmt::format("{} ({} vertices added, {} constraints split, moved by {} at most)", s.crossings,
+                                     s.vertices_added, s.constraints_split, s.constraint_move));
   row("triangles", fmt::format("{} ({} removed)", s.triangles, s.triangles_removed));
   if (s.regions != 0)
     row("regions", fmt::format("{}, {} deep ({} edges open by even-odd, {} by winding)", s.regions, s.deepest,
                                s.open_parity, s.open_winding));
   row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
                           s.grid.origin[1], s.grid.cell(), s.grid.largest_move));
+  if (const auto& given = measured.given)
+    row("as given", fmt::format("{}: {} triangles inverted, {} flat, {} vertices lost, {} edges not Delaunay",
+                                given->valid ? "valid" : "not valid", given->triangles_inverted, given->triangles_flat,
+                                given->vertices_lost, given->edges_not_delaunay));
   row("rounds", fmt::format("{} insert, {} flip ({} flips)", s.rounds.insert, s.rounds.flip, s.flips));
   row("time",
       fmt::format("{:.1f} ms (core {:.1f}), read {:.1f}, build {:.1f}", s.ms.full, s.ms.core, s.ms.read, s.ms.build));

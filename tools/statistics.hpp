@@ -2,17 +2,23 @@
 // The statistics of a call, as JSON and as a table.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <gcdt/gcdt.hpp>
 
 namespace gcdt::command {
 
-/// Every field of Statistics under its own name (contract 7), and those of Quality, indented, with a newline at the
-/// end.
-std::string statistics_json(const Statistics& statistics, const Quality& quality);
+/// What was found of a result by asking further.
+struct Measured {
+  Quality quality;                  ///< as `quality`
+  std::optional<Assessment> given;  ///< as `given`, if it was asked for
+};
+
+/// Every field of Statistics under its own name (contract 7), and `measured`, indented, with a newline at the end.
+std::string statistics_json(const Statistics& statistics, const Measured& measured);
 
 /// The counts and times that matter, one a line, aligned.
-std::string statistics_table(const Statistics& statistics);
+std::string statistics_table(const Statistics& statistics, const Measured& measured);
 
 }  // namespace gcdt::command

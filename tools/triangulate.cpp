@@ -2,6 +2,9 @@
 // gcdt triangulate: read, triangulate, prove if asked, write.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include <gcdt/verify.hpp>
 
 #include "command.hpp"
@@ -48,7 +51,7 @@ void check_overwrites_no_input(const TriangulateArguments& arguments, const std:
 }
 
 Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options,
-                       TraceRecord& trace, Quality& quality) {
+                       TraceRecord& trace, Measured& measured) {
   ProgressLine line(!arguments.quiet);
   options.progress = [&](const char* phase, double done) {
     line.show(phase, done);
@@ -58,18 +61,55 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
     Solver solver(device_number(arguments.device, arguments.quiet), {},
                   arguments.trace.empty() ? Trace() : trace.sink());
     const Result result = solver.solve(input.vertices, input.constraints, options);
-    if (!arguments.statistics.empty()) quality = result.quality();
+    if (!arguments.statistics.empty()) measured.quality = result.quality();
     return result.download();
   } catch (const Error& error) {
     throw explained(error, input, options);
   }
 }
 
-void prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
+/// What is written: an .ele with added vertices gets the .node that has them.
+std::vector<std::string> with_nodes(const TriangulateArguments& arguments, const Triangulation& mesh,
+                                    const std::vector<std::string>& inputs) {
+  std::vector<std::string> paths = arguments.outputs;
+  if (mesh.added.empty()) return paths;
+  for (const std::string& path : arguments.outputs) {
+    if (io::lower_extension(path) != ".ele") continue;
+    const std::string node = std::filesystem::path(path).replace_extension(".node").string();
+    if (std::any_of(paths.begin(), paths.end(), [&](const std::string& other) { return io::same_file(node, other); }))
+      continue;
+    for (const std::string& input : inputs)
+      if (input != "-" && io::same_file(node, input))
+        throw Failure(Exit::usage,
+                      fmt::format("{}: is an input, but {} needs it for the added vertices: name another", node, path));
+    paths.push_back(node);
+  }
+  return paths;
+}
+
+/// Files hold doubles, and where those are farther apart than the grid's lines, not all grid points are one.
+void note_rounding(Triangulation& mesh) {
+  const auto back = grid_points(mesh.statistics.grid, mesh.added);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < back.size(); ++i) moved += back[i] != mesh.added_on_grid[i];
+  if (moved > 0)
+    mesh.statistics.notes.push_back(
+        fmt::format("{} of {} added vertices lie between doubles: files hold the nearest, and cannot be verified "
+                    "(--grid X,Y,CELL sets a coarser grid)",
+                    moved, back.size()));
+}
+
+MeshView view_of(const Triangulation& mesh) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
+  view.added = mesh.added_on_grid;
+  return view;
+}
+
+void prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
+  const MeshView view = view_of(mesh);
   const bool regions = options.domain != Domain::hull || options.regions;
   const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
   const Grid& grid = mesh.statistics.grid;
@@ -91,13 +131,14 @@ void note_unused(const io::Input& input, const Options& options, Statistics& sta
     notes.push_back(fmt::format("regions ({}) of the input are not used: see --regions", input.regions.size()));
 }
 
-void write_outputs(const TriangulateArguments& arguments, const io::Result& result, Statistics& statistics,
-                   const Quality& quality, const TraceRecord& trace) {
+void write_outputs(const TriangulateArguments& arguments, const std::vector<std::string>& paths,
+                   const io::Result& result, Statistics& statistics, const Measured& measured,
+                   const TraceRecord& trace) {
   const Stopwatch write;
   io::OutputFiles files(stop_if_interrupted);
-  for (const std::string& path : arguments.outputs) io::writer_for(io::lower_extension(path))(files.add(path), result);
+  for (const std::string& path : paths) io::writer_for(io::lower_extension(path))(files.add(path), result);
   if (!arguments.outputs.empty()) statistics.ms.write = write.milliseconds();
-  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics, quality));
+  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(statistics, measured));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
   stop_if_interrupted();
   files.commit();
@@ -108,6 +149,8 @@ void write_outputs(const TriangulateArguments& arguments, const io::Result& resu
 void triangulate(const TriangulateArguments& arguments) {
   check_outputs(arguments);
   check_overwrites_no_input(arguments, {arguments.input});
+  if (arguments.assess && arguments.domain != "hull")
+    throw Failure(Exit::usage, "--assess looks at the whole mesh: it needs --domain hull");
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
@@ -121,18 +164,20 @@ void triangulate(const TriangulateArguments& arguments) {
   stop_if_interrupted();
 
   TraceRecord trace;
-  Quality quality;
-  Triangulation mesh = computed(input, arguments, options, trace, quality);
+  Measured measured;
+  Triangulation mesh = computed(input, arguments, options, trace, measured);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
   note_unused(input, options, mesh.statistics);
+  note_rounding(mesh);
   if (arguments.verify) prove(input, mesh, options);
+  if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, {input, mesh}, statistics, quality, trace);
+  write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, measured, trace);
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes) note(text);
-  if (arguments.outputs.empty()) print(statistics_table(statistics));
+  if (arguments.outputs.empty()) print(statistics_table(statistics, measured));
 }
 
 }  // namespace gcdt::command

@@ -16,19 +16,38 @@ namespace {
 using io::Exit;
 using io::Failure;
 
-io::MeshFile read_output(const std::string& path, const io::Input& input) {
+io::MeshFile read_output(const std::string& path, const io::Input& input, Crossing crossing) {
   if (io::lower_extension(path) == ".vtu") return io::read_vtu(path);
-  return io::read_mesh(path, input.vertices.size(), input.first);
+  if (crossing != Crossing::split) return io::read_mesh(path, input.vertices.size(), input.first);
+  std::vector<std::array<double, 2>> vertices = io::vertices_beside(path, input);
+  io::MeshFile mesh = io::read_mesh(path, vertices.size(), input.first);
+  mesh.vertices = std::move(vertices);
+  return mesh;
 }
 
 /// A file that holds vertices must hold the input's, or its triangles mean something else.
-void check_vertices(const std::string& path, const io::MeshFile& mesh, const io::Input& input) {
-  if (mesh.vertices.size() != input.vertices.size())
+/// Splitting may have added some after them.
+void check_vertices(const std::string& path, const io::MeshFile& mesh, const io::Input& input, Crossing crossing) {
+  if (crossing == Crossing::split ? mesh.vertices.size() < input.vertices.size()
+                                  : mesh.vertices.size() != input.vertices.size())
     throw Failure(Exit::check, fmt::format("{}: {} vertices, but the input has {}", path, mesh.vertices.size(),
                                            input.vertices.size()));
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+  for (std::size_t v = 0; v < input.vertices.size(); ++v)
     if (mesh.vertices[v] != input.vertices[v])
       throw Failure(Exit::check, fmt::format("{}: vertex {} is not where the input has it", path, v + input.first));
+}
+
+std::vector<std::array<std::int32_t, 2>> added_vertices(const std::string& path, const io::MeshFile& mesh,
+                                                        const io::Input& input, const Grid& grid) {
+  if (mesh.vertices.size() <= input.vertices.size()) return {};
+  const std::size_t before = input.vertices.size();
+  try {
+    return grid_points(grid, {mesh.vertices.data() + before, mesh.vertices.size() - before});
+  } catch (const Error& error) {
+    if (error.status() != Status::coordinate_outside_grid) throw;
+    throw Failure(Exit::check,
+                  fmt::format("{}: vertex {} is outside the grid", path, error.indices().at(0) + before + input.first));
+  }
 }
 
 Grid grid_of(const io::MeshFile& mesh, const io::Input& input, const Options& options, bool quiet) {
@@ -49,16 +68,18 @@ void verify(const VerifyArguments& arguments) {
     throw Failure(Exit::usage, fmt::format("{}: only .ele, .neigh and .vtu files can be verified", arguments.output));
   Options options;
   options.grid = grid_from_option(arguments.grid);
+  options.crossing = crossing_named(arguments.crossing);
   const io::Input input = io::read_input(arguments.input);
-  const io::MeshFile mesh = read_output(arguments.output, input);
-  if (extension == ".vtu") check_vertices(arguments.output, mesh, input);
+  const io::MeshFile mesh = read_output(arguments.output, input, options.crossing);
+  if (extension == ".vtu") check_vertices(arguments.output, mesh, input, options.crossing);
   const Grid grid = grid_of(mesh, input, options, arguments.quiet);
 
   MeshView view;
   view.triangles = mesh.triangles;
   if (!mesh.neighbours.empty()) view.neighbours = mesh.neighbours.data();
   if (!mesh.constrained.empty()) view.constrained = mesh.constrained.data();
-  options.crossing = crossing_named(arguments.crossing);
+  const std::vector<std::array<std::int32_t, 2>> added = added_vertices(arguments.output, mesh, input, grid);
+  view.added = added;
   set_domain(arguments.domain, input, options);
   RegionView said;
   if (!mesh.region.empty()) said.region = mesh.region.data();

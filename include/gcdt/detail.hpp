@@ -85,7 +85,12 @@ inline gcdt_grid grid(const Grid& grid) {
 }
 
 inline std::int32_t coordinate_type(Points::Type type) {
-  return type == Points::Type::float64 ? GCDT_FLOAT64 : type == Points::Type::float32 ? GCDT_FLOAT32 : GCDT_INT32;
+  switch (type) {
+    case Points::Type::float32: return GCDT_FLOAT32;
+    case Points::Type::int32: return GCDT_INT32;
+    case Points::Type::int64: return GCDT_INT64;
+    default: return GCDT_FLOAT64;
+  }
 }
 
 inline gcdt_input input(Points points, Constraints constraints) {
@@ -95,6 +100,26 @@ inline gcdt_input input(Points points, Constraints constraints) {
   c.vertices = points.data(), c.vertex_count = points.size();
   c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data), c.constraint_count = constraints.size;
   return c;
+}
+
+inline gcdt_mesh mesh(const MeshView& mesh) {
+  gcdt_mesh view = GCDT_MESH_INIT;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
+  view.triangle_count = mesh.triangles.size;
+  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
+  view.constrained = mesh.constrained;
+  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data), view.added_count = mesh.added.size;
+  return view;
+}
+
+inline Verification verification(std::int32_t status) {
+  if (status != GCDT_ERROR_NOT_VALID) {
+    detail::check(status);
+    return {true, {}};
+  }
+  gcdt_error error = GCDT_ERROR_INIT;
+  gcdt_last_error(nullptr, &error);
+  return {false, error.message};
 }
 
 /// A progress function on its way through C, and what it threw.
@@ -117,10 +142,16 @@ inline const double* seeds(const std::vector<std::array<double, 2>>& points) {
   return points.empty() ? nullptr : points.data()->data();
 }
 
+inline std::int32_t crossing(Crossing crossing) {
+  return crossing == Crossing::split  ? GCDT_CROSSING_SPLIT
+         : crossing == Crossing::drop ? GCDT_CROSSING_DROP
+                                      : GCDT_CROSSING_REJECT;
+}
+
 /// Refers to `options` and `progress`.
 inline gcdt_options options(const Options& options, ProgressCall& progress) {
   gcdt_options c = GCDT_OPTIONS_INIT;
-  c.crossing = options.crossing == Crossing::drop ? GCDT_CROSSING_DROP : GCDT_CROSSING_REJECT;
+  c.crossing = crossing(options.crossing);
   c.check = options.check, c.canonical = options.canonical;
   if (options.grid) {
     c.fixed_grid = 1;
@@ -180,6 +211,7 @@ inline Statistics statistics(const gcdt_result* result) {
   s.constraints_overlapping = c.constraints_overlapping;
   s.crossings = c.crossings, s.constraints_dropped = c.constraints_dropped;
   s.vertices_added = c.vertices_added, s.triangles = c.triangles;
+  s.constraints_split = c.constraints_split, s.constraint_move = c.constraint_move;
   s.grid = grid(c.grid);
   s.ms.core = c.ms_core, s.ms.full = c.ms_full, s.ms.build = c.ms_build, s.ms.order = c.ms_order;
   s.ms.insert = c.ms_insert, s.ms.constrain = c.ms_constrain, s.ms.flip = c.ms_flip;

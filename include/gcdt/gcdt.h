@@ -52,7 +52,7 @@ enum {
   GCDT_ERROR_INVALID_ARGUMENT = -20001,        /* a null pointer, or a value that makes no sense */
   GCDT_ERROR_STRUCT_SIZE = -20002,             /* struct_size is of no version that this library knows */
   GCDT_ERROR_COORDINATE_NOT_FINITE = -20003,   /* indices: vertex, axis (0: x, 1: y) */
-  GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; with a fixed grid only */
+  GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; of a fixed grid, or an int64 beyond 2^53 */
   GCDT_ERROR_INDEX_OUT_OF_RANGE = -20005,      /* indices: constraint, end (0 or 1) */
   GCDT_ERROR_TOO_MANY_VERTICES = -20006,       /* more than GCDT_MAX_VERTICES */
   GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: up to ten pairs c, d, c, d, ...; pair_count: all */
@@ -168,13 +168,13 @@ GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
 #define GCDT_MAX_VERTICES 536870910u /* 2^29 - 2 */
 #define GCDT_MAX_CONSTRAINTS 2147483647u
 
-enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2 };
+enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2, GCDT_INT64 = 3 };
 
 /* Vertices and constraints in host memory: the caller's, read only during the call. Coordinates must be finite; -0
  * counts as 0. Any attributes of vertices stay with the caller, to be found by vertex number. */
 typedef struct gcdt_input {
   size_t struct_size;
-  int32_t coordinate_type;     /* GCDT_FLOAT64, GCDT_FLOAT32 or GCDT_INT32 */
+  int32_t coordinate_type;     /* GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32 or GCDT_INT64 (up to 2^53 in magnitude) */
   const void* vertices;        /* vertex_count pairs x, y; may be null if there are none */
   uint64_t vertex_count;       /* 0 to GCDT_MAX_VERTICES */
   const uint32_t* constraints; /* constraint_count pairs of vertex numbers from 0, in either order; or null */
@@ -183,10 +183,37 @@ typedef struct gcdt_input {
 #define GCDT_INPUT_INIT \
   { sizeof(gcdt_input), GCDT_FLOAT64, NULL, 0, NULL, 0 }
 
+/* Polygons in the vertices of an input, as ragged arrays of the caller's. */
+typedef struct gcdt_rings {
+  size_t struct_size;
+  const uint64_t*
+      ring_offsets; /* ring_count + 1, ascending from 0 to the vertex count: ring r is vertices [r] to [r + 1] */
+  uint64_t ring_count;
+  const uint64_t* polygon_offsets; /* polygon_count + 1, ascending from 0 to ring_count: rings of each; null: none */
+  uint64_t polygon_count;
+} gcdt_rings;
+#define GCDT_RINGS_INIT \
+  { sizeof(gcdt_rings), NULL, 0, NULL, 0 }
+
+/* The constraints of rings, one for each vertex of `input` (whose own constraints are not read): constraint v joins
+ * vertex v and the next one of its ring, so that constraints have the numbers of vertices. Rings may end with
+ * their first vertex once more or not (the constraint between the two has no length, and is dropped later), may be
+ * empty, single points or pairs, touch or cross themselves and each other, and overlap. They are directed as they are
+ * given; or, with polygons, the first ring of each counter-clockwise and the others, its holes, clockwise, by the exact
+ * sign of their area (0: as given), so that regions with a nonzero winding number are the union. `capacity` in
+ * constraints, at least the vertex count. Errors: GCDT_ERROR_INVALID_ARGUMENT (offsets; indices: the first wrong one),
+ * GCDT_ERROR_BUFFER_TOO_SMALL; with polygons also GCDT_ERROR_COORDINATE_NOT_FINITE. */
+GCDT_API int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, uint32_t* constraints,
+                                       uint64_t capacity);
+
 /* What happens to constraints whose interiors cross, after they were split at all vertices on them. */
 enum {
   GCDT_CROSSING_REJECT = 0, /* GCDT_ERROR_CONSTRAINTS_CROSS */
-  GCDT_CROSSING_DROP = 1    /* in input order, drop a constraint that crosses an earlier one that was kept */
+  GCDT_CROSSING_DROP = 1,   /* in input order, drop a constraint that crosses an earlier one that was kept */
+  /* Crossings become vertices, rounded to the grid. A constraint that crosses another is routed through every vertex
+   * within half a cell of it (of whose pixel it meets), and so is one that would cross a routed one. No constraint
+   * moves by more than half a cell on each axis, nor across a vertex. Definition and proofs: docs/splitting.md. */
+  GCDT_CROSSING_SPLIT = 2
 };
 
 /* Which triangles a result has. The mesh is made and checked whole; then those outside the domain are removed, and
@@ -252,7 +279,7 @@ enum {
   GCDT_NEIGHBOURS = 1,
   /* T uint8: bit k tells that the edge opposite corner k is (part of) a constraint. */
   GCDT_CONSTRAINED = 2,
-  /* One uint32 per input vertex: the least vertex number on its grid point. */
+  /* One uint32 per vertex, input vertices first, then added ones: the least vertex number on its grid point. */
   GCDT_REPRESENTATIVES = 3,
   /* P x 2 uint32: the constraints after cleaning, as edges of the mesh, in Z-order of their ends. */
   GCDT_PIECES = 4,
@@ -262,6 +289,11 @@ enum {
   GCDT_SOURCES = 6,
   /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
   GCDT_DROPPED = 7,
+  /* Under GCDT_CROSSING_SPLIT, one element per added vertex, which are numbered on from the input's in order of (x, y).
+   * A x 2 int32: where they are on the grid; gcdt_grid_coordinates makes numbers of that. */
+  GCDT_ADDED = 8,
+  /* A x 2 uint32: the least pair of input constraints that cross in the vertex's pixel, the lesser one first. */
+  GCDT_ADDED_CROSSINGS = 9,
   /* Of the domain, T elements, none unless asked for (gcdt_options.domain, regions). Regions are those of the hull,
    * numbered from 0 in the order of their least triangles there: numbers of removed ones are missing. */
   GCDT_REGIONS = 16,      /* uint32 */
@@ -294,10 +326,18 @@ GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* dest
 GCDT_API int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
                              int32_t* triangles, double* weights);
 
-/* The same for the values there, linear in each triangle: vertex_values has one number an input vertex, of which those
- * of corners (representatives) are read; values[i] is `outside` where no triangle is. Summed on the host. */
+/* The same for the values there, linear in each triangle: vertex_values has one number a vertex, those of the input
+ * first, then those of added ones (gcdt_added_values), of which those of corners (representatives) are read; values[i]
+ * is `outside` where no triangle is. Summed on the host. */
 GCDT_API int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
                                   const double* vertex_values, double outside, double* values);
+
+/* Values for the `count` vertices that GCDT_CROSSING_SPLIT has added to `input`: at each the mean of what the two
+ * constraints of its pair have, linear between their ends, at their points nearest to it. added: count x 2 coordinates
+ * (gcdt_grid_coordinates); crossings: GCDT_ADDED_CROSSINGS; vertex_values: one a vertex of the input; values: `count`,
+ * the caller's. In double precision on the host. GCDT_ERROR_INVALID_ARGUMENT: a constraint that does not exist. */
+GCDT_API int32_t gcdt_added_values(const gcdt_input* input, const double* added, const uint32_t* crossings,
+                                   uint64_t count, const double* vertex_values, double* values);
 
 /* Hands the result's device memory back to its solver, for the next call. Null is allowed. */
 GCDT_API void gcdt_result_release(gcdt_result* result);
@@ -318,6 +358,16 @@ enum {
   GCDT_GRID_ROUNDED = 2, /* otherwise */
   GCDT_GRID_FIXED = 3    /* given by the caller */
 };
+
+/* The coordinates of grid points: for each of `count` pairs x, y of `points`, the doubles nearest to
+ * origin + x cell, origin + y cell, written as a pair. Where cells are smaller than the gaps between doubles, several
+ * grid points have the same. GCDT_ERROR_INVALID_ARGUMENT for a grid that is none or a point outside of it. */
+GCDT_API int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count,
+                                       double* coordinates);
+
+/* The grid points to which coordinates are rounded: `count` pairs of each. GCDT_ERROR_COORDINATE_OUTSIDE_GRID, or
+ * GCDT_ERROR_COORDINATE_NOT_FINITE, with the number of the pair and the axis. */
+GCDT_API int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint64_t count, int32_t* points);
 
 /* The double nearest to the edge of a cell. */
 GCDT_API double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent);
@@ -342,6 +392,8 @@ typedef struct gcdt_statistics {
   double ms_domain;
   uint64_t regions, triangles_removed, deepest; /* regions of the hull, 0 unless labelled; the largest depth */
   uint64_t open_parity, open_winding;           /* see GCDT_DOMAIN_...: 0 where borders are closed */
+  uint64_t constraints_split;                   /* constraints that may have been moved by GCDT_CROSSING_SPLIT */
+  double constraint_move; /* the largest distance of one from its edges, in the units of the input */
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
@@ -367,9 +419,10 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
 /* The device memory that triangulating n vertices and m constraints needs at most, in bytes, and so the size of a
  * workspace (gcdt_cl_set_workspace); the caller's own buffers are not in it. `crossed`: the (triangle, constraint)
  * pairs that the constraints cross (crossed_pairs of the statistics), known after the first walk; UINT64_MAX stands
- * for the worst case, all triangles. Count a constraint that runs through k vertices as k + 1. Listing constraints
- * that cross is not in it. A solver with memory of its own keeps what it has used for its next calls, up to half as
- * much again, and does with less where the device is short of memory. */
+ * for the worst case, all triangles. Count a constraint that runs through k vertices as k + 1. Listing and
+ * splitting constraints that cross are not in it; what is split needs as much as its result would as an input. A solver
+ * with memory of its own keeps what it has used for its next calls, up to half as much again, and does with less where
+ * the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 
 /* ---- Verification, on the host and on the device ------------------------------------------------------------ */
@@ -381,9 +434,11 @@ typedef struct gcdt_mesh {
   uint64_t triangle_count;
   const int32_t* neighbours;  /* triangle_count x 3, or null: not verified */
   const uint8_t* constrained; /* triangle_count, or null: not verified */
+  const int32_t* added;       /* GCDT_CROSSING_SPLIT: added_count x 2, the added vertices on the grid; or null */
+  uint64_t added_count;       /* their numbers follow those of the input */
 } gcdt_mesh;
 #define GCDT_MESH_INIT \
-  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL }
+  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
 
 /* The grid that gcdt_triangulate chooses for the vertices of `input`, by host arithmetic; with `fixed` not null, that
  * of its fixed_grid and grid_... members if fixed_grid is 1. Sets grid->struct_size. */
@@ -392,7 +447,9 @@ GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* f
 /* Proves that `mesh` is the CDT of `input` on `grid`, by exact arithmetic on the host that shares no code with the
  * solver: GCDT_OK, or GCDT_ERROR_NOT_VALID and gcdt_last_error(NULL) with the first failure. Never another error for
  * a bad mesh: an index that does not exist is a failure. `crossing`: how the mesh was made; under GCDT_CROSSING_DROP
- * it is also proved that exactly the right constraints are missing. O((n + m) log n) expected. */
+ * it is also proved that exactly the right constraints are missing, under GCDT_CROSSING_SPLIT that every added vertex
+ * is in the pixel of a crossing, that all crossings are vertices, and that each constraint is either as under
+ * GCDT_CROSSING_REJECT or runs through exactly the vertices whose pixels it meets. O((n + m) log n) expected. */
 GCDT_API int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing);
 
 /* What is said of each triangle of a gcdt_mesh; null: not verified. The caller's, read only. */
@@ -416,6 +473,24 @@ GCDT_API int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* me
  * GCDT_ERROR_CHECK_FAILED names the first fault. For less trust in the device see gcdt_verify. Blocks. */
 GCDT_API int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
                             const gcdt_options* options);
+/* What a mesh that is valid on the grid is worth at the coordinates that were given, which may have been rounded. */
+typedef struct gcdt_assessment {
+  size_t struct_size;
+  int32_t valid;               /* 1: all of the following are right, and edges do not cross */
+  int32_t outline_simple;      /* 1: the outline of the mesh does not meet itself (it need not be convex) */
+  uint64_t triangles_inverted; /* clockwise at the given coordinates */
+  uint64_t triangles_flat;     /* all corners on one line */
+  uint64_t vertices_lost;      /* vertices that were merged with one that was given elsewhere */
+  uint64_t
+      edges_not_delaunay; /* unconstrained inner edges with a vertex strictly inside a circle; no fault of `valid` */
+} gcdt_assessment;
+
+/* Assesses `mesh`, the triangulation of `input` on `grid`, in exact arithmetic on the doubles (every coordinate type
+ * converts to those), on the host. mesh->neighbours are needed; without mesh->constrained every inner edge counts as
+ * unconstrained. Added vertices are where gcdt_grid_coordinates has them. Triangles must cover a convex outline on
+ * the grid: no domain but the hull. Sets all but assessment->struct_size, which the caller sets. O(n log n). */
+GCDT_API int32_t gcdt_assess(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid,
+                             gcdt_assessment* assessment);
 
 #ifdef __cplusplus
 }

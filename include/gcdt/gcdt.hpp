@@ -37,6 +37,52 @@ inline std::size_t select_device(const std::string& spec, bool* ambiguous = null
 /// Says what the solver does: programs built, memory taken. `level`: GCDT_LOG_WARNING or GCDT_LOG_INFORMATION.
 using Log = std::function<void(int level, const char* message)>;
 
+/// The doubles nearest to the coordinates of grid points; see gcdt_grid_coordinates.
+inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Span<std::array<std::int32_t, 2>> points) {
+  const gcdt_grid at = detail::grid(grid);
+  std::vector<std::array<double, 2>> coordinates(points.size);
+  detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data), points.size,
+                                      reinterpret_cast<double*>(coordinates.data())));
+  return coordinates;
+}
+
+/// Values for vertices that Crossing::split has added, from those of the input; see gcdt_added_values. Throws
+/// invalid_argument if there is not one value for each vertex, or not one pair for each added one.
+inline std::vector<double> added_values(Points vertices, Constraints constraints, Span<std::array<double, 2>> added,
+                                        Span<Constraint> crossings, Span<double> vertex_values) {
+  if (vertex_values.size != vertices.size() || crossings.size != added.size)
+    throw Error(Status::invalid_argument, "there is not one value for each vertex, or not one pair for each added one");
+  const gcdt_input input = detail::input(vertices, constraints);
+  std::vector<double> values(added.size);
+  detail::check(gcdt_added_values(&input, reinterpret_cast<const double*>(added.data),
+                                  reinterpret_cast<const std::uint32_t*>(crossings.data), added.size,
+                                  vertex_values.data, values.data()));
+  return values;
+}
+
+/// The grid points to which coordinates are rounded; see gcdt_grid_points.
+inline std::vector<std::array<std::int32_t, 2>> grid_points(const Grid& grid, Span<std::array<double, 2>> coordinates) {
+  const gcdt_grid at = detail::grid(grid);
+  std::vector<std::array<std::int32_t, 2>> points(coordinates.size);
+  detail::check(gcdt_grid_points(&at, reinterpret_cast<const double*>(coordinates.data), coordinates.size,
+                                 reinterpret_cast<std::int32_t*>(points.data())));
+  return points;
+}
+
+/// The constraints of rings, one for each of `points`; see gcdt_ring_constraints. `ring_offsets`: the first vertex of
+/// each ring, and the vertex count. `polygon_offsets`: the same for the rings of polygons; empty: no polygons.
+inline std::vector<Constraint> ring_constraints(Points points, Span<std::uint64_t> ring_offsets,
+                                                Span<std::uint64_t> polygon_offsets = {}) {
+  const gcdt_input input = detail::input(points, {});
+  gcdt_rings rings = GCDT_RINGS_INIT;
+  rings.ring_offsets = ring_offsets.data, rings.ring_count = ring_offsets.size - (ring_offsets.size > 0);
+  rings.polygon_offsets = polygon_offsets.data, rings.polygon_count = polygon_offsets.size - (polygon_offsets.size > 0);
+  std::vector<Constraint> constraints(points.size());
+  detail::check(
+      gcdt_ring_constraints(&input, &rings, reinterpret_cast<std::uint32_t*>(constraints.data()), constraints.size()));
+  return constraints;
+}
+
 /// A triangulation in device memory, until it is asked for or the object is gone. Move-only.
 class Result {
  public:
@@ -73,6 +119,10 @@ class Result {
   std::vector<std::array<std::int32_t, 3>> edge_pieces() const {
     return copy<std::array<std::int32_t, 3>>(GCDT_EDGE_PIECES);
   }
+  std::vector<std::array<std::int32_t, 2>> added_on_grid() const {
+    return copy<std::array<std::int32_t, 2>>(GCDT_ADDED);
+  }
+  std::vector<Constraint> added_crossing() const { return copy<Constraint>(GCDT_ADDED_CROSSINGS); }
   Statistics statistics() const { return detail::statistics(handle_.get()); }
 
   /// Areas and angles, measured on the device. Blocks.
@@ -92,8 +142,8 @@ class Result {
                               triangles.data(), weights && !weights->empty() ? weights->data()->data() : nullptr));
     return triangles;
   }
-  /// The values at points, linear in each triangle; `vertex_values`: one an input vertex. See gcdt_interpolate. Throws
-  /// invalid_argument if they are not as many. Blocks.
+  /// The values at points, linear in each triangle; `vertex_values`: one a vertex, added ones last. See
+  /// gcdt_interpolate. Throws invalid_argument if they are not as many. Blocks.
   std::vector<double> interpolate(Points points, Span<double> vertex_values, double outside) const {
     if (vertex_values.size != count(GCDT_REPRESENTATIVES))
       throw Error(Status::invalid_argument, "there is not one value for each vertex");
@@ -118,7 +168,10 @@ class Result {
     all.depth = depth();
     all.winding = winding();
     all.region_seed = region_seed();
+    all.added_on_grid = added_on_grid();
+    all.added_crossing = added_crossing();
     all.statistics = statistics();
+    all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
     return all;
   }
 

@@ -49,7 +49,8 @@ GCDT_API int32_t gcdt_cl_pool_create(cl_uint count, const cl_command_queue* queu
  * kernels, only read, and not to be written until the call returns. The two ranges must not overlap. */
 typedef struct gcdt_cl_input {
   size_t struct_size;
-  int32_t coordinate_type;    /* GCDT_FLOAT64, GCDT_FLOAT32; GCDT_INT32: on the grid 0, 0, "1" as they are, none < 0 */
+  int32_t coordinate_type;    /* GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT64; GCDT_INT32: on the grid 0, 0, "1" as they are,
+                                 none < 0 */
   cl_mem vertices;            /* pairs x, y; null only if there are none */
   uint64_t vertex_offset;     /* the first vertex's number of pairs from the start of the buffer */
   uint64_t vertex_count;      /* 0 to GCDT_MAX_VERTICES */

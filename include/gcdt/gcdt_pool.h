@@ -61,7 +61,7 @@ GCDT_API int32_t gcdt_pool_device_get(const gcdt_pool* pool, size_t number, gcdt
 /* Problems one after the other in host memory: the caller's, read only during the call. */
 typedef struct gcdt_batch_input {
   size_t struct_size;
-  int32_t coordinate_type; /* GCDT_FLOAT64, GCDT_FLOAT32 or GCDT_INT32 */
+  int32_t coordinate_type; /* GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32 or GCDT_INT64 */
   uint64_t problem_count;  /* 0 to 2^30 */
   const void* vertices;    /* pairs x, y of all problems; may be null if there are none */
   /* problem_count + 1, ascending: problem p has the vertices [p] up to [p + 1]. May be null without problems. */
@@ -78,7 +78,8 @@ typedef struct gcdt_batch_input {
  * with the phase "batch". A device that fails is taken out and its work goes to others, nothing is lost or done twice;
  * if none is left the call fails with every device's reason: the status that all failed with, else
  * GCDT_ERROR_DEVICE_FAILED. Problems that are invalid, or too large for every device, fail alone
- * (gcdt_batch_problem). Blocks. */
+ * (gcdt_batch_problem). Crossings are not split: under GCDT_CROSSING_SPLIT a problem that has some fails as under
+ * GCDT_CROSSING_REJECT, and is to be given to a solver. Blocks. */
 GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
                                        gcdt_batch** batch);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -35,31 +36,40 @@ struct Span {
 };
 
 /// A view of the input vertices: `count` pairs (x, y) of one number type, tightly packed.
-/// Every coordinate must be finite; -0 counts as 0. Owned by the caller, read only during the call.
+/// Every coordinate must be finite, an int64 up to 2^53 in magnitude; -0 counts as 0. Owned by the caller, read only
+/// during the call.
 class Points {
  public:
-  enum class Type { float64, float32, int32 };
+  enum class Type { float64, float32, int32, int64 };
 
   Points() = default;
   Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data, p.size) {}
   Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data, p.size) {}
   Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data, p.size) {}
+  Points(Span<std::array<std::int64_t, 2>> p) : Points(Type::int64, p.data, p.size) {}
   Points(const std::vector<std::array<double, 2>>& p) : Points(Span<std::array<double, 2>>(p)) {}
   Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
   Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}
+  Points(const std::vector<std::array<std::int64_t, 2>>& p) : Points(Span<std::array<std::int64_t, 2>>(p)) {}
   /// `count` pairs at `xy`: 2 * count numbers.
   static Points pairs(const double* xy, std::size_t count) { return Points(Type::float64, xy, count); }
   static Points pairs(const float* xy, std::size_t count) { return Points(Type::float32, xy, count); }
   static Points pairs(const std::int32_t* xy, std::size_t count) { return Points(Type::int32, xy, count); }
+  static Points pairs(const std::int64_t* xy, std::size_t count) { return Points(Type::int64, xy, count); }
 
   Type type() const { return type_; }
   const void* data() const { return data_; }
   std::size_t size() const { return size_; }
-  /// Coordinate `axis` (0: x, 1: y) of vertex `i`; every type converts to double exactly.
+  /// Coordinate `axis` (0: x, 1: y) of vertex `i`, exact; infinite for an int64 beyond 2^53 in magnitude.
   double coordinate(std::size_t i, int axis) const {
     switch (type_) {
       case Type::float32: return static_cast<const float*>(data_)[2 * i + axis];
       case Type::int32: return static_cast<const std::int32_t*>(data_)[2 * i + axis];
+      case Type::int64: {
+        const std::int64_t v = static_cast<const std::int64_t*>(data_)[2 * i + axis], most = std::int64_t{1} << 53;
+        if (v < -most || v > most) return v < 0 ? -HUGE_VAL : HUGE_VAL;
+        return static_cast<double>(v);
+      }
       default: return static_cast<const double*>(data_)[2 * i + axis];
     }
   }
@@ -80,7 +90,7 @@ enum class Status {
   ok,
   invalid_argument,         ///< an option or a view that makes no sense
   coordinate_not_finite,    ///< indices: {vertex, axis}
-  coordinate_outside_grid,  ///< only with a fixed grid; indices: {vertex, axis}
+  coordinate_outside_grid,  ///< of a fixed grid, or an int64 beyond 2^53; indices: {vertex, axis}
   index_out_of_range,       ///< indices: {constraint, end (0 or 1)}
   too_many_vertices,        ///< more than the 32-bit numbering holds (max_vertices)
   constraints_cross,        ///< indices: up to ten pairs {c, d, c, d, ...}; see Error::pair_count
@@ -156,6 +166,7 @@ struct FixedGrid {
 enum class Crossing {
   reject,  ///< throw constraints_cross
   drop,    ///< in input order, drop a constraint that crosses an earlier one that was kept
+  split,   ///< crossings become vertices, rounded to the grid; see docs/splitting.md
 };
 
 /// Which triangles are returned. Borders are the constraints; a region is a set of triangles joined by other edges.
@@ -190,6 +201,8 @@ struct Statistics {
   std::uint64_t vertices_merged = 0;
   std::uint64_t constraints_zero = 0, constraints_pieces = 0, constraints_overlapping = 0;
   std::uint64_t crossings = 0, constraints_dropped = 0, vertices_added = 0;
+  std::uint64_t constraints_split = 0;  ///< constraints that may have been moved by splitting
+  double constraint_move = 0;           ///< the largest distance of one from its edges, in input units
   std::uint64_t triangles = 0;
   Grid grid;
   /// Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device
@@ -247,6 +260,7 @@ struct Triangulation {
   /// Bit k of constrained[t]: the edge opposite corner k of t is (part of) a constraint.
   std::vector<std::uint8_t> constrained;
   /// representative[v]: the vertex that stands for input vertex v; the least number of its grid point.
+  /// Added vertices follow those of the input, and stand for themselves.
   std::vector<std::uint32_t> representative;
   /// The constraints after cleaning: ends (Z-order of the ends), sorted by that order.
   std::vector<Constraint> pieces;
@@ -261,6 +275,11 @@ struct Triangulation {
   std::vector<std::uint32_t> region, depth;
   std::vector<std::int32_t> winding;
   std::vector<std::int32_t> region_seed;  ///< the least of Options::region_seeds in the region, or -1
+  /// The vertices added under Crossing::split, in order of (x, y); their numbers follow those of the input. On
+  /// the grid, as the doubles nearest to that, and the least pair of input constraints that cross in each one's pixel.
+  std::vector<std::array<std::int32_t, 2>> added_on_grid;
+  std::vector<std::array<double, 2>> added;
+  std::vector<Constraint> added_crossing;
   Statistics statistics;
 };
 
@@ -293,6 +312,14 @@ struct MeshView {
   Span<std::array<std::uint32_t, 3>> triangles;
   const std::array<std::int32_t, 3>* neighbours = nullptr;  ///< one per triangle, or null: not checked
   const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
+  /// Crossing::split: the vertices after those of the input, on the grid.
+  Span<std::array<std::int32_t, 2>> added = {};
+};
+
+/// See gcdt_assessment.
+struct Assessment {
+  bool valid = false, outline_simple = false;
+  std::uint64_t triangles_inverted = 0, triangles_flat = 0, vertices_lost = 0, edges_not_delaunay = 0;
 };
 
 struct Verification {

@@ -21,30 +21,31 @@ inline Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed = {
   return detail::grid(grid);
 }
 
+/// What `mesh`, valid on `grid`, is worth at the coordinates as they were given; see gcdt_assess.
+inline Assessment assess(Points points, const MeshView& mesh, const Grid& grid) {
+  const gcdt_input input = detail::input(points, {});
+  const gcdt_mesh view = detail::mesh(mesh);
+  const gcdt_grid at = detail::grid(grid);
+  gcdt_assessment c = {};
+  c.struct_size = sizeof c;
+  detail::check(gcdt_assess(&input, &view, &at, &c));
+  return {c.valid != 0,     c.outline_simple != 0, c.triangles_inverted,
+          c.triangles_flat, c.vertices_lost,       c.edges_not_delaunay};
+}
+
 /// Proves that `mesh` is the CDT of `points` and `constraints` on `grid`: every triangle
 /// counter-clockwise, every link two-sided, the boundary closed and convex, every representative a
 /// corner, every constraint of the input a chain of edges, every other edge locally Delaunay with
-/// the tie rule. Under Crossing::drop it also proves that exactly the right constraints are missing.
+/// the tie rule. Under Crossing::drop it also proves that exactly the right constraints are missing; under
+/// Crossing::split see gcdt_verify.
 /// Never throws on a bad mesh: an index that does not exist is a failed verification.
 /// O((n + m) log n) expected; thread-safe.
 inline Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid,
                            Crossing crossing = Crossing::reject) {
   const gcdt_input input = detail::input(points, constraints);
-  gcdt_mesh view = GCDT_MESH_INIT;
-  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
-  view.triangle_count = mesh.triangles.size;
-  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
-  view.constrained = mesh.constrained;
+  const gcdt_mesh view = detail::mesh(mesh);
   const gcdt_grid at = detail::grid(grid);
-  const std::int32_t status =
-      gcdt_verify(&input, &view, &at, crossing == Crossing::drop ? GCDT_CROSSING_DROP : GCDT_CROSSING_REJECT);
-  if (status != GCDT_ERROR_NOT_VALID) {
-    detail::check(status);
-    return {true, {}};
-  }
-  gcdt_error error = GCDT_ERROR_INIT;
-  gcdt_last_error(nullptr, &error);
-  return {false, error.message};
+  return detail::verification(gcdt_verify(&input, &view, &at, detail::crossing(crossing)));
 }
 
 /// What is said of each triangle of a mesh; null: not verified.
@@ -58,23 +59,12 @@ struct RegionView {
 inline Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh,
                                   const RegionView& regions, const Grid& grid, const Options& options) {
   const gcdt_input input = detail::input(points, constraints);
-  gcdt_mesh view = GCDT_MESH_INIT;
-  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
-  view.triangle_count = mesh.triangles.size;
-  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
-  view.constrained = mesh.constrained;
+  const gcdt_mesh view = detail::mesh(mesh);
   const gcdt_regions said = {sizeof said, regions.region, regions.depth, regions.winding};
   const gcdt_grid at = detail::grid(grid);
   detail::ProgressCall none;
   const gcdt_options given = detail::options(options, none);
-  const std::int32_t status = gcdt_verify_domain(&input, &view, &said, &at, &given);
-  if (status != GCDT_ERROR_NOT_VALID) {
-    detail::check(status);
-    return {true, {}};
-  }
-  gcdt_error error = GCDT_ERROR_INIT;
-  gcdt_last_error(nullptr, &error);
-  return {false, error.message};
+  return detail::verification(gcdt_verify_domain(&input, &view, &said, &at, &given));
 }
 
 /// The device's check of a mesh that covers the hull; `pieces`: the constraints after cleaning. Throws check_failed,
@@ -82,11 +72,7 @@ inline Verification verify_domain(Points points, Constraints constraints, const 
 inline void check(const Solver& solver, Points points, Constraints pieces, const MeshView& mesh,
                   const std::optional<FixedGrid>& grid = {}) {
   const gcdt_input input = detail::input(points, pieces);
-  gcdt_mesh view = GCDT_MESH_INIT;
-  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
-  view.triangle_count = mesh.triangles.size;
-  view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
-  view.constrained = mesh.constrained;
+  const gcdt_mesh view = detail::mesh(mesh);
   Options options;
   options.grid = grid;
   detail::ProgressCall none;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <unordered_map>
 
+#include "geojson.hpp"
 #include "grid_text.hpp"
 #include "paths.hpp"
 #include "triangle_files.hpp"
@@ -280,9 +281,12 @@ void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
 Input read_input(const std::string& path) {
   Input input;
   const std::string extension = lower_extension(path);
+  if (extension == ".geojson" || extension == ".json") return read_geojson(path);
   if (path != "-" && extension != ".poly" && extension != ".node")
-    throw Failure(Exit::usage,
-                  fmt::format("{}: the input must be a .poly or .node file, or - for a .poly on standard input", path));
+    throw Failure(
+        Exit::usage,
+        fmt::format("{}: the input must be a .poly, .node, .geojson or .json file, or - for a .poly on standard input",
+                    path));
   input.files.push_back(path);
   if (extension == ".node") {
     Records in(path);
@@ -292,6 +296,16 @@ Input read_input(const std::string& path) {
     read_poly(path, input);
   }
   return input;
+}
+
+std::vector<std::array<double, 2>> vertices_beside(const std::string& path, const Input& input) {
+  const std::string node = fs::path(path).replace_extension(".node").string();
+  std::error_code ignored;
+  if (!fs::exists(node, ignored)) return input.vertices;
+  std::vector<std::array<double, 2>> vertices = read_input(node).vertices;
+  const bool extends = vertices.size() >= input.vertices.size() &&
+                       std::equal(input.vertices.begin(), input.vertices.end(), vertices.begin());
+  return extends ? vertices : input.vertices;
 }
 
 MeshFile read_mesh(const std::string& path, std::uint64_t vertex_count, std::uint32_t first) {

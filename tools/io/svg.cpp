@@ -124,7 +124,9 @@ void draw_dots(OutputFile& file, const Canvas& canvas, double stroke) {
 }  // namespace
 
 void write_svg(OutputFile& file, const Result& result) {
-  const Canvas canvas(result.input.vertices);
+  std::vector<std::array<double, 2>> vertices = result.input.vertices;
+  vertices.insert(vertices.end(), result.mesh.added.begin(), result.mesh.added.end());
+  const Canvas canvas(vertices);
   std::vector<Edge> unconstrained;
   for_each_edge(result.mesh, [&](std::uint32_t a, std::uint32_t b, bool constrained) {
     if (!constrained) unconstrained.push_back({a, b});

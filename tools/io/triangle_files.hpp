@@ -36,7 +36,7 @@ struct Input {
   std::vector<std::string> notes;            ///< what was read and is not used
 };
 
-/// Reads a .poly or .node file by its extension; "-" is standard input and read as .poly.
+/// Reads a .poly, .node, .geojson or .json file by its extension; "-" is standard input and read as .poly.
 /// Throws Failure: Exit::usage for another extension, Exit::input with FILE:LINE for what is wrong inside.
 /// Memory is bounded by the size of the file, whatever counts it announces.
 Input read_input(const std::string& path);
@@ -56,10 +56,36 @@ struct MeshFile {
 /// .ele beside it. Throws Failure: Exit::input, or Exit::check for a number that does not exist.
 MeshFile read_mesh(const std::string& path, std::uint64_t vertex_count, std::uint32_t first);
 
+/// The vertices of the .node beside an .ele or .neigh, if there is one that begins with those of the input; else
+/// those of the input.
+std::vector<std::array<double, 2>> vertices_beside(const std::string& path, const Input& input);
+
+/// One attribute of all vertices of an input.
+std::vector<double> attribute_of(const Input& input, std::uint32_t k);
+
 /// One result to be written, in the input's numbering.
 struct Result {
   const Input& input;
   const Triangulation& mesh;
+  std::vector<double> added_attributes;  ///< as the input's, of added vertices: see gcdt::added_values
+
+  Result(const Input& of, const Triangulation& made);
+
+  /// The vertices of the input, then those that splitting added.
+  std::size_t vertex_count() const { return input.vertices.size() + mesh.added.size(); }
+  const std::array<double, 2>& vertex(std::size_t v) const {
+    return v < input.vertices.size() ? input.vertices[v] : mesh.added[v - input.vertices.size()];
+  }
+  double attribute(std::size_t v, std::uint64_t k) const {
+    const std::size_t i = v * input.attribute_count + k;
+    return i < input.attributes.size() ? input.attributes[i] : added_attributes[i - input.attributes.size()];
+  }
+  /// Of added vertices that of the lesser constraint that crosses there, 0 without one.
+  std::int32_t vertex_marker(std::size_t v) const {
+    if (v < input.vertex_markers.size()) return input.vertex_markers[v];
+    const std::uint32_t constraint = mesh.added_crossing[v - input.vertices.size()][0];
+    return input.constraint_markers.empty() ? 0 : input.constraint_markers[constraint];
+  }
 };
 
 void write_ele(OutputFile& file, const Result& result);

@@ -13,14 +13,14 @@ void write_grid(OutputFile& file, const Result& result) {
   file.print("# gcdt grid {}\n", to_text(result.mesh.statistics.grid));
 }
 
-void write_vertices(OutputFile& file, const Input& input) {
-  file.print("{} 2 {} {}\n", input.vertices.size(), input.attribute_count, input.vertex_markers.empty() ? 0 : 1);
+void write_vertices(OutputFile& file, const Result& result) {
+  const Input& input = result.input;
+  file.print("{} 2 {} {}\n", result.vertex_count(), input.attribute_count, input.vertex_markers.empty() ? 0 : 1);
   std::uint64_t number = input.first;
-  for (std::size_t v = 0; v < input.vertices.size(); ++v) {
-    file.print("{} {} {}", number++, input.vertices[v][0], input.vertices[v][1]);
-    for (std::size_t i = 0; i < input.attribute_count; ++i)
-      file.print(" {}", input.attributes[v * input.attribute_count + i]);
-    if (!input.vertex_markers.empty()) file.print(" {}", input.vertex_markers[v]);
+  for (std::size_t v = 0; v < result.vertex_count(); ++v) {
+    file.print("{} {} {}", number++, result.vertex(v)[0], result.vertex(v)[1]);
+    for (std::size_t k = 0; k < input.attribute_count; ++k) file.print(" {}", result.attribute(v, k));
+    if (!input.vertex_markers.empty()) file.print(" {}", result.vertex_marker(v));
     file.write("\n");
   }
 }
@@ -59,6 +59,22 @@ double region_attribute(const Result& result, std::size_t t) {
 
 }  // namespace
 
+std::vector<double> attribute_of(const Input& input, std::uint32_t k) {
+  std::vector<double> values(input.vertices.size());
+  for (std::size_t v = 0; v < values.size(); ++v) values[v] = input.attributes[v * input.attribute_count + k];
+  return values;
+}
+
+Result::Result(const Input& of, const Triangulation& made) : input(of), mesh(made) {
+  added_attributes.resize(mesh.added.size() * input.attribute_count);
+  if (added_attributes.empty()) return;
+  for (std::uint32_t k = 0; k < input.attribute_count; ++k) {
+    const auto values =
+        added_values(input.vertices, input.constraints, mesh.added, mesh.added_crossing, attribute_of(input, k));
+    for (std::size_t i = 0; i < values.size(); ++i) added_attributes[i * input.attribute_count + k] = values[i];
+  }
+}
+
 void write_ele(OutputFile& file, const Result& result) {
   const std::uint32_t first = result.input.first;
   const bool attributes = !result.mesh.region_seed.empty() && !result.input.regions.empty();
@@ -74,7 +90,7 @@ void write_ele(OutputFile& file, const Result& result) {
 }
 
 void write_node(OutputFile& file, const Result& result) {
-  write_vertices(file, result.input);
+  write_vertices(file, result);
   write_grid(file, result);
 }
 
@@ -103,7 +119,7 @@ void write_edge(OutputFile& file, const Result& result) {
 
 void write_poly(OutputFile& file, const Result& result) {
   const std::uint32_t first = result.input.first;
-  write_vertices(file, result.input);
+  write_vertices(file, result);
   file.print("{} 1\n", result.mesh.pieces.size());
   std::uint64_t number = first;
   const PieceMarkers markers(result);

@@ -64,16 +64,17 @@ void write_regions(OutputFile& file, const Result& result) {
   });
 }
 
-/// Attributes and markers of the input's vertices.
-void write_point_data(OutputFile& file, const Input& input) {
+/// Attributes and markers of the vertices.
+void write_point_data(OutputFile& file, const Result& result) {
+  const Input& input = result.input;
   if (input.attribute_count == 0 && input.vertex_markers.empty()) return;
   file.print("<PointData>\n");
   for (std::uint64_t k = 0; k < input.attribute_count; ++k)
-    write_array<double>(file, fmt::format("Name=\"attribute_{}\"", k), input.vertices.size(),
-                        [&](std::uint64_t i) { return input.attributes[i * input.attribute_count + k]; });
+    write_array<double>(file, fmt::format("Name=\"attribute_{}\"", k), result.vertex_count(),
+                        [&](std::uint64_t i) { return result.attribute(i, k); });
   if (!input.vertex_markers.empty())
-    write_array<std::int32_t>(file, "Name=\"marker\"", input.vertices.size(),
-                              [&](std::uint64_t i) { return input.vertex_markers[i]; });
+    write_array<std::int32_t>(file, "Name=\"marker\"", result.vertex_count(),
+                              [&](std::uint64_t i) { return result.vertex_marker(i); });
   file.print("</PointData>\n");
 }
 
@@ -85,7 +86,7 @@ bool little_endian() {
 }  // namespace
 
 void write_vtu(OutputFile& file, const Result& result) {
-  const auto& vertices = result.input.vertices;
+  const std::uint64_t vertices = result.vertex_count();
   const Triangulation& mesh = result.mesh;
   const std::uint64_t triangles = mesh.triangles.size();
   constexpr int vtk_triangle = 5;
@@ -94,11 +95,11 @@ void write_vtu(OutputFile& file, const Result& result) {
       "header_type=\"UInt64\">\n<UnstructuredGrid>\n",
       little_endian() ? "LittleEndian" : "BigEndian");
   write_grid(file, mesh.statistics.grid);
-  file.print("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", vertices.size(), triangles);
-  write_array<double>(file, "Name=\"Points\" NumberOfComponents=\"3\"", 3 * vertices.size(),
-                      [&](std::uint64_t i) { return i % 3 < 2 ? vertices[i / 3][i % 3] : 0.0; });
+  file.print("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", vertices, triangles);
+  write_array<double>(file, "Name=\"Points\" NumberOfComponents=\"3\"", 3 * vertices,
+                      [&](std::uint64_t i) { return i % 3 < 2 ? result.vertex(i / 3)[i % 3] : 0.0; });
   file.print("</Points>\n");
-  write_point_data(file, result.input);
+  write_point_data(file, result);
   file.print("<Cells>\n");
   write_array<std::int32_t>(file, "Name=\"connectivity\"", 3 * triangles,
                             [&](std::uint64_t i) { return mesh.triangles[i / 3][i % 3]; });

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "geojson.hpp"
+
+namespace gcdt::io {
+
+namespace {
+
+using Json = nlohmann::json;
+
+// Collections in collections: deeper than any file that means it.
+constexpr int deepest = 64;
+
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : name_(path) {}
+
+  Input read() {
+    input_.files.push_back(name_);
+    input_.vertex_file = input_.constraint_file = name_;
+    const std::string text = read_file(name_);
+    Json root;
+    try {
+      root = Json::parse(text);
+    } catch (const Json::exception& error) {
+      throw Failure(Exit::input, fmt::format("{}: no JSON that can be read: {}", name_, error.what()));
+    }
+    object(root, "the file", 0);
+    direct_rings();
+    if (heights_ > 0)
+      input_.notes.push_back(fmt::format("{} positions have further numbers, which are not used", heights_));
+    return std::move(input_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& where, const std::string& what) const {
+    throw Failure(Exit::input, fmt::format("{}: {}: {}", name_, where, what));
+  }
+
+  const Json& member(const Json& of, const char* key, const std::string& where) const {
+    const auto found = of.find(key);
+    if (found == of.end()) fail(where, fmt::format("\"{}\" is missing", key));
+    return *found;
+  }
+
+  const Json& array(const Json& value, const std::string& where) const {
+    if (!value.is_array()) fail(where, "an array is due");
+    return value;
+  }
+
+  template <class Each>
+  void for_each(const Json& value, const std::string& where, const char* kind, Each&& each) {
+    std::size_t number = 0;
+    for (const Json& element : array(value, where)) each(element, fmt::format("{}, {} {}", where, kind, number++));
+  }
+
+  void object(const Json& value, const std::string& where, int depth) {
+    if (depth > deepest) fail(where, "collections are nested too deeply");
+    if (!value.is_object()) fail(where, "an object is due");
+    const Json& type = member(value, "type", where);
+    if (!type.is_string()) fail(where, "\"type\" is no text");
+    const auto name = type.get<std::string>();
+    if (name == "FeatureCollection")
+      return for_each(member(value, "features", where), where, "feature",
+                      [&](const Json& f, const std::string& at) { object(f, at, depth + 1); });
+    if (name == "Feature") {
+      const Json& geometry = member(value, "geometry", where);
+      if (!geometry.is_null()) object(geometry, where, depth + 1);
+      return;
+    }
+    if (name == "GeometryCollection")
+      return for_each(member(value, "geometries", where), where, "geometry",
+                      [&](const Json& g, const std::string& at) { object(g, at, depth + 1); });
+    geometry(name, member(value, "coordinates", where), where);
+  }
+
+  void geometry(const std::string& type, const Json& at, const std::string& where) {
+    const auto line = [&](const Json& l, const std::string& place) { positions(l, place, false); };
+    const auto polygon = [&](const Json& p, const std::string& place) {
+      for_each(p, place, "ring", [&](const Json& r, const std::string& inner) { positions(r, inner, true); });
+      polygon_offsets_.push_back(rings_.size());
+    };
+    if (type == "Point") return position(at, where);
+    if (type == "MultiPoint")
+      return for_each(at, where, "point", [&](const Json& p, const std::string& place) { position(p, place); });
+    if (type == "LineString") return line(at, where);
+    if (type == "MultiLineString") return for_each(at, where, "line", line);
+    if (type == "Polygon") return polygon(at, where);
+    if (type == "MultiPolygon") return for_each(at, where, "polygon", polygon);
+    fail(where, fmt::format("there is no type \"{}\"", type));
+  }
+
+  void position(const Json& value, const std::string& where) {
+    if (array(value, where).size() < 2 || !value[0].is_number() || !value[1].is_number())
+      fail(where, "a position of two numbers is due");
+    const std::array<double, 2> at = {value[0].get<double>(), value[1].get<double>()};
+    for (const double c : at)
+      if (!(c - c == 0)) fail(where, "a coordinate is not finite");
+    if (input_.vertices.size() == max_vertices) fail(where, "too many vertices");
+    heights_ += value.size() > 2;
+    input_.vertices.push_back(at);
+  }
+
+  void positions(const Json& line, const std::string& where, bool ring) {
+    const auto begin = static_cast<std::uint32_t>(input_.vertices.size());
+    for_each(line, where, "position", [&](const Json& p, const std::string& place) { position(p, place); });
+    if (ring && input_.vertices.size() > begin + 1 && input_.vertices.back() == input_.vertices[begin])
+      input_.vertices.pop_back();
+    const auto end = static_cast<std::uint32_t>(input_.vertices.size());
+    const std::size_t first = input_.constraints.size();
+    for (std::uint32_t v = begin; v + 1 < end; ++v) input_.constraints.push_back({v, v + 1});
+    if (ring && end > begin) input_.constraints.push_back({end - 1, begin});
+    if (ring) rings_.push_back({begin, end, first});
+  }
+
+  /// Turns rings by the library's rule; a ring has as many constraints as vertices.
+  void direct_rings() {
+    std::vector<std::array<double, 2>> vertices;
+    std::vector<std::uint64_t> offsets = {0};
+    for (const Ring& ring : rings_) {
+      vertices.insert(vertices.end(), input_.vertices.begin() + ring.begin, input_.vertices.begin() + ring.end);
+      offsets.push_back(vertices.size());
+    }
+    const std::vector<Constraint> directed = ring_constraints(vertices, offsets, polygon_offsets_);
+    for (std::size_t r = 0; r < rings_.size(); ++r) {
+      const Ring& ring = rings_[r];
+      for (std::uint32_t i = 0; i < ring.end - ring.begin; ++i) {
+        const std::uint64_t from = offsets[r];
+        const Constraint& c = directed[from + i];
+        input_.constraints[ring.first_constraint + i] = {static_cast<std::uint32_t>(c[0] - from + ring.begin),
+                                                         static_cast<std::uint32_t>(c[1] - from + ring.begin)};
+      }
+    }
+  }
+
+  struct Ring {
+    std::uint32_t begin, end;  ///< vertices
+    std::size_t first_constraint;
+  };
+  std::string name_;
+  Input input_;
+  std::vector<Ring> rings_;
+  std::vector<std::uint64_t> polygon_offsets_ = {0};
+  std::uint64_t heights_ = 0;
+};
+
+}  // namespace
+
+Input read_geojson(const std::string& path) { return Reader(path).read(); }
+
+}  // namespace gcdt::io
