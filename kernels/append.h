@@ -62,6 +62,19 @@ static inline void append_flush(Appender a, uint keep) {
   }
 }
 
+// Distinct numbers, counted on by `counter`: `mine` for each work-item, the first is returned. One global atomic for
+// the group, all of which calls it; `taken` is two words of local memory.
+static inline uint take_numbers(volatile local uint* taken, volatile global uint* counter, uint mine) {
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (get_local_id(0) == 0) taken[0] = 0u;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  const uint place = mine > 0u ? atomic_add(taken, mine) : 0u;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (get_local_id(0) == 0) taken[1] = taken[0] > 0u ? atomic_add(counter, taken[0]) : 0u;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return taken[1] + place;
+}
+
 // Tiles of a loop whose body appends: every work-item of the group runs every tile, so that the group
 // meets at the barriers of append_flush.
 #define FOR_EACH_TILE(tile, count) \

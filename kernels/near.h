@@ -12,6 +12,9 @@
 static inline volatile global uint* near_right(volatile global uint* near, uint code) { return near + code; }
 static inline volatile global uint* near_left(volatile global uint* near, uint code) { return near + (code ^ 1u); }
 
+// Of a side that is not crossed, and whose edge a chain is known to run along (constrain.cl).
+#define NEAR_CHAIN (GCDT_NONE - 1u)
+
 #define SAME_PLACE 0
 #define FIRST_NEARER 1
 #define SECOND_NEARER 2

@@ -83,7 +83,9 @@ typedef struct Counters {
   u32 symbolic_chain_vertices;
   u32 hexagons;
   u32 new_edges;
-  u32 reserved[10];
+  u32 crossed_faces, crossed_edges;  // lengths of their lists (constrain.cl)
+  u32 owned_left, owned_right;       // vertices of all chains
+  u32 reserved[6];
 } Counters;
 
 // ---- Layers of minima over the chains (kernels/constrain.cl) ------------------------------------------

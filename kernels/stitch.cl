@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Phase 2, last step: joins the new triangles to each other and to the faces around them, by a hash
-// table of directed edges. Open addressing, nothing is removed.
+// Phase 2, last step: joins the sides of new triangles that retriangulate.cl has left open (GCDT_NONE), to each other
+// and to the faces around them, by a hash table of directed edges. Open addressing, nothing is removed.
 //
-// Entries: every directed edge u -> v of a crossed face that is not crossed itself (it stays, and its
-// side waits for the new triangle that has it), and for every new edge {u, v}, u < v, the direction
-// v -> u, whose triangle comes second.
+// Entries: every directed edge u -> v of a crossed face that is not crossed itself, and that no walk has found along a
+// chain (it stays, and its side waits for the new triangle that has it), and for every new edge {u, v}, u < v, that is
+// made here, the direction v -> u, whose triangle comes second.
 #include "append.h"
 #include "mesh.h"
 
@@ -61,23 +61,34 @@ static uint find_direction(Table table, uint u, uint v) {
   return GCDT_NONE;
 }
 
-// One work-item per crossed face, before its slot is overwritten. Enters its sides on edges that are
-// not crossed. Slots are taken by compare-and-exchange; where an entry lands does not matter.
+// One work-item per crossed face, before its slot is overwritten. Enters its sides that wait. Slots are taken by
+// compare-and-exchange; where an entry lands does not matter.
 kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* face_data, global const uint* near,
                         TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint4 c = face_data[GCDT_CORNERS(crossed[i])], s = face_data[GCDT_SIDES(crossed[i])];
+    const uint4 s = face_data[GCDT_SIDES(crossed[i])];
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
-      if (near[code] == GCDT_NONE &&
-          !insert_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)), code))
+      if (near[code] != GCDT_NONE) continue;
+      const uint4 c = face_data[GCDT_CORNERS(crossed[i])];
+      if (!insert_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)), code))
         atomic_or(&counters->failed, GCDT_FAILED_MATCH);
     }
   }
 }
 
-static inline bool in_second(uint u, uint v) { return u > v; }
+// The open sides of face t, as bits, whose direction u -> v has u > v (second), or u < v.
+static uint open_sides(global const uint4* face_data, uint t, bool second) {
+  const uint4 s = face_data[GCDT_SIDES(t)];
+  if (s.x != GCDT_NONE && s.y != GCDT_NONE && s.z != GCDT_NONE) return 0u;
+  const uint4 c = face_data[GCDT_CORNERS(t)];
+  uint open = 0;
+  for (uint k = 0; k < 3u; ++k)
+    if (element(s, k) == GCDT_NONE && (element(c, next_corner(k)) > element(c, previous_corner(k))) == second)
+      open |= 1u << k;
+  return open;
+}
 
 // Joins side k of new triangle t to the side code, which waits for it.
 static inline void join(uint t, uint k, uint code, global uint4* face_data, global uint* edge_faces) {
@@ -85,86 +96,71 @@ static inline void join(uint t, uint k, uint code, global uint4* face_data, glob
   edge_faces[code] = GCDT_FACE_REF(t, k);
 }
 
-// One work-item per new triangle: its directions u -> v with u < v. A direction in the table takes the
+// One work-item per new triangle: its open directions u -> v with u < v. A direction in the table takes the
 // side that waits there; otherwise it makes a new edge in the slot of a crossed one and enters the other
 // direction. A work-group takes slots for all its new edges at once (any numbering does). Writes its own
 // face's side words, the sides found (each direction occurs once among the new triangles of a valid mesh,
-// which stitch_prove checks), and new edges' words. After: all directions u < v are joined.
+// which stitch_prove checks), and new edges' words. After: no direction u < v is open.
 kernel void stitch_first(uint count, uint free_edges, global const uint* crossed, global uint4* face_data,
                          global uint* edge_faces, global uint* edge_marks, global const uint* crossed_edges,
                          TABLE_PARAMETERS, volatile global Counters* counters) {
-  local uint wanted[2];  // new edges of the tile; number of the first
+  local uint taken[2];
   const Table table = make_table(capacity, slots);
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
-    if (get_local_id(0) == 0) wanted[0] = 0u;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    uint found[3] = {0u, 0u, 0u}, mine = 0, place = 0;
-    if (i < count) {
-      const uint4 c = face_data[GCDT_CORNERS(crossed[i])];
-      for (uint k = 0; k < 3u; ++k) {
-        const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
-        if (in_second(u, v)) continue;
-        found[k] = find_direction(table, u, v);
-        mine += found[k] == GCDT_NONE ? 1u : 0u;
-      }
-      place = atomic_add(wanted, mine);
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) wanted[1] = atomic_add(&counters->new_edges, wanted[0]);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (i < count) {
-      const uint t = crossed[i];
+    const uint t = i < count ? crossed[i] : GCDT_NONE;
+    uint found[3] = {0u, 0u, 0u}, wanted = 0;
+    const uint open = t == GCDT_NONE ? 0u : open_sides(face_data, t, false);
+    for (uint k = 0; k < 3u; ++k) {
+      if (!((open >> k) & 1u)) continue;
       const uint4 c = face_data[GCDT_CORNERS(t)];
-      uint number = wanted[1] + place;
-      for (uint k = 0; k < 3u; ++k) {
-        const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
-        if (in_second(u, v)) continue;
-        uint code = found[k];
-        if (code == GCDT_NONE) {
-          if (number >= free_edges) {
-            ((global uint*)(face_data + GCDT_SIDES(t)))[k] = GCDT_NONE;
-            atomic_or(&counters->failed, GCDT_FAILED_MATCH);
-            continue;
-          }
-          const uint e = crossed_edges[number++];
-          code = GCDT_SIDE(e, 0u);
-          edge_marks[e] = 0u;
-          edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
-          if (!insert_direction(table, v, u, GCDT_SIDE(e, 1u))) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
-        }
-        join(t, k, code, face_data, edge_faces);
-      }
+      found[k] = find_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)));
+      wanted += found[k] == GCDT_NONE ? 1u : 0u;
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
+    uint slot = take_numbers(taken, &counters->new_edges, wanted);
+    for (uint k = 0; k < 3u; ++k) {
+      if (!((open >> k) & 1u)) continue;
+      uint code = found[k];
+      if (code == GCDT_NONE) {
+        if (slot >= free_edges) {
+          atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+          continue;
+        }
+        const uint4 c = face_data[GCDT_CORNERS(t)];
+        const uint e = crossed_edges[slot++];
+        code = GCDT_SIDE(e, 0u);
+        edge_marks[e] = 0u;
+        edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
+        if (!insert_direction(table, element(c, previous_corner(k)), element(c, next_corner(k)), GCDT_SIDE(e, 1u)))
+          atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+      }
+      join(t, k, code, face_data, edge_faces);
+    }
   }
 }
 
-// One work-item per new triangle, after stitch_first: its directions u -> v with u > v, all of which are in
+// One work-item per new triangle, after stitch_first: its open directions u -> v with u > v, all of which are in
 // the table now. Writes as there.
 kernel void stitch_second(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
                           TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint t = crossed[i];
-    const uint4 c = face_data[GCDT_CORNERS(t)];
+    const uint t = crossed[i], open = open_sides(face_data, t, true);
     for (uint k = 0; k < 3u; ++k) {
-      const uint u = element(c, next_corner(k)), v = element(c, previous_corner(k));
-      if (!in_second(u, v)) continue;
-      const uint code = find_direction(table, u, v);
-      if (code == GCDT_NONE) {
-        ((global uint*)(face_data + GCDT_SIDES(t)))[k] = GCDT_NONE;
+      if (!((open >> k) & 1u)) continue;
+      const uint4 c = face_data[GCDT_CORNERS(t)];
+      const uint code = find_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)));
+      if (code == GCDT_NONE)
         atomic_or(&counters->failed, GCDT_FAILED_MATCH);
-      } else {
+      else
         join(t, k, code, face_data, edge_faces);
-      }
     }
   }
 }
 
 // One work-item per new triangle. Checks that it is counter-clockwise and that each of its side codes is
-// its own. That proves the mesh: the 3C sides of C triangles then are distinct, and as many as wait in
-// the table, so every direction met its reverse; counter-clockwise triangles whose edges pair up
+// its own. That proves the mesh: the 3C sides of C triangles then are distinct, as many as the sides that stay and both
+// sides of the new edges, so every direction met its reverse; counter-clockwise triangles whose edges pair up
 // cover what the crossed ones covered, once. No race: only the failure bits are written.
 kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAMETERS,
                          volatile global Counters* counters) {
@@ -182,15 +178,18 @@ kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAM
   }
 }
 
-// One work-item per piece. Marks the new edge of a piece that was walked. Pieces are distinct edges, so
-// no two write the same word. After: every piece is a marked edge, or a failure bit is set.
-kernel void stitch_mark(uint pieces, global const uint2* ends, global const uint* piece_edge, global uint* edge_marks,
-                        TABLE_PARAMETERS, volatile global Counters* counters) {
+// One work-item per piece. Marks the edge of a piece that was walked and has no edge yet: that of its one triangle
+// with the piece as base (roots), or one between two other chains. Pieces are distinct edges, so no two write the same
+// word. After: every piece is a marked edge, or a failure bit is set.
+kernel void stitch_mark(uint pieces, global const uint2* ends, global const uint* piece_edge, global const uint2* roots,
+                        global const uint4* face_data, global uint* edge_marks, TABLE_PARAMETERS,
+                        volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
   for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
     if (piece_edge[c] != GCDT_NONE) continue;
-    const uint u = min(ends[c].x, ends[c].y), v = max(ends[c].x, ends[c].y);
-    const uint code = find_direction(table, v, u);
+    const uint root = min(roots[c].x, roots[c].y);
+    const uint code = root != GCDT_NONE ? face_data[GCDT_SIDES(root)].z
+                                        : find_direction(table, max(ends[c].x, ends[c].y), min(ends[c].x, ends[c].y));
     if (code == GCDT_NONE)
       atomic_or(&counters->failed, GCDT_FAILED_MISSING);
     else

@@ -18,11 +18,12 @@ typedef struct Walk {
   Vertex va, vb;
   u32 k, parts;  // from division point k to k + 1 of `parts`
   u32 face;
-  u32 third;        // corner number: the exit edge is the one opposite it
-  i32 third_side;   // of the line a -> b: 1 left, -1 right, 0 on it, behind
-  u32 code;         // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
-  u32 left, right;  // ends of the exit edge
-  u32 hit;          // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
+  u32 third;                      // corner number: the exit edge is the one opposite it
+  i32 third_side;                 // of the line a -> b: 1 left, -1 right, 0 on it, behind
+  u32 code;                       // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
+  u32 across_left, across_right;  // at an exit edge: side codes of the face's edges across from its two ends
+  u32 left, right;                // ends of the exit edge
+  u32 hit;                        // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
 } Walk;
 
 #define GCDT_WALK_PARAMETERS GCDT_LEVELS_POINTER levels, uint level, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS
@@ -86,6 +87,8 @@ static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 
   w->left = c.z;
   w->hit = GCDT_NONE;
   w->code = element(sides, third);
+  w->across_right = element(sides, next_corner(third));
+  w->across_left = element(sides, previous_corner(third));
   if (w->k + 1u < w->parts &&
       gcdt_orient2d_division(load_vertex(mesh.points, mesh.n, c.y), load_vertex(mesh.points, mesh.n, c.z), w->va, w->vb,
                              w->k + 1u, w->parts) > 0)
@@ -124,9 +127,9 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
   return WALK_FAILED;
 }
 
-// Starts part k of `parts` of the piece a-b.
-static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, uint b,
-                       uint k, uint parts, private uint* steps) {
+// Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
+// GCDT_NONE.
+static uint walk_begin_in(private Walk* w, Mesh mesh, uint face, uint a, uint b, uint k, uint parts) {
   w->a = a;
   w->b = b;
   w->va = load_vertex(mesh.points, mesh.n, a);
@@ -134,8 +137,16 @@ static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, 
   w->k = k;
   w->parts = parts;
   w->hit = GCDT_NONE;
-  w->face = locate_division_point(levels, level, mesh, h, a, w->va, w->vb, k, parts, steps);
-  return w->face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
+  w->face = face;
+  return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
+}
+
+// The same, and finds the face.
+static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, uint b,
+                       uint k, uint parts, private uint* steps) {
+  const Vertex va = load_vertex(mesh.points, mesh.n, a), vb = load_vertex(mesh.points, mesh.n, b);
+  return walk_begin_in(w, mesh, locate_division_point(levels, level, mesh, h, a, va, vb, k, parts, steps), a, b, k,
+                       parts);
 }
 
 // What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for both at once.

@@ -27,7 +27,6 @@ class Constraining {
   ConstrainResult run() {
     find_near();
     list_crossed();
-    find_hexagons();
     if (failed()) return finish(false);
     own_vertices();
     if (failed() || !counts_agree()) return finish(false);
@@ -36,21 +35,23 @@ class Constraining {
     keep_boundary();
     retriangulate();
     stitch();
+    counters_.read();
     return finish(true);
   }
 
  private:
   bool failed() { return counters_.read().failed != 0; }
 
+  // With the counters read last.
   ConstrainResult finish(bool changed) {
-    const device::Counters& c = counters_.read();
+    const device::Counters& c = counters_.last();
     ConstrainResult result;
     result.failed = c.failed | (counts_agree() ? 0u : GCDT_FAILED_COUNT);
     result.mesh_changed = changed;
     result.existing_edges = c.existing_edges;
     result.walked = pieces_.count - c.existing_edges;
-    result.chain_vertices = left_total_ + right_total_;
-    result.holes = hexagons_;
+    result.chain_vertices = c.owned_left + c.owned_right;
+    result.holes = c.hexagons;
     result.symbolic_chain_vertices = c.symbolic_chain_vertices;
     result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
     result.steps = wide(c.steps_low, c.steps_high);
@@ -64,66 +65,64 @@ class Constraining {
     runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
     parts_ = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
-    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity), sizes(), mesh_.edge_marks, near_,
-                   pieces_.ends, parts_.begins, piece_edge_, counters_.buffer());
+    part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
+    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity),
+                   std::make_tuple(pieces_.count, parts_.capacity), mesh_.edge_marks, near_, pieces_.ends,
+                   parts_.begins, piece_edge_, part_face_, counters_.buffer());
+    walked_.history = {};
   }
 
   void list_crossed() {
-    auto flags = runtime_.allocate<cl_uint>("crossed flags", std::size_t(mesh_.edges()) + 1);
-    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), mesh_.face_data, flags);
-    primitives_.exclusive_scan(flags, flags, mesh_.faces());
-    crossed_faces_ = runtime_.read_one(flags, mesh_.faces());
-    crossed_ = runtime_.allocate<cl_uint>("crossed faces", crossed_faces_);
-    primitives_.compact_indices(flags, crossed_, mesh_.faces());
+    crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
+    crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
+    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), mesh_.face_data,
+                    crossed_, counters_.buffer());
     runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
-                    flags, counters_.buffer());
-    primitives_.exclusive_scan(flags, flags, mesh_.edges());
-    crossed_edge_count_ = runtime_.read_one(flags, mesh_.edges());
-    crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", crossed_edge_count_);
-    primitives_.compact_indices(flags, crossed_edges_, mesh_.edges());
-  }
-
-  void find_hexagons() {
-    runtime_.launch("constrain", "constrain_hexagons", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
-                    near_, counters_.buffer());
-    hexagons_ = counters_.read().hexagons;
-    hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
-    if (hexagons_ > 0)
-      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, crossed_,
-                      mesh_.face_data, hexagon_face_);
+                    crossed_edges_, counters_.buffer());
+    runtime_.launch("constrain", "constrain_hexagons", over(mesh_.faces()), crossed_, mesh_.face_data, near_,
+                    counters_.buffer());
   }
 
   // A part's last chunk may be nearly empty.
   void own_vertices() {
+    crossed_faces_ = counters_.last().crossed_faces;
+    hexagons_ = counters_.last().hexagons;
+    hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
+    if (hexagons_ > 0)
+      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, crossed_,
+                      mesh_.face_data, hexagon_face_);
     chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity + 1;
     chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
     chunk_entries_ =
-        runtime_.allocate<cl_uint>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
+        runtime_.allocate<cl_uint2>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
     left_start_ = runtime_.allocate<cl_uint>("left chain starts", std::size_t(parts_.capacity) + 1);
     right_start_ = runtime_.allocate<cl_uint>("right chain starts", std::size_t(parts_.capacity) + 1);
     far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
     runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
-    walked_.launch(runtime_, "constrain", "constrain_own", over(parts_.capacity),
-                   std::make_tuple(pieces_.count, parts_.capacity, chunk_capacity_), near_, pieces_.ends, parts_.begins,
-                   piece_edge_, left_start_, right_start_, far_, chunk_heads_, chunk_entries_, counters_.buffer());
+    last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
+    runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
+                    chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
+                    pieces_.ends, parts_.begins, piece_edge_, part_face_, left_start_, right_start_, far_, chunk_heads_,
+                    chunk_entries_, last_sides_, counters_.buffer());
     primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
     primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
-    left_total_ = runtime_.read_one(left_start_, parts_.capacity);
-    right_total_ = runtime_.read_one(right_start_, parts_.capacity);
   }
 
   // As many triangles are made as were crossed, if no two pieces cross.
-  bool counts_agree() const { return std::uint64_t(left_total_) + right_total_ + hexagons_ == crossed_faces_; }
+  bool counts_agree() const {
+    const device::Counters& c = counters_.last();
+    return std::uint64_t(c.owned_left) + c.owned_right + c.hexagons == c.crossed_faces;
+  }
 
-  // The last walk: the history goes.
   void find_holes() {
+    left_total_ = counters_.last().owned_left, right_total_ = counters_.last().owned_right;
     right_begin_ = left_total_ + 2 * pieces_.count;
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
     if (hexagons_ > 0)
-      walked_.launch(runtime_, "constrain", "constrain_holes", over(3 * std::size_t{hexagons_}),
-                     std::make_tuple(hexagons_, right_begin_), near_, pieces_.ends, parts_.begins, left_start_,
-                     right_start_, far_, hexagon_face_, hole_place_, counters_.buffer());
-    walked_.history = {};
+      runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, right_begin_,
+                      mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_, pieces_.ends,
+                      parts_.begins, part_face_, left_start_, right_start_, far_, hexagon_face_, hole_place_,
+                      counters_.buffer());
   }
 
   void write_chains() {
@@ -131,11 +130,12 @@ class Constraining {
     chain_vertex_ = runtime_.allocate<cl_uint>("chain vertices", length_);
     chain_distances_ = runtime_.allocate<cl_ulong>("chain distances", length_);
     chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
+    chain_side_ = runtime_.allocate<cl_uint>("sides along chains", length_);
     const cl_uint chunks = counters_.last().chunks;
     runtime_.launch("constrain", "constrain_chain", over(std::max(chunks, pieces_.count)), pieces_.count, chunks,
-                    right_begin_, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, left_start_,
-                    right_start_, chunk_heads_, chunk_entries_, chain_vertex_, chain_distances_, chain_piece_,
-                    counters_.buffer());
+                    right_begin_, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, piece_edge_,
+                    last_sides_, left_start_, right_start_, chunk_heads_, chunk_entries_, near_, chain_vertex_,
+                    chain_distances_, chain_piece_, chain_side_, counters_.buffer());
     chunk_heads_ = {};
     chunk_entries_ = {};
     make_minima();
@@ -152,17 +152,17 @@ class Constraining {
     }
     minima_ = runtime_.allocate<cl_ulong>("minima", total);
     for (cl_uint l = 1; l < layers_.count; ++l)
-      runtime_.launch("constrain", "constrain_minima", over(layers_.length[l]), layers_.length[l],
+      runtime_.launch("retriangulate", "retriangulate_minima", over(layers_.length[l]), layers_.length[l],
                       layers_.length[l - 1], layers_.begin[l - 1], layers_.begin[l], cl_uint(l == 1), chain_distances_,
                       minima_);
     layers_buffer_ = runtime_.allocate<device::MinimaLayers>("minima layers", 1);
     runtime_.write(layers_buffer_, &layers_, 1);
   }
 
-  // Entries: 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
+  // Entries: at most 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
   // is entered for the new edge in its place). A third more slots keeps probes short.
   void keep_boundary() {
-    const std::uint64_t entries = 3ull * crossed_faces_ - crossed_edge_count_;
+    const std::uint64_t entries = 3ull * crossed_faces_ - counters_.last().crossed_edges;
     capacity_ = cl_uint(entries + entries / 2 + 1);
     table_ = runtime_.allocate<cl_uint>("table of directions", 3 * std::size_t{capacity_});
     runtime_.fill<cl_uint>(table_, GCDT_NONE, 3 * std::size_t{capacity_});
@@ -172,25 +172,32 @@ class Constraining {
   }
 
   void retriangulate() {
-    runtime_.launch("constrain", "constrain_triangles", over(length_), length_, right_begin_, pieces_.count,
-                    layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, minima_, crossed_, mesh_.face_data);
-    runtime_.launch("constrain", "constrain_fill", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_),
-                    hole_place_, chain_vertex_, crossed_, mesh_.face_data);
+    const cl_uint free_edges = counters_.last().crossed_edges;
+    roots_ = runtime_.allocate<cl_uint2>("roots of chains", pieces_.count);
+    runtime_.fill<cl_uint2>(roots_, {{GCDT_NONE, GCDT_NONE}}, pieces_.count);
+    runtime_.launch("retriangulate", "retriangulate_chains", over(length_), length_, right_begin_, pieces_.count,
+                    layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, chain_side_, minima_, crossed_,
+                    free_edges, crossed_edges_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, roots_,
+                    counters_.buffer());
+    runtime_.launch("retriangulate", "retriangulate_pieces", over(pieces_.count), pieces_.count, roots_, free_edges,
+                    crossed_edges_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, piece_edge_,
+                    counters_.buffer());
+    if (hexagons_ > 0)
+      runtime_.launch("retriangulate", "retriangulate_holes", over(hexagons_), hexagons_,
+                      cl_uint(left_total_ + right_total_), hole_place_, chain_vertex_, crossed_, mesh_.face_data);
   }
 
   void stitch() {
-    runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, crossed_edge_count_, crossed_,
-                    mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, table_,
+    runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, counters_.last().crossed_edges,
+                    crossed_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, table_,
                     counters_.buffer());
     runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
                     mesh_.edge_faces, capacity_, table_, counters_.buffer());
     runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n,
                     walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, counters_.buffer());
-    runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_,
-                    mesh_.edge_marks, capacity_, table_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_, roots_,
+                    mesh_.face_data, mesh_.edge_marks, capacity_, table_, counters_.buffer());
   }
-
-  std::tuple<cl_uint, cl_uint> sizes() const { return {pieces_.count, parts_.capacity}; }
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;
@@ -199,14 +206,16 @@ class Constraining {
   const Pieces& pieces_;
   PhaseCounters& counters_;
   Parts parts_;
-  runtime::Buffer<cl_uint> near_, piece_edge_, crossed_, crossed_edges_, left_start_, right_start_, far_, hexagon_face_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, part_face_, crossed_, crossed_edges_, left_start_, right_start_, far_,
+      hexagon_face_;
+  runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_;
-  runtime::Buffer<cl_uint> chunk_entries_;
-  runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, hole_place_, table_;
+  runtime::Buffer<cl_uint2> chunk_entries_;
+  runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, chain_side_, hole_place_, table_;
   runtime::Buffer<cl_ulong> chain_distances_, minima_;
   runtime::Buffer<device::MinimaLayers> layers_buffer_;
   device::MinimaLayers layers_ = {};
-  cl_uint crossed_faces_ = 0, crossed_edge_count_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
+  cl_uint crossed_faces_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
   cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;
 };
 
