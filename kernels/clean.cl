@@ -30,23 +30,26 @@ kernel void clean_gather(uint count, global const uint* list, global const uint2
 
 // One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
 // (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1, only parts that have some). No race: each
-// part has its own word, or its own range. After: counts[part] for every part, 0 beyond the last.
+// part has its own word, or its own range; faces crossed are added to their constraint's count. After: counts[part] for
+// every part, 0 beyond the last, and part_face[part], where it begins.
 kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
-                       global const uint* begins, global uint* counts, global uint* hits,
-                       volatile global Counters* counters) {
+                       global const uint* list, global const uint* begins, global uint* part_face, global uint* counts,
+                       global uint* hits, volatile global uint* crossed, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces], faces = gcdt_face_count(n);
   uint steps = 0;
   for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
-    uint found = 0;
+    uint found = 0, edges = 0;
     if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = ends[c];
       Walk w;
-      uint event =
-          walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+      const uint k = part - begins[c], all = begins[c + 1u] - begins[c];
+      uint event = emit ? walk_begin_in(&w, mesh, part_face[part], e.x, e.y, k, all)
+                        : walk_begin(&w, levels, level, mesh, h, e.x, e.y, k, all, &steps);
+      if (!emit) part_face[part] = w.face;
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
         if (event == WALK_HIT) {
@@ -55,8 +58,10 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
           event = walk_turn(&w, mesh, w.hit, faces);
         } else {
           event = walk_cross(&w, mesh, look_behind(&w, mesh));
+          ++edges;
         }
       }
+      if (!emit && edges > 0u) atomic_add(crossed + list[c], edges);
       if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
     }
     if (!emit) counts[part] = found;
@@ -74,10 +79,11 @@ static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, ui
 // One work-item per part. A constraint with hits h1 .. hk becomes the pieces a-h1, h1-h2, .. hk-b. Each
 // part writes the pieces that end in its hits, the last part also the final one: piece number = hits
 // before it + constraints before it, so no two write the same word. After: keys = (rank, rank) of the
-// ends, lower first, and the source of every piece, in order of the sources.
+// ends, lower first, and the source of every piece, in order of the sources; of a constraint's crossed faces what
+// comes to each of its pieces.
 kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
                          global const uint* begins, global const uint* offsets, global const uint* hits,
-                         global const uint* list, global ulong* keys, global uint* sources) {
+                         global const uint* list, global ulong* keys, global uint* sources, global uint* crossed) {
   const uint parts = begins[pieces];
   for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
     const uint c = piece_of_part(begins, pieces, part);
@@ -87,7 +93,9 @@ kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, glo
       write_piece(levels, bits, before, hits[i], list[c], i + c, keys, sources);
       before = hits[i];
     }
-    if (part + 1u == begins[c + 1u]) write_piece(levels, bits, before, ends[c].y, list[c], last + c, keys, sources);
+    if (part + 1u != begins[c + 1u]) continue;
+    write_piece(levels, bits, before, ends[c].y, list[c], last + c, keys, sources);
+    crossed[list[c]] = crossed[list[c]] / (last - first + 1u);
   }
 }
 
@@ -97,13 +105,15 @@ kernel void clean_first(uint count, global const ulong* keys, global uint* flags
     flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
 }
 
-// One work-item per distinct piece. Writes its ends, lower rank first. No race: its own word.
+// One work-item per distinct piece. Writes its ends, lower rank first, and its weight. No race: its own words.
 kernel void clean_ends(uint count, uint bits, GCDT_LEVELS_POINTER levels, global const ulong* keys,
-                       global const uint* firsts, global uint2* ends) {
+                       global const uint* firsts, global const uint* sources, global const uint* crossed,
+                       global uint2* ends, global uint* weights) {
   const uint last = levels->count - 1u;
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const ulong key = keys[firsts[i]];
     ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> bits)),
                       gcdt_vertex_of_rank(levels, last, (uint)(key & (((ulong)1 << bits) - 1u))));
+    weights[i] = crossed[sources[firsts[i]]];
   }
 }

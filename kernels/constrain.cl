@@ -178,9 +178,11 @@ static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, uint
 }
 
 // The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
-// the edge where the walk came in, or it is the piece's end.
+// the edge where the walk came in, or it is the piece's end. Marks it.
 static inline uint chain_side(volatile global uint* near, uint along, bool from_end, uint word, uint c) {
-  return (from_end || near[word] == c) && near[along] == GCDT_NONE ? along : GCDT_NONE;
+  if (!(from_end || near[word] == c) || near[along] != GCDT_NONE) return GCDT_NONE;
+  near[along] = NEAR_CHAIN;
+  return along;
 }
 
 // In the last face, across from whose corner `b` the walk came in: the sides to b from the left and from the right.
@@ -192,9 +194,9 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
 }
 
 // One work-item per part. Writes the vertices that the part owns to chunks, and how many are left and right (its own
-// words), and reduces the farthest cut at each corner of a hexagon (reduce_piece). A piece that is an edge already
-// crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each piece that was
-// walked.
+// words), marks known sides along chains with NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon
+// (reduce_piece). A piece that is an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k]
+// is complete; last[c] of each piece that was walked.
 kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS,
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
                           global const uint* piece_edge, global const uint* part_face, global uint* counts_left,
@@ -237,7 +239,9 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
         event = walk_cross(&w, mesh, behind);
       }
       end_chunk(chunks, &o);
-      if (piece_edge[c] == GCDT_NONE && event == WALK_END && w.hit == w.b) last[c] = last_sides(&w, mesh, near, c);
+      // The last part comes to b; the one before may, too.
+      if (piece_edge[c] == GCDT_NONE && part + 1u == begins[c + 1u] && event == WALK_END)
+        last[c] = last_sides(&w, mesh, near, c);
     }
     counts_left[part] = o.left;
     counts_right[part] = o.right;
@@ -265,23 +269,21 @@ static inline ulong chain_distance(Vertex a, Vertex b, Vertex v) {
   return (ulong)(d < 0 ? -d : d);
 }
 
-// Marks the side, which no other chain has.
-static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, uint side, global uint* near) {
+static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, uint side) {
   chains.vertex[at] = v;
   chains.piece[at] = c;
   chains.distance[at] = distance;
   chains.side[at] = side;
-  if (side != GCDT_NONE) near[side] = NEAR_CHAIN;
 }
 
 // One work-item per chunk, and one per piece. Writes the chunk's vertices to its own range of the chains, the
-// piece's ends around its chains. After: the chains are complete, and the near words of their known sides NEAR_CHAIN.
+// piece's ends around its chains. After: the chains are complete.
 kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uint n, global const int2* points,
                             global const uint2* ends, global const uint* begins, global const uint* piece_edge,
                             global const uint2* last_of_piece, global const uint* left_start,
                             global const uint* right_start, global const ChunkHead* heads, global const uint2* entries,
-                            global uint* near, global uint* chain_vertex, global ulong* chain_distances,
-                            global uint* chain_piece, global uint* chain_side, volatile global Counters* counters) {
+                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
+                            global uint* chain_side, volatile global Counters* counters) {
   Chains chains;
   chains.vertex = chain_vertex;
   chains.distance = chain_distances;
@@ -297,7 +299,7 @@ kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uin
       const uint2 entry = entries[CHUNK_LENGTH * i + j];
       const uint v = entry.x >> 1;
       write_chain(chains, entry.x & 1u ? right++ : left++, v, c, chain_distance(a, b, load_vertex(points, n, v)),
-                  entry.y, near);
+                  entry.y);
       if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
     }
   }
@@ -305,10 +307,10 @@ kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uin
     const uint2 e = walk_ends(ends[c]);
     const uint first = begins[c], last = begins[c + 1u];
     const uint2 sides = piece_edge[c] == GCDT_NONE ? last_of_piece[c] : (uint2)(GCDT_NONE, GCDT_NONE);
-    write_chain(chains, left_start[first] + 2u * c, e.x, c, 0u, GCDT_NONE, near);
-    write_chain(chains, left_start[last] + 2u * c + 1u, e.y, c, 0u, sides.x, near);
-    write_chain(chains, right_begin + right_start[first] + 2u * c, e.x, c, 0u, GCDT_NONE, near);
-    write_chain(chains, right_begin + right_start[last] + 2u * c + 1u, e.y, c, 0u, sides.y, near);
+    write_chain(chains, left_start[first] + 2u * c, e.x, c, 0u, GCDT_NONE);
+    write_chain(chains, left_start[last] + 2u * c + 1u, e.y, c, 0u, sides.x);
+    write_chain(chains, right_begin + right_start[first] + 2u * c, e.x, c, 0u, GCDT_NONE);
+    write_chain(chains, right_begin + right_start[last] + 2u * c + 1u, e.y, c, 0u, sides.y);
   }
 }
 

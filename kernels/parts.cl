@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares out a pool of parts to pieces in proportion to their length (paper, section 6.2).
+// Shares out a pool of parts to pieces in proportion to their weights: their lengths (paper, section 6.2), or the
+// crossed faces that cleaning counted.
 #include "mesh.h"
 
 static inline u64 piece_length(global const int2* points, uint2 ends) {
@@ -7,28 +8,35 @@ static inline u64 piece_length(global const int2* points, uint2 ends) {
   return (u64)max(abs_diff(p.x, q.x), abs_diff(p.y, q.y));
 }
 
-// One work-item per stride of pieces. Adds lengths (longer axis, below 2^31) to the 64-bit total, once for
+// One work-item per piece. The weight of a piece is its length along the longer axis, below 2^31. No race: its own
+// word.
+kernel void parts_lengths(uint pieces, global const int2* points, global const uint2* ends, global uint* weights) {
+  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) weights[c] = (uint)piece_length(points, ends[c]);
+}
+
+// One work-item per stride of pieces. Adds weights to the 64-bit total, once for
 // a group: in digits of 20 bits, so that no local sum overflows (groups have at most 4096 work-items).
-// Sums do not depend on order. After: total[0..1] is the total length.
-kernel void parts_total(uint pieces, global const int2* points, global const uint2* ends, volatile global uint* total) {
+// Sums do not depend on order. After: total[0..1] is the total weight.
+kernel void parts_total(uint pieces, global const uint* weights, volatile global uint* total) {
   local uint sum;
   u64 mine = 0, whole = 0;
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) mine += piece_length(points, ends[c]);
+  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) mine += weights[c];
   for (uint digit = 0; digit < 4u; ++digit)
     whole += (u64)sum_of_group(&sum, (uint)(mine >> (20u * digit)) & 0xFFFFFu) << (20u * digit);
   if (get_local_id(0) == 0) add_wide(total, total + 1, whole);
 }
 
-// One work-item per piece. Reads the total length; writes the piece's number of parts, at least 1. The
-// pool has one part for about eight crossed faces of an evenly filled mesh, `least` to `most`.
-// No race: each its own word. After: counts[c] >= 1, their sum is at most pieces + most.
-kernel void parts_count(uint pieces, uint least, uint most, uint root_of_faces, global const int2* points,
-                        global const uint2* ends, global const uint* total, global uint* counts) {
+// One work-item per piece. Reads the total weight; writes the piece's number of parts, at least 1. The
+// pool has one part for about eight crossed faces, `least` to `most`; their number is (total >> shift) * factor,
+// exactly or on an evenly filled mesh. No race: each its own word. After: counts[c] >= 1, their sum is at most pieces +
+// most.
+kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint factor, global const uint* weights,
+                        global const uint* total, global uint* counts) {
   const u64 whole = (u64)total[0] | ((u64)total[1] << 32);
-  const u64 expected = (whole >> 31) * root_of_faces / 8u + (u64)least;
+  const u64 expected = (whole >> shift) * factor / 8u + (u64)least;
   const u64 pool = expected < most ? expected : most;
   for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
-    // length < 2^31 and pool < 2^31.
-    counts[c] = whole == 0 ? 1u : 1u + (uint)(piece_length(points, ends[c]) * pool / whole);
+    // A weight and the pool are below 2^32.
+    counts[c] = whole == 0 ? 1u : 1u + (uint)(weights[c] * pool / whole);
   }
 }

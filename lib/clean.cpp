@@ -56,12 +56,15 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
       wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
   CleanResult result;
   result.zero_length = selected - kept.count;
-  const Parts parts = make_parts(runtime_, primitives_, vertices_, kept.ends, kept.count);
+  const Parts parts = parts_by_length(runtime_, primitives_, vertices_, kept.ends, kept.count);
+  auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
+  auto crossed = runtime_.allocate<cl_uint>("faces crossed by constraints", count_);
+  runtime_.fill<cl_uint>(crossed, 0, count_);
   auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
     walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity),
-                  std::make_tuple(emit, kept.count, parts.capacity), kept.ends, parts.begins, offsets, hits,
-                  counters.buffer());
+                  std::make_tuple(emit, kept.count, parts.capacity), kept.ends, kept.list, parts.begins, part_face,
+                  offsets, hits, crossed, counters.buffer());
   };
   walk(0, offsets);
   primitives_.exclusive_scan(offsets, offsets, parts.capacity);
@@ -76,13 +79,13 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   auto keys = runtime_.allocate<cl_ulong>("keys of pieces", count);
   auto sources = runtime_.allocate<cl_uint>("sources of pieces", count);
   runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(bits), vertices_.levels_buffer,
-                  kept.ends, parts.begins, offsets, hit_list, kept.list, keys, sources);
-  result.pieces = merge(vertices_, std::move(keys), std::move(sources), count, bits);
+                  kept.ends, parts.begins, offsets, hit_list, kept.list, keys, sources, crossed);
+  result.pieces = merge(vertices_, std::move(keys), std::move(sources), crossed, count, bits);
   return result;
 }
 
 Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
-                      cl_uint count, unsigned bits) {
+                      const runtime::Buffer<cl_uint>& crossed, cl_uint count, unsigned bits) {
   primitives_.sort_by_prefix(keys, sources, count, 2 * bits, bits);
   auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
   runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
@@ -94,8 +97,9 @@ Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, 
   primitives_.compact_indices(firsts, pieces.source_offsets, count);
   runtime_.fill<cl_uint>(pieces.source_offsets, count, 1, pieces.count);
   pieces.ends = runtime_.allocate<cl_uint2>("pieces", pieces.count);
+  pieces.weights = runtime_.allocate<cl_uint>("weights of pieces", pieces.count);
   runtime_.launch("clean", "clean_ends", over(pieces.count), pieces.count, cl_uint(bits), vertices.levels_buffer, keys,
-                  pieces.source_offsets, pieces.ends);
+                  pieces.source_offsets, sources, crossed, pieces.ends, pieces.weights);
   pieces.sources = std::move(sources);
   return pieces;
 }

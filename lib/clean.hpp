@@ -38,7 +38,7 @@ class Cleaner {
   };
   Kept keep(const std::vector<cl_uint>& wanted);
   Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
-               cl_uint count, unsigned bits);
+               const runtime::Buffer<cl_uint>& crossed, cl_uint count, unsigned bits);
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;

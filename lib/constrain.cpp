@@ -63,13 +63,12 @@ class Constraining {
     mesh_.claims_below = 2 + std::uint64_t{mesh_.faces()};  // crossed faces and numbers of hexagons
     near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
     runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
-    parts_ = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
+    parts_ = parts_by_crossings(runtime_, primitives_, pieces_);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
     part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
     walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity),
                    std::make_tuple(pieces_.count, parts_.capacity), mesh_.edge_marks, near_, pieces_.ends,
                    parts_.begins, piece_edge_, part_face_, counters_.buffer());
-    walked_.history = {};
   }
 
   void list_crossed() {
@@ -114,7 +113,9 @@ class Constraining {
     return std::uint64_t(c.owned_left) + c.owned_right + c.hexagons == c.crossed_faces;
   }
 
+  // The mesh will change, so nobody needs the history any more.
   void find_holes() {
+    walked_.history = {};
     left_total_ = counters_.last().owned_left, right_total_ = counters_.last().owned_right;
     right_begin_ = left_total_ + 2 * pieces_.count;
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
@@ -134,7 +135,7 @@ class Constraining {
     const cl_uint chunks = counters_.last().chunks;
     runtime_.launch("constrain", "constrain_chain", over(std::max(chunks, pieces_.count)), pieces_.count, chunks,
                     right_begin_, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, piece_edge_,
-                    last_sides_, left_start_, right_start_, chunk_heads_, chunk_entries_, near_, chain_vertex_,
+                    last_sides_, left_start_, right_start_, chunk_heads_, chunk_entries_, chain_vertex_,
                     chain_distances_, chain_piece_, chain_side_, counters_.buffer());
     chunk_heads_ = {};
     chunk_entries_ = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Phase 2 on the host: all constraints at once (kernels/constrain.cl, stitch.cl; paper, section 6).
+// Phase 2 on the host: all constraints at once (kernels/constrain.cl, retriangulate.cl, stitch.cl; paper, section 6).
 #pragma once
 
 #include "walk.hpp"

@@ -36,7 +36,7 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
 // Records by face, unless testing all pairs of pieces takes fewer tests.
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
-  const Parts parts = make_parts(runtime_, primitives_, walked_.vertices, pieces_.ends, pieces_.count);
+  const Parts parts = parts_by_crossings(runtime_, primitives_, pieces_);
   starts_ = runtime_.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
   auto filled = runtime_.allocate<cl_uint>("records filled", faces);
   runtime_.fill<cl_uint>(starts_, 0, std::size_t(faces) + 1);

@@ -48,6 +48,7 @@ struct Pieces {
   runtime::Buffer<cl_uint> source_offsets;  ///< count + 1
   runtime::Buffer<cl_uint> sources;         ///< input constraints, ascending within a piece
   std::uint32_t source_count = 0;
+  runtime::Buffer<cl_uint> weights;  ///< about as many faces does each piece cross; until the constraints are enforced
 };
 
 }  // namespace gcdt

@@ -131,6 +131,7 @@ void Pipeline::constrain_all() {
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
   cleaner_.reset();
+  pieces_.weights = {};
   if (wants_regions()) turns_ = count_turns(runtime_, vertices_, pieces_, constraints_);
   constraints_ = {};
 }

@@ -14,21 +14,37 @@ cl_uint part_pool(const DeviceInfo& info) {
   return info.is_gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, info.compute_units);
 }
 
-Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
-                 const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
+namespace {
+
+// Crossed faces are about (total weight >> shift) * factor.
+Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
+                 cl_uint pieces, cl_uint shift, cl_uint factor) {
   const cl_uint most = part_pool(runtime.info()), least = std::min(most, runtime.info().is_gpu ? gpu_least : cpu_least);
-  cl_uint root = 1;
-  while (std::uint64_t(root) * root < device::gcdt_face_count(vertices.n())) ++root;
   Parts parts;
   parts.capacity = pieces + most;
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
-  runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("length of pieces", 2);
+  runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("weight of pieces", 2);
   runtime.fill<cl_uint>(total, 0, 2);
-  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, vertices.points, ends, total);
-  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, root, vertices.points, ends, total,
+  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
+  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor, weights, total,
                  parts.begins);
   primitives.exclusive_scan(parts.begins, parts.begins, pieces);
   return parts;
+}
+
+}  // namespace
+
+Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                      const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
+  cl_uint root = 1;
+  while (std::uint64_t(root) * root < device::gcdt_face_count(vertices.n())) ++root;
+  auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
+  runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
+  return make_parts(runtime, primitives, lengths, pieces, 31, root);
+}
+
+Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Pieces& pieces) {
+  return make_parts(runtime, primitives, pieces.weights, pieces.count, 0, 1);
 }
 
 }  // namespace gcdt

@@ -35,8 +35,11 @@ struct Parts {
   cl_uint capacity = 0;             ///< parts at most; how many there are stands in begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
-Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
-                 const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                      const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+/// With the weights of the pieces: what was counted when their constraints were cleaned. A mesh is seldom filled
+/// evenly.
+Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Pieces& pieces);
 
 /// Parts beyond one per piece, at most, on this device.
 cl_uint part_pool(const DeviceInfo& info);
