@@ -26,6 +26,8 @@ Device& device() {
   return instance;
 }
 
+runtime::Geometry& geometry() { return device().runtime.geometry(); }
+
 ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& numbers, const Options& options) {
   return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options);
 }
@@ -108,4 +110,14 @@ TEST_CASE("generated problems of all kinds and sizes in one forest, in several l
 
 TEST_CASE("equal problems have equal parts") {
   check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
+}
+
+// A launch with a work-item for each vertex and more, as on a CPU with many cores: some work-items of its last group
+// have nothing to do, and nothing may be done in their name (PoCL 5: kernels/history.h, coarse_vertex_around).
+TEST_CASE("a launch wider than the forest") {
+  const runtime::Geometry usual = geometry();
+  geometry().max_groups = std::size_t{1} << 20;
+  check_same_as_alone(std::vector<Workload>(65, uniform(1000)));
+  check_same_as_alone({uniform(65000)});
+  geometry() = usual;
 }
