@@ -67,6 +67,7 @@ View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
   if (batch.made.errors[problem] || kind >= ForestResult::array_count) return {};
   const Schedule::Place place = batch.made.places[problem];
   const ForestResult& result = batch.made.results[place.result];
+  if (result.begins[kind].empty()) return {};
   const std::uint64_t begin = result.begins[kind][place.place], end = result.begins[kind][place.place + 1];
   return {result.arrays[kind].bytes.get() + begin * bytes, end - begin};
 }

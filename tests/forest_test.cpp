@@ -104,6 +104,19 @@ TEST_CASE("a grid that is given holds for every problem, and those outside say s
   CHECK(outside < corpus({"ok"}).size());
 }
 
+TEST_CASE("domains and regions of every problem, side by side with those without any") {
+  std::vector<Workload> all = corpus({"ok"});
+  for (const Workload& problem : smallest_problems()) all.push_back(problem);
+  all.push_back(workload("random_pslg", 40));
+  Options options;
+  for (const Domain domain : {Domain::hull, Domain::even_odd, Domain::nonzero, Domain::outer}) {
+    options.domain = domain;
+    options.regions = true;
+    CHECK(check_same_as_alone(all, options) == 0);
+  }
+  CHECK(check_same_as_alone(std::vector<Workload>(3, problem({})), options) == 0);
+}
+
 TEST_CASE("generated problems of all kinds and sizes in one forest, in several levels") {
   check_same_as_alone(generated_problems());
 }

@@ -42,6 +42,9 @@ Triangulation part_of(const BatchResult& result, std::size_t p) {
   part.source_offsets = copied(result.source_offsets(p));
   part.sources = copied(result.sources(p));
   part.dropped = copied(result.dropped(p));
+  part.region = copied(result.region(p));
+  part.depth = copied(result.depth(p));
+  part.winding = copied(result.winding(p));
   part.statistics.grid = result.grid(p);
   return part;
 }
@@ -167,6 +170,16 @@ TEST_CASE("all types of coordinates, and options, as for one problem") {
                    expected) == "");
 }
 
+TEST_CASE("domains of a batch on two devices") {
+  std::vector<Workload> problems = corpus({"ok"});
+  for (const Workload& problem : generated_problems()) problems.push_back(problem);
+  Options options;
+  options.domain = Domain::nonzero;
+  options.crossing = Crossing::drop;
+  Pool two = make_pool(half_devices());
+  Alone(problems, options).check(two.triangulate(batch_of(problems), options));
+}
+
 TEST_CASE("the ragged copy is the problems' arrays one after the other") {
   const std::vector<Workload> problems = smallest_problems();
   Pool pool(testDevice());
@@ -205,9 +218,9 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   Options bad_grid;
   bad_grid.grid = FixedGrid{0, 0, "zero"};
   CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, bad_grid), Error);
-  Options domain;
-  domain.domain = Domain::outer;
-  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, domain), Error);
+  Options seeds;
+  seeds.hole_seeds = {{0.1, 0.1}};
+  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, seeds), Error);
   Options stop;
   stop.progress = [](const char*, double) { return false; };
   try {

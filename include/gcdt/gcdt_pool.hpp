@@ -78,6 +78,10 @@ class BatchResult {
     return array<std::uint32_t>(problem, GCDT_SOURCE_OFFSETS);
   }
   Span<std::uint32_t> sources(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_SOURCES); }
+  /// Empty unless asked for (Options::domain, regions).
+  Span<std::uint32_t> region(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_REGIONS); }
+  Span<std::uint32_t> depth(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DEPTHS); }
+  Span<std::int32_t> winding(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_WINDINGS); }
   Span<std::uint32_t> dropped(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DROPPED); }
 
  private:
