@@ -143,10 +143,10 @@ TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
   for (std::size_t p = 0; p < equal.size(); ++p) CHECK(difference(part_of(result, p), one) == "");
 }
 
-TEST_CASE("one problem of 100,000 vertices beside 10,000 of 20") {
+TEST_CASE("one problem of 1,000,000 vertices beside 10,000 of 20") {
   std::vector<Workload> problems;
   for (std::uint64_t i = 0; i < 10000; ++i) problems.push_back(uniform(20, i));
-  problems.insert(problems.begin() + 5000, uniform(100000));
+  problems.insert(problems.begin() + 5000, uniform(1000000));
   Pool two = make_pool(half_devices());
   Alone(problems).check(two.triangulate(batch_of(problems)));
 }
