@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times a batch of small problems on a pool of devices, and CGAL on one core on the same problems, verifies a sample,
-// and prints a row of JSON (bench/README.md, "Batches"): gcdt_bench_batch [DEVICES [PROBLEMS [RUNS]]]
+// Times a batch on sets of devices, each against the first of them and against CGAL on one core, verifies a sample, and
+// prints a row of JSON for each set (bench/README.md, "Batches").
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,67 @@ using namespace gcdt::bench;
 
 // One problem in so many is proved on the host.
 constexpr std::size_t verified_step = 101;
+constexpr std::size_t large_vertices = 1000000;
+constexpr int most_cgal_runs = 3;
+
+constexpr char usage[] =
+    "gcdt_bench_batch [--mixed] [--problems N] [--runs R] [--scaling | SET...]\n"
+    "  SET        devices, as for gcdt batch: all, gpu, cpu, 0,1 ...; the first set is the base of `ratio`\n"
+    "  --scaling  the first GPU; 2, 4 ... of them; all; one with the CPUs beside it; all devices. Without GPUs: auto\n"
+    "  --mixed    one problem of 1,000,000 vertices beside N of 20, instead of N sketches of 10 to 1000\n"
+    "  N: 100000, or 10000 with --mixed; R: timed calls a set, 5\n";
+
+struct Arguments {
+  bool mixed = false, scaling = false;
+  std::size_t problems = 0;
+  int runs = 5;
+  std::vector<std::string> sets;
+};
+
+bool parse(int argc, char** argv, Arguments& arguments) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string given = argv[i];
+    if (given == "--mixed") {
+      arguments.mixed = true;
+    } else if (given == "--scaling") {
+      arguments.scaling = true;
+    } else if (given == "--problems" && i + 1 < argc) {
+      arguments.problems = std::strtoull(argv[++i], nullptr, 10);
+      if (arguments.problems == 0) return false;
+    } else if (given == "--runs" && i + 1 < argc) {
+      arguments.runs = std::atoi(argv[++i]);
+    } else if (given.compare(0, 2, "--") != 0) {
+      arguments.sets.push_back(given);
+    } else {
+      return false;
+    }
+  }
+  if (arguments.problems == 0) arguments.problems = arguments.mixed ? 10000 : 100000;
+  return arguments.runs > 0 && (arguments.sets.empty() || !arguments.scaling);
+}
+
+/// Numbers of devices as a set.
+std::string set_of(const std::vector<std::size_t>& numbers, std::size_t count) {
+  std::string set;
+  for (std::size_t i = 0; i < count; ++i) set += (i ? "," : "") + std::to_string(numbers[i]);
+  return set;
+}
+
+std::vector<std::string> scaling_sets() {
+  std::vector<std::size_t> gpus;
+  const std::vector<DeviceInfo> all = devices();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].is_gpu) gpus.push_back(i);
+  if (gpus.empty()) return {""};
+  std::vector<std::string> sets;
+  for (std::size_t count = 1; count < gpus.size(); count *= 2) sets.push_back(set_of(gpus, count));
+  sets.push_back(set_of(gpus, gpus.size()));
+  if (all.size() > gpus.size()) {
+    sets.push_back(set_of(gpus, 1) + ",cpu");
+    if (gpus.size() > 1) sets.push_back("all");
+  }
+  return sets;
+}
 
 template <class F>
 double milliseconds(F&& f) {
@@ -73,49 +135,87 @@ std::string hash(const SketchBatch& batch, const BatchResult& result) {
   return text;
 }
 
+/// What CGAL takes, and how many triangles it has; 0 without CGAL.
+struct CgalTimes {
+  double ms = 0;
+  std::uint64_t triangles = 0;
+};
+
+CgalTimes time_cgal([[maybe_unused]] const SketchBatch& batch, [[maybe_unused]] int runs) {
+  CgalTimes peer;
+#ifdef GCDT_BENCH_CGAL
+  std::vector<double> times;
+  for (int i = 0; i < std::min(runs, most_cgal_runs); ++i)
+    times.push_back(milliseconds([&] { peer.triangles = triangulate_with_cgal(batch); }));
+  peer.ms = median(times);
+#endif
+  return peer;
+}
+
+/// What the first set took and gave.
+struct Base {
+  double ms = 0;
+  std::string bytes;
+};
+
+/// Times one set of devices and prints its row. Returns whether all is as it should be.
+bool time_set(const std::string& set, const SketchBatch& batch, const Arguments& arguments, const CgalTimes& peer,
+              Base& base) {
+  const BatchView view = {batch.vertices, batch.vertex_offsets, batch.constraints, batch.constraint_offsets};
+  Pool pool(set);
+  std::string found, bytes;
+  std::uint64_t triangles = 0;
+  {
+    const BatchResult first = pool.triangulate(view);  // also builds the programs
+    found = fault(batch, first);
+    bytes = hash(batch, first);
+    triangles = first.statistics().triangles;
+  }
+  std::vector<double> times;
+  for (int i = 0; i < arguments.runs; ++i)
+    times.push_back(milliseconds([&] {
+      if (pool.triangulate(view).statistics().triangles != triangles) found = "the calls differ";
+    }));
+  const double ms = median(times);
+  if (base.bytes.empty()) base = {ms, bytes};
+  if (found.empty() && bytes != base.bytes) found = "other bytes than the first set";
+  if (found.empty() && peer.ms > 0 && peer.triangles != triangles)
+    found = "CGAL has " + std::to_string(peer.triangles) + " triangles";
+  std::string shares;
+  for (const PoolDevice& device : pool.devices())
+    shares += (shares.empty() ? "" : ", ") + device.info.name + ": " +
+              (device.lost ? "taken out" : std::to_string(device.problems));
+  Object row;
+  row.add("set", set.empty() ? "auto" : set).add("workload", arguments.mixed ? "one_large" : "sketches");
+  row.add("problems", static_cast<unsigned long long>(batch.size()));
+  row.add("n", static_cast<unsigned long long>(batch.vertices.size()));
+  row.add("m", static_cast<unsigned long long>(batch.constraints.size()));
+  row.add("triangles", static_cast<unsigned long long>(triangles));
+  row.add("call_ms", ms).add("least_ms", *std::min_element(times.begin(), times.end()));
+  row.add("most_ms", *std::max_element(times.begin(), times.end())).add("ratio", ms / base.ms);
+  if (peer.ms > 0) row.add("cgal_ms", peer.ms).add("speedup", peer.ms / ms);
+  row.add("devices", shares).add("bytes", bytes);
+  row.add("verified", found.empty()).add("fault", found).add("date", date());
+  std::printf("%s\n", row.text().c_str());
+  std::fflush(stdout);
+  return found.empty();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string devices = argc > 1 ? argv[1] : "";
-  const std::size_t problems = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 100000;
-  const int runs = argc > 3 ? std::atoi(argv[3]) : 5;
-  if (problems == 0 || runs < 1) return std::fputs("gcdt_bench_batch [DEVICES [PROBLEMS [RUNS]]]\n", stderr), 2;
+  Arguments arguments;
+  if (!parse(argc, argv, arguments)) return std::fputs(usage, stderr), 2;
   try {
-    const SketchBatch batch = sketches(problems);
-    const BatchView view = {batch.vertices, batch.vertex_offsets, batch.constraints, batch.constraint_offsets};
-    Pool pool(devices);
-    std::string found, bytes;
-    {
-      const BatchResult first = pool.triangulate(view);  // also builds the programs
-      found = fault(batch, first);
-      bytes = hash(batch, first);
-    }
-    std::vector<double> times;
-    std::uint64_t triangles = 0;
-    for (int i = 0; i < runs; ++i)
-      times.push_back(milliseconds([&] { triangles = pool.triangulate(view).statistics().triangles; }));
-    Object row;
-    row.add("workload", "sketches").add("problems", static_cast<unsigned long long>(problems));
-    row.add("n", static_cast<unsigned long long>(batch.vertices.size()));
-    row.add("m", static_cast<unsigned long long>(batch.constraints.size()));
-    row.add("triangles", static_cast<unsigned long long>(triangles));
-    row.add("call_ms", median(times)).add("least_ms", *std::min_element(times.begin(), times.end()));
-    std::string names;
-    for (const PoolDevice& device : pool.devices())
-      names += (names.empty() ? "" : ", ") + device.info.name + ": " + std::to_string(device.problems);
-    row.add("devices", names).add("bytes", bytes);
-#ifdef GCDT_BENCH_CGAL
-    std::vector<double> cgal_times;
-    std::uint64_t cgal_triangles = 0;
-    for (int i = 0; i < std::min(runs, 3); ++i)
-      cgal_times.push_back(milliseconds([&] { cgal_triangles = triangulate_with_cgal(batch); }));
-    row.add("cgal_ms", median(cgal_times)).add("speedup", median(cgal_times) / median(times));
-    if (found.empty() && cgal_triangles != triangles)
-      found = "CGAL has " + std::to_string(cgal_triangles) + " triangles";
-#endif
-    row.add("verified", found.empty()).add("fault", found).add("date", date());
-    std::printf("%s\n", row.text().c_str());
-    return found.empty() ? 0 : 1;
+    if (arguments.scaling) arguments.sets = scaling_sets();
+    if (arguments.sets.empty()) arguments.sets = {""};
+    const SketchBatch batch =
+        arguments.mixed ? one_large(large_vertices, arguments.problems) : sketches(arguments.problems);
+    const CgalTimes peer = time_cgal(batch, arguments.runs);
+    Base base;
+    bool right = true;
+    for (const std::string& set : arguments.sets) right = time_set(set, batch, arguments, peer, base) && right;
+    return right ? 0 : 1;
   } catch (const Error& error) {
     return std::fprintf(stderr, "gcdt_bench_batch: %s\n", error.what()), 4;
   }

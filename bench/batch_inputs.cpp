@@ -108,4 +108,17 @@ SketchBatch sketches(std::size_t problems, std::uint64_t seed) {
   return batch;
 }
 
+SketchBatch one_large(std::size_t large, std::size_t problems, std::uint64_t seed) {
+  SketchBatch batch;
+  batch.vertices = test::uniform(large, seed).points;
+  Sketch(batch).end();
+  Random random(seed);
+  for (std::size_t p = 0; p < problems; ++p) {
+    Sketch sketch(batch);
+    graph(sketch, 20, random);
+    sketch.end();
+  }
+  return batch;
+}
+
 }  // namespace gcdt::bench

@@ -22,4 +22,8 @@ struct SketchBatch {
 /// are equal. The same bits on every machine.
 SketchBatch sketches(std::size_t problems, std::uint64_t seed = 20000);
 
+/// One problem of `large` vertices, uniform in the unit square, without constraints, and after it `problems` random
+/// planar graphs of 20 vertices as in sketches(). The same bits on every machine.
+SketchBatch one_large(std::size_t large, std::size_t problems, std::uint64_t seed = 21000);
+
 }  // namespace gcdt::bench

@@ -208,6 +208,18 @@ kernel void forest_local_triangles(uint count, uint n, global const int2* points
   }
 }
 
+// One work-item per kept triangle, while its corners are vertices.
+// Reads: the region of the first triangle of the problem's hull, the least of the problem's regions, which have
+//   consecutive numbers. Writes: region[t], which it replaces.
+// A word has one work-item.
+// After this kernel regions are numbered problem by problem.
+kernel void forest_local_regions(uint count, uint n, global const int2* points, global const uint* corners,
+                                 global const uint* first_of_hull, global const uint* region_of_hull,
+                                 global uint* region) {
+  for (uint t = get_global_id(0); t < count; t += get_global_size(0))
+    region[t] -= region_of_hull[first_of_hull[problem_of(points, n, corners[3u * t])]];
+}
+
 // One work-item per input vertex.
 // Reads: the maps. Writes: representatives[i].
 // A word has one work-item.

@@ -186,12 +186,17 @@ static uint coarse_vertex_around(GCDT_LEVELS_POINTER levels, uint level, global 
   if (differing == 0u) return near;
   const int size = 1 << (31u - clz(differing));
   const int2 cell = (int2)(at.x & ~(size - 1), at.y & ~(size - 1));
+  // The sides beyond which there is grid. The loop's length is data: PoCL 5 puts a barrier into a loop whose length is
+  // the same for all work-items, also where only some of them run it, if the kernel has barriers at all.
+  uint sides = (cell.x > 0 ? 1u : 0u) | ((uint)cell.x + (uint)size <= 0x7FFFFFFFu ? 2u : 0u) | (cell.y > 0 ? 4u : 0u) |
+               ((uint)cell.y + (uint)size <= 0x7FFFFFFFu ? 8u : 0u);
   uint best = near;
-  for (uint side = 0; side < 4u; ++side) {
-    const i64 x = side == 0u ? (i64)cell.x - 1 : side == 1u ? (i64)cell.x + size : (i64)at.x;
-    const i64 y = side == 2u ? (i64)cell.y - 1 : side == 3u ? (i64)cell.y + size : (i64)at.y;
-    if (x < 0 || y < 0 || x > 0x7FFFFFFF || y > 0x7FFFFFFF) continue;
-    const uint v = coarse_vertex_at(levels, level, points, n, h, a, (int2)((int)x, (int)y));
+  while (sides != 0u) {  // ends: a side less each time
+    const uint side = 31u - clz(sides);
+    sides ^= 1u << side;
+    const int x = side == 0u ? cell.x - 1 : side == 1u ? cell.x + size : at.x;
+    const int y = side == 2u ? cell.y - 1 : side == 3u ? cell.y + size : at.y;
+    const uint v = coarse_vertex_at(levels, level, points, n, h, a, (int2)(x, y));
     if (distance_squared(at, points[v]) < distance_squared(at, points[best])) best = v;
   }
   return best;

@@ -9,8 +9,6 @@ using namespace gcdt::api;
 
 namespace {
 
-constexpr std::uint64_t most_problems = std::uint64_t{1} << 30;
-
 // Problems without constraints may come without their offsets.
 struct ReadBatch {
   BatchInput batch;
@@ -65,10 +63,11 @@ struct View {
 View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
   const std::size_t bytes = gcdt_element_bytes(array);
   if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
-  if (batch.made.errors[problem]) return {};
   const auto kind = static_cast<std::size_t>(array);
+  if (batch.made.errors[problem] || kind >= ForestResult::array_count) return {};
   const Schedule::Place place = batch.made.places[problem];
   const ForestResult& result = batch.made.results[place.result];
+  if (result.begins[kind].empty()) return {};
   const std::uint64_t begin = result.begins[kind][place.place], end = result.begins[kind][place.place + 1];
   return {result.arrays[kind].bytes.get() + begin * bytes, end - begin};
 }
@@ -89,6 +88,30 @@ void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options&
   made->devices = std::make_unique<DevicePool>(std::move(members), read_log(options.log, options.log_user),
                                                read_trace(options.trace, options.trace_user));
   *pool = made.release();
+}
+
+Error too_small(std::uint64_t elements, std::uint64_t capacity) {
+  return Error(Status::buffer_too_small,
+               std::to_string(elements) + " elements do not fit where there is room for " + std::to_string(capacity),
+               {elements, capacity});
+}
+
+void copy_batch(const gcdt_batch& batch, std::int32_t array, void* destination, std::uint64_t capacity,
+                std::uint64_t* offsets) {
+  const std::uint64_t problems = batch.made.errors.size(), bytes = gcdt_element_bytes(array);
+  if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
+  std::uint64_t all = 0;
+  for (std::uint64_t p = 0; p < problems; ++p) all += view(batch, p, array).count;
+  if (destination && capacity < all) throw too_small(all, capacity);
+  auto* to = static_cast<unsigned char*>(destination);
+  std::uint64_t at = 0;
+  for (std::uint64_t p = 0; p < problems; ++p) {
+    const View from = view(batch, p, array);
+    if (offsets) offsets[p] = at;
+    if (to && from.count > 0) std::memcpy(to + at * bytes, from.data, from.count * bytes);
+    at += from.count;
+  }
+  if (offsets) offsets[problems] = at;
 }
 
 }  // namespace gcdt::api
@@ -189,24 +212,7 @@ int32_t gcdt_batch_copy(const gcdt_batch* batch, int32_t array, void* destinatio
                         uint64_t* offsets) {
   return guarded(nullptr, [&] {
     require(batch, "batch is null");
-    const std::uint64_t problems = batch->made.errors.size(), bytes = gcdt_element_bytes(array);
-    if (bytes == 0)
-      throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
-    std::uint64_t all = 0;
-    for (std::uint64_t p = 0; p < problems; ++p) all += view(*batch, p, array).count;
-    if (destination && capacity < all)
-      throw Error(Status::buffer_too_small,
-                  std::to_string(all) + " elements do not fit where there is room for " + std::to_string(capacity),
-                  {all, capacity});
-    auto* to = static_cast<unsigned char*>(destination);
-    std::uint64_t at = 0;
-    for (std::uint64_t p = 0; p < problems; ++p) {
-      const View from = view(*batch, p, array);
-      if (offsets) offsets[p] = at;
-      if (to && from.count > 0) std::memcpy(to + at * bytes, from.data, from.count * bytes);
-      at += from.count;
-    }
-    if (offsets) offsets[problems] = at;
+    copy_batch(*batch, array, destination, capacity, offsets);
   });
 }
 

@@ -19,7 +19,14 @@ struct gcdt_batch {
 
 namespace gcdt::api {
 
+constexpr std::uint64_t most_problems = std::uint64_t{1} << 30;
+
 /// Makes a pool of the members, whatever the options say of devices.
 void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options& options, gcdt_pool** pool);
+
+/// See gcdt_batch_copy.
+void copy_batch(const gcdt_batch& batch, std::int32_t array, void* destination, std::uint64_t capacity,
+                std::uint64_t* offsets);
+Error too_small(std::uint64_t elements, std::uint64_t capacity);
 
 }  // namespace gcdt::api

@@ -84,8 +84,8 @@ void DevicePool::lose(Worker& worker, const Error& error) {
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
   const auto start = Clock::now();
   // What is wrong with the options is no device's fault.
-  if (options.domain != Domain::hull || options.regions)
-    throw Error(Status::invalid_argument, "problems of a batch have no domains and regions");
+  if (!options.hole_seeds.empty() || !options.region_seeds.empty())
+    throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
   if (all_lost()) throw_reasons();
   std::vector<DeviceShare> shares;

@@ -142,6 +142,7 @@ class Selection {
     runtime_.launch("domain", "gather_regions", over(triangles_), triangles_, selected.kept, region_, depth_, winding_,
                     seeds, r.region, r.depth, r.winding, r.seed);
     selected.regions = std::move(found_);
+    selected.region_of_hull = std::move(region_);
     return selected;
   }
 

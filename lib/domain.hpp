@@ -19,6 +19,7 @@ struct SelectedDomain {
   Regions regions;
   OrderedMesh mesh;              ///< the kept triangles in their order; not allocated if all are kept by rule
   runtime::Buffer<cl_int> kept;  ///< by triangle of the hull: its place in `mesh`, or -1
+  runtime::Buffer<cl_uint> region_of_hull;  ///< by triangle of the hull
 };
 
 /// The direction of each piece: sources that run along it from its first end to its second, less those that run

@@ -120,9 +120,25 @@ class ForestPipeline final : public Pipeline {
     if (options_.check)
       timed("check", ms.check,
             [&] { check_forest(runtime_, ordered, vertices_, pieces_, first_triangle, first_piece); });
+    const bool wants_regions = options_.regions || options_.domain != Domain::hull;
+    if (wants_regions && ordered.triangles > 0) timed("domain", ms.domain, [&] { select_by_problem(ordered); });
     timed("output", ms.output, [&] { number_by_problem(ordered); });
     result_.mesh = std::move(ordered);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
+  }
+
+  // Regions do not lead from one problem to another, and outside is the same for all; so a search through the forest
+  // is one through each problem, and the order of triangles and half edges within each is what it would be alone.
+  void select_by_problem(OrderedMesh& ordered) {
+    SelectedDomain selected = select_domain(runtime_, primitives_, ordered, vertices_, pieces_, turns_, options_);
+    turns_ = {};
+    result_.regions = std::move(selected.regions);
+    const Buffer<cl_uint> first_of_hull = std::move(first_triangle);
+    if (options_.domain != Domain::hull) ordered = std::move(selected.mesh);
+    first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
+    runtime_.launch("forest", "forest_local_regions", over(ordered.triangles), cl_uint{ordered.triangles},
+                    vertices_.n(), vertices_.points, ordered.corners, first_of_hull, selected.region_of_hull,
+                    result_.regions.region);
   }
 
   void number_by_problem(const OrderedMesh& ordered) {
@@ -182,6 +198,7 @@ class Download {
     begins(GCDT_REPRESENTATIVES).assign(ranges_.first_input.begin(), ranges_.first_input.end());
     pieces(made.pieces, wide_of(first_piece));
     dropped(made.dropped);
+    if (made.regions.region.allocated()) regions(made.regions, triangles);
   }
 
  private:
@@ -216,6 +233,15 @@ class Download {
     offset_begins.push_back(count + problems_);
     source_begins.push_back(made.source_count);
     begins(GCDT_PIECES) = std::move(first);
+  }
+
+  void regions(const Regions& made, std::size_t triangles) {
+    read(made.region, array(GCDT_REGIONS).make<cl_uint>(triangles), triangles);
+    read(made.depth, array(GCDT_DEPTHS).make<cl_uint>(triangles), triangles);
+    read(made.winding, array(GCDT_WINDINGS).make<cl_int>(triangles), triangles);
+    read(made.seed, array(GCDT_REGION_SEEDS).make<cl_int>(triangles), triangles);
+    for (const int kind : {GCDT_REGIONS, GCDT_DEPTHS, GCDT_WINDINGS, GCDT_REGION_SEEDS})
+      begins(kind) = begins(GCDT_TRIANGLES);
   }
 
   void dropped(const Buffer<cl_uint>& made) {

@@ -39,11 +39,11 @@ struct HostArray {
 
 /// What one run made of some problems of a batch: every problem's arrays are what it would have alone.
 struct ForestResult {
-  static constexpr std::size_t array_count = 8;  ///< GCDT_TRIANGLES to GCDT_DROPPED
-  std::vector<std::uint32_t> problems;           ///< their numbers in the batch
-  std::vector<Grid> grids;                       ///< of each
+  static constexpr std::size_t array_count = GCDT_REGION_SEEDS + 1;
+  std::vector<std::uint32_t> problems;  ///< their numbers in the batch
+  std::vector<Grid> grids;              ///< of each
   std::array<HostArray, array_count> arrays;
-  std::array<std::vector<std::uint64_t>, array_count> begins;  ///< elements; P + 1
+  std::array<std::vector<std::uint64_t>, array_count> begins;  ///< elements; P + 1, or none if there is no such array
   Statistics statistics;
 };
 

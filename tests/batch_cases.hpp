@@ -51,6 +51,11 @@ inline Triangulation part_of(const ForestResult& forest, std::size_t place) {
   part.source_offsets = array_of<std::uint32_t>(forest, place, GCDT_SOURCE_OFFSETS);
   part.sources = array_of<std::uint32_t>(forest, place, GCDT_SOURCES);
   part.dropped = array_of<std::uint32_t>(forest, place, GCDT_DROPPED);
+  if (!forest.begins[GCDT_REGIONS].empty()) {
+    part.region = array_of<std::uint32_t>(forest, place, GCDT_REGIONS);
+    part.depth = array_of<std::uint32_t>(forest, place, GCDT_DEPTHS);
+    part.winding = array_of<std::int32_t>(forest, place, GCDT_WINDINGS);
+  }
   part.statistics.grid = forest.grids[place];
   return part;
 }
@@ -71,6 +76,9 @@ inline std::string difference(const Triangulation& a, const Triangulation& b) {
   if (a.source_offsets != b.source_offsets) return "source_offsets";
   if (a.sources != b.sources) return "sources";
   if (a.dropped != b.dropped) return "dropped";
+  if (a.region != b.region) return "region";
+  if (a.depth != b.depth) return "depth";
+  if (a.winding != b.winding) return "winding";
   return {};
 }
 

@@ -176,6 +176,10 @@ static void check_batch(const char* device) {
   input.struct_size = 3;
   CHECK(gcdt_pool_triangulate(pool, &input, NULL, &batch) == GCDT_ERROR_STRUCT_SIZE);
   CHECK(gcdt_cl_pool_create(1, NULL, NULL, &pool) == GCDT_ERROR_INVALID_ARGUMENT);
+  gcdt_cl_batch_input buffers = GCDT_CL_BATCH_INPUT_INIT;
+  CHECK(gcdt_cl_pool_triangulate(pool, NULL, &buffers, NULL, 0, NULL, &batch) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(last(NULL).message, "queue") != NULL);
+  CHECK(gcdt_cl_batch_copy(batch, GCDT_TRIANGLES, NULL, NULL, 0, 0, NULL, 0, NULL) == GCDT_ERROR_INVALID_ARGUMENT);
   gcdt_pool_release(pool);
   gcdt_batch_release(batch);
   gcdt_pool_release(NULL);

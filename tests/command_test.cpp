@@ -670,13 +670,49 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   CHECK(contains(session.gcdt("batch many/a.poly many/b.poly").out, "inputs        2 (0 failed)"));
 }
 
+TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all results in one file") {
+  Session session;
+  // Lines 1, 3 and 5 are problems; 4 is none, and 6 has constraints that cross.
+  const std::string ring =
+      R"({"type":"Polygon","coordinates":[[[0,0],[4,0],[4,4],[0,4],[0,0]],[[1,1],[1,2],[2,1],[1,1]]]})";
+  const std::string line = R"({"type":"LineString","coordinates":[[0,0],[1,2],[3,1]]})";
+  const std::string cross = R"({"type":"MultiLineString","coordinates":[[[0,0],[2,2]],[[0,2],[2,0]]]})";
+  const std::string feature = R"({"type":"Feature","properties":null,"geometry":)" + ring + "}";
+  session.write("many.geojsonl", ring + "\n\n\x1e" + line + "\r\n{\"type\": 5}\n" + feature + "\n" + cross);
+  session.write("one.geojson", ring);
+  const Outcome run =
+      session.gcdt("batch many.geojsonl one.geojson -o out --format ele --format jsonl --domain even-odd --verify");
+  CHECK(run.status == 3);
+  CHECK(contains(run.err, "many.geojsonl:4: "));
+  CHECK(contains(run.err, "many.geojsonl:6: 1 pair of constraints crosses"));
+  CHECK(contains(run.err, "2 of 6 inputs failed"));
+  CHECK(session.shell("ls out").out == "many-1.ele\nmany-3.ele\nmany-5.ele\nmany.jsonl\none.ele\none.jsonl\n");
+  session.good("triangulate one.geojson --domain even-odd -o alone.ele");
+  session.shell("cmp alone.ele out/one.ele && cmp alone.ele out/many-1.ele && cmp alone.ele out/many-5.ele");
+
+  std::vector<nlohmann::json> lines;
+  std::istringstream text(session.read("out/many.jsonl"));
+  for (std::string each; std::getline(text, each);) lines.push_back(nlohmann::json::parse(each));
+  REQUIRE(lines.size() == 5);
+  CHECK(lines[0].at("line") == 1);
+  // A square with a hole: 7 vertices, 7 edges on the borders, so 7 triangles.
+  CHECK(lines[0].at("triangles").size() == 7);
+  CHECK(lines[3].at("triangles") == lines[0].at("triangles"));
+  CHECK(lines[1].at("triangles").empty());  // a line bounds nothing
+  CHECK(lines[1].at("line") == 3);
+  CHECK(contains(lines[2].at("error").get<std::string>(), "many.geojsonl:4"));
+  CHECK(contains(lines[4].at("error").get<std::string>(), "crosses"));
+  session.bad(2, "batch many.geojsonl many.geojsonl -o out");
+  session.bad(3, "batch none.geojsonl -o out");
+}
+
 TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   Session session;
   session.write("in.poly", square);
   session.shell("mkdir empty other && cp in.poly other/");
   for (const char* arguments :
        {"batch", "batch in.poly --format xyz -o out", "batch in.poly other -o out", "batch in.poly -o . --format poly",
-        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option"})
+        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out"})
     session.bad(2, arguments);
   session.bad(3, "batch empty -o out");
   CHECK(session.gcdt("batch in.poly --device cpu,99 -o out").status == 4);

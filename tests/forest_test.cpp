@@ -26,6 +26,8 @@ Device& device() {
   return instance;
 }
 
+runtime::Geometry& geometry() { return device().runtime.geometry(); }
+
 ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& numbers, const Options& options) {
   return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options);
 }
@@ -102,10 +104,33 @@ TEST_CASE("a grid that is given holds for every problem, and those outside say s
   CHECK(outside < corpus({"ok"}).size());
 }
 
+TEST_CASE("domains and regions of every problem, side by side with those without any") {
+  std::vector<Workload> all = corpus({"ok"});
+  for (const Workload& problem : smallest_problems()) all.push_back(problem);
+  all.push_back(workload("random_pslg", 40));
+  Options options;
+  for (const Domain domain : {Domain::hull, Domain::even_odd, Domain::nonzero, Domain::outer}) {
+    options.domain = domain;
+    options.regions = true;
+    CHECK(check_same_as_alone(all, options) == 0);
+  }
+  CHECK(check_same_as_alone(std::vector<Workload>(3, problem({})), options) == 0);
+}
+
 TEST_CASE("generated problems of all kinds and sizes in one forest, in several levels") {
   check_same_as_alone(generated_problems());
 }
 
 TEST_CASE("equal problems have equal parts") {
   check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
+}
+
+// A launch with a work-item for each vertex and more, as on a CPU with many cores: some work-items of its last group
+// have nothing to do, and nothing may be done in their name (PoCL 5: kernels/history.h, coarse_vertex_around).
+TEST_CASE("a launch wider than the forest") {
+  const runtime::Geometry usual = geometry();
+  geometry().max_groups = std::size_t{1} << 20;
+  check_same_as_alone(std::vector<Workload>(65, uniform(1000)));
+  check_same_as_alone({uniform(65000)});
+  geometry() = usual;
 }

@@ -42,6 +42,9 @@ Triangulation part_of(const BatchResult& result, std::size_t p) {
   part.source_offsets = copied(result.source_offsets(p));
   part.sources = copied(result.sources(p));
   part.dropped = copied(result.dropped(p));
+  part.region = copied(result.region(p));
+  part.depth = copied(result.depth(p));
+  part.winding = copied(result.winding(p));
   part.statistics.grid = result.grid(p);
   return part;
 }
@@ -140,10 +143,10 @@ TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
   for (std::size_t p = 0; p < equal.size(); ++p) CHECK(difference(part_of(result, p), one) == "");
 }
 
-TEST_CASE("one problem of 100,000 vertices beside 10,000 of 20") {
+TEST_CASE("one problem of 1,000,000 vertices beside 10,000 of 20") {
   std::vector<Workload> problems;
   for (std::uint64_t i = 0; i < 10000; ++i) problems.push_back(uniform(20, i));
-  problems.insert(problems.begin() + 5000, uniform(100000));
+  problems.insert(problems.begin() + 5000, uniform(1000000));
   Pool two = make_pool(half_devices());
   Alone(problems).check(two.triangulate(batch_of(problems)));
 }
@@ -165,6 +168,16 @@ TEST_CASE("all types of coordinates, and options, as for one problem") {
   for (const Int2& p : input.points) floats.push_back({float(p[0]), float(p[1])});
   CHECK(difference(part_of(pool.triangulate({floats, offsets, input.constraints, constraint_offsets}, options), 0),
                    expected) == "");
+}
+
+TEST_CASE("domains of a batch on two devices") {
+  std::vector<Workload> problems = corpus({"ok"});
+  for (const Workload& problem : generated_problems()) problems.push_back(problem);
+  Options options;
+  options.domain = Domain::nonzero;
+  options.crossing = Crossing::drop;
+  Pool two = make_pool(half_devices());
+  Alone(problems, options).check(two.triangulate(batch_of(problems), options));
 }
 
 TEST_CASE("the ragged copy is the problems' arrays one after the other") {
@@ -205,9 +218,9 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   Options bad_grid;
   bad_grid.grid = FixedGrid{0, 0, "zero"};
   CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, bad_grid), Error);
-  Options domain;
-  domain.domain = Domain::outer;
-  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, domain), Error);
+  Options seeds;
+  seeds.hole_seeds = {{0.1, 0.1}};
+  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, seeds), Error);
   Options stop;
   stop.progress = [](const char*, double) { return false; };
   try {

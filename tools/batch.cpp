@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <gcdt/gcdt_pool.hpp>
 #include <gcdt/verify.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "command.hpp"
 #include "io/formats.hpp"
+#include "io/geojson.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
@@ -24,8 +26,13 @@ namespace fs = std::filesystem;
 using io::Exit;
 using io::Failure;
 
-/// The inputs that an argument stands for: itself, or of a folder every .poly and every .node that no .poly there
-/// stands beside, by name.
+// The format that has many problems in one file.
+constexpr const char* collected = ".jsonl";
+
+// What a folder may hold; of inputs with the same name the first of these kinds is taken.
+constexpr const char* kinds[] = {".poly", ".node", ".geojson", ".geojsonl", ".ndjson", ".geojsons"};
+
+/// The inputs that an argument stands for: itself, or all of a folder, by name.
 std::vector<std::string> inputs_of(const std::string& argument) {
   std::error_code unknown;
   if (!fs::is_directory(argument, unknown)) return {argument};
@@ -33,39 +40,63 @@ std::vector<std::string> inputs_of(const std::string& argument) {
   std::error_code failed;
   for (fs::directory_iterator file(argument, failed), end; !failed && file != end; file.increment(failed)) {
     const std::string extension = io::lower_extension(file->path().string());
-    fs::path poly = file->path();
-    poly.replace_extension(".poly");
-    if (extension == ".poly" || (extension == ".node" && !fs::exists(poly))) found.insert(file->path().string());
+    for (const char* kind : kinds) {
+      if (extension == kind) found.insert(file->path().string());
+      if (extension == kind || fs::exists(fs::path(file->path()).replace_extension(kind))) break;
+    }
   }
   if (failed) throw Failure(Exit::input, fmt::format("{}: {}", argument, failed.message()));
-  if (found.empty()) throw Failure(Exit::input, fmt::format("{}: no .poly or .node file in this folder", argument));
+  if (found.empty()) throw Failure(Exit::input, fmt::format("{}: no input in this folder", argument));
   return {found.begin(), found.end()};
 }
 
-/// One input on its way: read, triangulated or failed, written.
+/// One problem on its way: read, triangulated or failed, written.
 struct Problem {
-  std::string path;
+  std::string path, name;            ///< name: in messages
+  std::optional<io::TextLine> line;  ///< of a file with many problems
   io::Input input;
   std::optional<Failure> failure;
   std::size_t number = 0;  ///< in the batch
 
   fs::path output(const std::string& folder, const std::string& format) const {
-    return fs::path(folder) / fs::path(path).filename().replace_extension(format);
+    const std::string stem = fs::path(path).stem().string();
+    return fs::path(folder) / (stem + (line ? fmt::format("-{}", line->number) : "") + format);
+  }
+  /// The file for all problems of the input.
+  fs::path collection(const std::string& folder) const {
+    return fs::path(folder) / fs::path(path).filename().replace_extension(collected);
   }
 };
+
+void add_problems(const std::string& path, std::vector<Problem>& problems) {
+  const auto add = [&](const std::string& name) -> Problem& {
+    problems.emplace_back();
+    problems.back().path = path;
+    problems.back().name = name;
+    return problems.back();
+  };
+  if (!io::is_line_file(path)) {
+    add(path);
+    return;
+  }
+  for (io::TextLine& line : io::lines_of(path)) add(fmt::format("{}:{}", path, line.number)).line = std::move(line);
+}
 
 std::vector<Problem> problems_of(const BatchArguments& arguments) {
   std::vector<Problem> problems;
   for (const std::string& argument : arguments.inputs)
-    for (std::string& path : inputs_of(argument)) {
-      problems.emplace_back();
-      problems.back().path = std::move(path);
-    }
+    for (const std::string& path : inputs_of(argument)) add_problems(path, problems);
   std::set<std::string> names;
   if (!arguments.folder.empty())
     for (const Problem& problem : problems)
       if (const std::string name = problem.output("", "").string(); !names.insert(name).second)
-        throw Failure(Exit::usage, fmt::format("{}: another input has the outputs {}.*, too", problem.path, name));
+        throw Failure(Exit::usage, fmt::format("{}: another input has the outputs {}.*, too", problem.name, name));
+  std::map<fs::path, std::string> collections;
+  for (const Problem& problem : problems)
+    if (!arguments.folder.empty() &&
+        collections.emplace(problem.collection(""), problem.path).first->second != problem.path)
+      throw Failure(Exit::usage, fmt::format("{}: another input has the output {}, too", problem.path,
+                                             problem.collection("").string()));
   return problems;
 }
 
@@ -73,8 +104,8 @@ std::vector<std::string> formats_of(const BatchArguments& arguments) {
   std::vector<std::string> formats;
   for (const std::string& given : arguments.formats) {
     const std::string format = io::lower_extension("x." + given.substr(given.rfind('.') + 1));
-    if (!io::writer_for(format))
-      throw Failure(Exit::usage, fmt::format("--format {}: there are ele node neigh edge poly vtu svg", given));
+    if (!io::writer_for(format) && format != collected)
+      throw Failure(Exit::usage, fmt::format("--format {}: there are ele node neigh edge poly vtu svg jsonl", given));
     formats.push_back(format);
   }
   return formats;
@@ -89,10 +120,12 @@ void check_overwrites_no_input(const std::vector<Problem>& problems, const Batch
     for (const std::string& file : problem.input.files) inputs.insert(fs::weakly_canonical(file, unknown));
   }
   for (const Problem& problem : problems)
-    for (const std::string& format : formats)
-      if (inputs.count(fs::weakly_canonical(problem.output(arguments.folder, format), unknown)) > 0)
-        throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output",
-                                               problem.output(arguments.folder, format).string()));
+    for (const std::string& format : formats) {
+      const fs::path output =
+          format == collected ? problem.collection(arguments.folder) : problem.output(arguments.folder, format);
+      if (inputs.count(fs::weakly_canonical(output, unknown)) > 0)
+        throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", output.string()));
+    }
 }
 
 Batch read(std::vector<Problem>& problems) {
@@ -100,7 +133,8 @@ Batch read(std::vector<Problem>& problems) {
   for (Problem& problem : problems) {
     stop_if_interrupted();
     try {
-      problem.input = io::read_input(problem.path);
+      problem.input = problem.line ? io::read_geojson_line(problem.path, *problem.line) : io::read_input(problem.path);
+      if (problem.line) problem.line->text = {};
       problem.number = batch.size();
       batch.add(problem.input.vertices, problem.input.constraints);
     } catch (const Failure& failure) {
@@ -125,39 +159,79 @@ Triangulation mesh_of(const BatchResult& result, std::size_t p) {
   mesh.source_offsets = copied(result.source_offsets(p));
   mesh.sources = copied(result.sources(p));
   mesh.dropped = copied(result.dropped(p));
+  mesh.region = copied(result.region(p));
+  mesh.depth = copied(result.depth(p));
+  mesh.winding = copied(result.winding(p));
   mesh.statistics.grid = result.grid(p);
   mesh.statistics.triangles = mesh.triangles.size();
   return mesh;
 }
 
-void prove(Problem& problem, const Triangulation& mesh, Crossing crossing) {
+void prove(Problem& problem, const Triangulation& mesh, const Options& options) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
+  const io::Input& input = problem.input;
+  const Grid& grid = mesh.statistics.grid;
+  const bool regions = options.regions || options.domain != Domain::hull;
   const Verification proof =
-      gcdt::verify(problem.input.vertices, problem.input.constraints, view, mesh.statistics.grid, crossing);
+      regions ? gcdt::verify_domain(input.vertices, input.constraints, view,
+                                    {mesh.region.data(), mesh.depth.data(), mesh.winding.data()}, grid, options)
+              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!proof.valid)
     problem.failure =
-        Failure(Exit::check, fmt::format("{}: the result failed its verification: {}", problem.path, proof.reason));
+        Failure(Exit::check, fmt::format("{}: the result failed its verification: {}", problem.name, proof.reason));
 }
 
-/// The outputs of one problem appear together.
-void finish(Problem& problem, const BatchResult& result, const BatchArguments& arguments,
-            const std::vector<std::string>& formats, const Options& options) {
-  if (const std::optional<Error> error = result.error(problem.number)) {
-    const Failure said = explained(*error, problem.input, options);
-    const bool named = std::string(said.what()).find(problem.path) == 0;
-    problem.failure = Failure(said.exit(), named ? said.what() : fmt::format("{}: {}", problem.path, said.what()));
-    return;
+/// The files with many problems each, which appear together.
+class Collections {
+ public:
+  void add(const Problem& problem, const std::string& folder, const Triangulation* mesh) {
+    const std::string path = problem.collection(folder).string();
+    io::OutputFile*& file = files_[path];
+    if (!file) file = &outputs_.add(path);
+    nlohmann::ordered_json line;
+    if (problem.line) line["line"] = problem.line->number;
+    if (mesh) {
+      line["triangles"] = mesh->triangles;
+      line["constrained"] = mesh->constrained;
+    } else {
+      line["error"] = problem.failure->what();
+    }
+    file->write(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
-  if (!arguments.verify && arguments.folder.empty()) return;
-  const Triangulation mesh = mesh_of(result, problem.number);
-  if (arguments.verify) prove(problem, mesh, options.crossing);
-  if (problem.failure || arguments.folder.empty()) return;
+  void commit() { outputs_.commit(); }
+
+ private:
+  io::OutputFiles outputs_{stop_if_interrupted};
+  std::map<std::string, io::OutputFile*> files_;
+};
+
+void triangulated(Problem& problem, const BatchResult& result, const Options& options) {
+  const std::optional<Error> error = result.error(problem.number);
+  if (!error) return;
+  const Failure said = explained(*error, problem.input, options);
+  const bool named = std::string(said.what()).find(problem.name) == 0;
+  problem.failure = Failure(said.exit(), named ? said.what() : fmt::format("{}: {}", problem.name, said.what()));
+}
+
+/// The outputs of one problem that are its own appear together.
+void finish(Problem& problem, const BatchResult& result, const BatchArguments& arguments,
+            const std::vector<std::string>& formats, const Options& options, Collections& collections) {
+  if (!problem.failure) triangulated(problem, result, options);
+  const bool writes = !arguments.folder.empty();
+  std::optional<Triangulation> mesh;
+  if (!problem.failure && (arguments.verify || writes)) mesh = mesh_of(result, problem.number);
+  if (mesh && arguments.verify) prove(problem, *mesh, options);
+  if (!writes) return;
+  if (std::count(formats.begin(), formats.end(), collected) > 0)
+    collections.add(problem, arguments.folder, problem.failure ? nullptr : &*mesh);
+  if (problem.failure) return;
   io::OutputFiles files(stop_if_interrupted);
   for (const std::string& format : formats)
-    io::writer_for(format)(files.add(problem.output(arguments.folder, format).string()), {problem.input, mesh});
+    if (format != collected)
+      io::writer_for(format)(files.add(problem.output(arguments.folder, format).string()), {problem.input, *mesh});
   files.commit();
 }
 
@@ -208,6 +282,11 @@ void triangulate_batch(const BatchArguments& arguments) {
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
+  options.regions = arguments.regions;
+  set_domain(arguments.domain, {}, options);
+  if (options.domain == Domain::holes || options.domain == Domain::outer_holes)
+    throw Failure(Exit::usage,
+                  fmt::format("--domain {}: hole points are one input's: use gcdt triangulate", arguments.domain));
   std::vector<Problem> problems = problems_of(arguments);
   Told told;
   told.inputs = problems.size();
@@ -230,14 +309,16 @@ void triangulate_batch(const BatchArguments& arguments) {
   if (!arguments.folder.empty()) fs::create_directories(arguments.folder, failed);
   if (failed) throw Failure(Exit::output, fmt::format("{}: {}", arguments.folder, failed.message()));
   std::optional<Exit> first;
+  Collections collections;
   for (Problem& problem : problems) {
     stop_if_interrupted();
-    if (!problem.failure) finish(problem, result, arguments, formats, options);
+    finish(problem, result, arguments, formats, options, collections);
     if (!problem.failure) continue;
     ++told.failed;
     if (!first) first = problem.failure->exit();
     complain(problem.failure->what());
   }
+  collections.commit();
   told.write = writing.milliseconds();
   io::OutputFiles files(stop_if_interrupted);
   if (!arguments.statistics.empty())

@@ -47,8 +47,8 @@ struct VerifyArguments {
 
 struct BatchArguments {
   std::vector<std::string> inputs, formats = {"ele"};
-  std::string folder, crossing = "reject", grid, device, statistics, trace;
-  bool verify = false, quiet = false;
+  std::string folder, crossing = "reject", domain = "hull", grid, device, statistics, trace;
+  bool verify = false, quiet = false, regions = false;
 };
 
 /// Each returns when all is done and throws io::Failure or gcdt::Error otherwise.

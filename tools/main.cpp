@@ -24,7 +24,11 @@ constexpr const char* verify_help =
 
 constexpr const char* batch_help =
     "Inputs that fail are listed, and the others are written; the status is then that of the first that failed.\n"
-    "Without -o the statistics are printed.\n\n";
+    "Without -o the statistics are printed. The outputs of line 17 of NAME.geojsonl are NAME-17.ele and so on; "
+    "NAME.jsonl "
+    "has a\nline for each of its problems, {\"line\": 17, \"triangles\": [[0, 1, 2]], \"constrained\": [7]}, whose "
+    "vertices "
+    "are the\nline's positions in their order (a ring's last one excepted), or {\"line\": 17, \"error\": ...}.\n\n";
 
 constexpr const char* locate_help =
     "One line a point: its number, the triangle (as triangulate numbers them; the least of several; -1 outside), the\n"
@@ -99,18 +103,25 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
 
 void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("batch", "Triangulate many inputs in one call, on any number of devices");
-  app->add_option("INPUT", arguments.inputs, "A .poly or .node file as of Triangle, or a folder of them")
+  app->add_option(
+         "INPUT", arguments.inputs,
+         "A .poly or .node file as of Triangle, GeoJSON, a file with a GeoJSON text, so a problem, in each line "
+         "(.geojsonl, .ndjson, .geojsons), or a folder of them")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.folder,
                   "The folder for the outputs, which have the inputs' names; made if "
                   "missing")
       ->type_name("DIR");
-  app->add_option("--format", arguments.formats, "ele, node, neigh, edge, poly, vtu or svg; may be given several times")
+  app->add_option("--format", arguments.formats,
+                  "ele, node, neigh, edge, poly, vtu, svg, or jsonl (one file for an input with many problems); may be "
+                  "given several times")
       ->allow_extra_args(false)
       ->type_name("FORMAT")
       ->capture_default_str();
   add_crossing(*app, arguments.crossing);
+  add_domain(*app, arguments.domain);
+  app->add_flag("--regions", arguments.regions, "Label the regions that constraints bound (.vtu)");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   app->add_option("--device", arguments.device,
                   "Devices, separated by commas: all, gpu, cpu, auto (all GPUs if there are any, else a CPU), numbers "

@@ -22,6 +22,8 @@ std::uint64_t triangulate_with_cgal(const SketchBatch& batch) {
     for (std::uint64_t c = batch.constraint_offsets[p]; c < batch.constraint_offsets[p + 1]; ++c)
       lines.emplace_back(batch.constraints[c][0], batch.constraints[c][1]);
     CGAL::Constrained_Delaunay_triangulation_2<Kernel> mesh;
+    // Without constraints it would insert nothing.
+    if (lines.empty()) mesh.insert(points.begin(), points.end());
     mesh.insert_constraints(points.begin(), points.end(), lines.begin(), lines.end());
     triangles += mesh.number_of_faces();
   }

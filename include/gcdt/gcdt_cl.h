@@ -45,6 +45,37 @@ GCDT_API int32_t gcdt_cl_solver_create(cl_command_queue queue, const gcdt_solver
 GCDT_API int32_t gcdt_cl_pool_create(cl_uint count, const cl_command_queue* queues, const gcdt_pool_options* options,
                                      gcdt_pool** pool);
 
+/* A batch in device memory: what gcdt_batch_input says, in buffers of one context, which are only read and not to be
+ * written until the call returns. */
+typedef struct gcdt_cl_batch_input {
+  size_t struct_size;
+  int32_t coordinate_type; /* GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32 or GCDT_INT64 */
+  uint64_t problem_count;  /* 0 to 2^30 */
+  cl_mem vertices;         /* pairs x, y of all problems; null only if there are none */
+  /* problem_count + 1 cl_ulong, ascending: problem p has the pairs [p] up to [p + 1]. Null only without problems. */
+  cl_mem vertex_offsets;
+  cl_mem constraints;        /* pairs of cl_uint that count from 0 in each problem; null only if there are none */
+  cl_mem constraint_offsets; /* problem_count + 1 cl_ulong, ascending, of constraints; null only if there are none */
+} gcdt_cl_batch_input;
+#define GCDT_CL_BATCH_INPUT_INIT \
+  { sizeof(gcdt_cl_batch_input), GCDT_FLOAT64, 0, NULL, NULL, NULL, NULL }
+
+/* As gcdt_pool_triangulate, with the same grids and bytes. The devices of a pool may have no context in common, so the
+ * buffers are read into host memory first: by commands in `queue`, a queue of the buffers' context and none of the
+ * pool's business otherwise, after the events of the wait list (null if wait_count is 0). Blocks; a user event in the
+ * wait list must be set by another thread. */
+GCDT_API int32_t gcdt_cl_pool_triangulate(gcdt_pool* pool, cl_command_queue queue, const gcdt_cl_batch_input* input,
+                                          const gcdt_options* options, cl_uint wait_count, const cl_event* wait_list,
+                                          gcdt_batch** batch);
+
+/* As gcdt_batch_copy, into buffers of the context of `queue`, by commands in it after the events of the wait list: the
+ * elements to `destination` from element `offset` on, where `capacity` may be written, and where each problem's begin,
+ * counted from there, to the first problem_count + 1 cl_ulong of `offsets`. Either may be null. Too small:
+ * GCDT_ERROR_BUFFER_TOO_SMALL, and nothing is written. Blocks. */
+GCDT_API int32_t gcdt_cl_batch_copy(const gcdt_batch* batch, int32_t array, cl_command_queue queue, cl_mem destination,
+                                    uint64_t offset, uint64_t capacity, cl_mem offsets, cl_uint wait_count,
+                                    const cl_event* wait_list);
+
 /* Vertices and constraints in device memory: buffers of the solver's context, sub-buffers allowed, readable by
  * kernels, only read, and not to be written until the call returns. The two ranges must not overlap. */
 typedef struct gcdt_cl_input {

@@ -33,6 +33,14 @@ struct DeviceConstraints {
   std::uint64_t count = 0, offset = 0;
 };
 
+/// A batch in device memory: offsets are cl_ulong, one more than there are problems; constraints and their offsets may
+/// be null buffers if there are none. See gcdt_cl_batch_input.
+struct DeviceBatch {
+  Points::Type type = Points::Type::float64;
+  std::uint64_t problems = 0;
+  ::cl::Buffer vertices, vertex_offsets, constraints, constraint_offsets;
+};
+
 /// A solver on the context and device of `queue`. Blocks. Throws device_failed.
 inline Solver make_solver(const ::cl::CommandQueue& queue, Log log = {}) {
   std::unique_ptr<Log> kept = detail::boxed(std::move(log));
@@ -74,6 +82,30 @@ inline Result solve(Solver& solver, const DevicePoints& points, const DeviceCons
     return gcdt_cl_triangulate(solver.handle(), &input, &given, static_cast<cl_uint>(events.size()),
                                detail::handles(events), result);
   });
+}
+
+/// As Pool::triangulate, from device memory by commands in `queue` after `events`; see gcdt_cl_pool_triangulate.
+/// Blocks.
+inline BatchResult triangulate(Pool& pool, const ::cl::CommandQueue& queue, const DeviceBatch& batch,
+                               const Options& options = {}, const std::vector<::cl::Event>& events = {}) {
+  gcdt_cl_batch_input input = GCDT_CL_BATCH_INPUT_INIT;
+  input.coordinate_type = detail::coordinate_type(batch.type);
+  input.problem_count = batch.problems;
+  input.vertices = batch.vertices(), input.vertex_offsets = batch.vertex_offsets();
+  input.constraints = batch.constraints(), input.constraint_offsets = batch.constraint_offsets();
+  return Pool::triangulated(options, [&](const gcdt_options& given, gcdt_batch** result) {
+    return gcdt_cl_pool_triangulate(pool.handle(), queue(), &input, &given, static_cast<cl_uint>(events.size()),
+                                    detail::handles(events), result);
+  });
+}
+
+/// An array of all problems into `destination`, where `capacity` elements from `offset` on may be written, and where
+/// each problem's begins into `offsets`, if that is a buffer. See gcdt_cl_batch_copy. Blocks.
+inline void copy(const BatchResult& result, std::int32_t array, const ::cl::CommandQueue& queue,
+                 const ::cl::Buffer& destination, std::uint64_t capacity, std::uint64_t offset = 0,
+                 const ::cl::Buffer& offsets = {}, const std::vector<::cl::Event>& events = {}) {
+  detail::check(gcdt_cl_batch_copy(result.handle(), array, queue(), destination(), offset, capacity, offsets(),
+                                   static_cast<cl_uint>(events.size()), detail::handles(events)));
 }
 
 /// The device memory of an array (GCDT_TRIANGLES ...), without a copy; see gcdt_cl_result_buffer.

@@ -79,7 +79,8 @@ typedef struct gcdt_batch_input {
  * if none is left the call fails with every device's reason: the status that all failed with, else
  * GCDT_ERROR_DEVICE_FAILED. Problems that are invalid, or too large for every device, fail alone
  * (gcdt_batch_problem). Crossings are not split: under GCDT_CROSSING_SPLIT a problem that has some fails as under
- * GCDT_CROSSING_REJECT, and is to be given to a solver. Blocks. */
+ * GCDT_CROSSING_REJECT, and is to be given to a solver. Domains and regions are each problem's own; hole and region
+ * seeds, which would be of one problem, are GCDT_ERROR_INVALID_ARGUMENT. Blocks. */
 GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
                                        gcdt_batch** batch);
 
@@ -97,8 +98,8 @@ typedef struct gcdt_problem {
 
 GCDT_API int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_problem* info);
 
-/* One of the arrays (GCDT_TRIANGLES ...) of a problem: where it lies, the batch's memory, and its elements. Empty if
- * the problem has an error. */
+/* One of the arrays (GCDT_TRIANGLES ...) of a problem, those made on demand excepted: where it lies, the batch's
+ * memory, and its elements. Empty if the problem has an error. */
 GCDT_API int32_t gcdt_batch_array(const gcdt_batch* batch, uint64_t problem, int32_t array, const void** data,
                                   uint64_t* count);
 

@@ -78,6 +78,10 @@ class BatchResult {
     return array<std::uint32_t>(problem, GCDT_SOURCE_OFFSETS);
   }
   Span<std::uint32_t> sources(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_SOURCES); }
+  /// Empty unless asked for (Options::domain, regions).
+  Span<std::uint32_t> region(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_REGIONS); }
+  Span<std::uint32_t> depth(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DEPTHS); }
+  Span<std::int32_t> winding(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_WINDINGS); }
   Span<std::uint32_t> dropped(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DROPPED); }
 
  private:
@@ -162,10 +166,21 @@ class Pool {
     input.vertices = batch.vertices.data(), input.vertex_offsets = batch.vertex_offsets.data;
     input.constraints = reinterpret_cast<const std::uint32_t*>(batch.constraints.data);
     input.constraint_offsets = batch.constraint_offsets.data;
+    return triangulated(options, [&](const gcdt_options& given, gcdt_batch** result) {
+      return gcdt_pool_triangulate(handle_.get(), &input, &given, result);
+    });
+  }
+  BatchResult triangulate(const Batch& batch, const Options& options = {}) {
+    return triangulate(batch.view(), options);
+  }
+
+  /// What `call` makes, given the C options; for gcdt_cl.hpp.
+  template <class Call>
+  static BatchResult triangulated(const Options& options, Call&& call) {
     detail::ProgressCall progress{&options.progress, nullptr};
     const gcdt_options given = detail::options(options, progress);
     gcdt_batch* result = nullptr;
-    const std::int32_t status = gcdt_pool_triangulate(handle_.get(), &input, &given, &result);
+    const std::int32_t status = call(given, &result);
     if (progress.thrown) {
       gcdt_batch_release(result);
       std::rethrow_exception(progress.thrown);
@@ -173,10 +188,6 @@ class Pool {
     detail::check(status);
     return BatchResult(result);
   }
-  BatchResult triangulate(const Batch& batch, const Options& options = {}) {
-    return triangulate(batch.view(), options);
-  }
-
   /// For gcdt_cl.hpp. Either may be null.
   static gcdt_pool_options pool_options(Log* log, Trace* trace) {
     gcdt_pool_options options = GCDT_POOL_OPTIONS_INIT;

@@ -12,4 +12,18 @@ namespace gcdt::io {
 /// Throws Failure (Exit::input).
 Input read_geojson(const std::string& path);
 
+/// Whether the extension is that of a file with a GeoJSON text in each line: .geojsonl, .ndjson, or .geojsons
+/// (RFC 8142, texts of one line each).
+bool is_line_file(const std::string& path);
+
+struct TextLine {
+  std::size_t number;  ///< in the file, from 1
+  std::string text;    ///< without a leading record separator
+};
+/// The lines that are not blank. Throws Failure (Exit::input).
+std::vector<TextLine> lines_of(const std::string& path);
+
+/// Reads a line as read_geojson reads a file; messages name PATH:LINE.
+Input read_geojson_line(const std::string& path, const TextLine& line);
+
 }  // namespace gcdt::io

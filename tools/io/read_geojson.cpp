@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geojson.hpp"
+#include "paths.hpp"
 
 namespace gcdt::io {
 
@@ -16,12 +17,11 @@ constexpr int deepest = 64;
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : name_(path) {}
+  /// `name`: of the text in messages.
+  Reader(std::string path, std::string name) : name_(std::move(name)) { input_.files.push_back(std::move(path)); }
 
-  Input read() {
-    input_.files.push_back(name_);
+  Input read(std::string_view text) {
     input_.vertex_file = input_.constraint_file = name_;
-    const std::string text = read_file(name_);
     Json root;
     try {
       root = Json::parse(text);
@@ -149,6 +149,29 @@ class Reader {
 
 }  // namespace
 
-Input read_geojson(const std::string& path) { return Reader(path).read(); }
+Input read_geojson(const std::string& path) { return Reader(path, path).read(read_file(path)); }
+
+bool is_line_file(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".geojsonl" || extension == ".geojsons" || extension == ".ndjson";
+}
+
+std::vector<TextLine> lines_of(const std::string& path) {
+  const std::string all = read_file(path);
+  std::vector<TextLine> lines;
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find('\n', begin), all.size());
+    ++number;
+    const std::size_t first = all.find_first_not_of("\x1e \t\r", begin);
+    if (first < end) lines.push_back({number, all.substr(first, end - first)});
+    begin = end + 1;
+  }
+  return lines;
+}
+
+Input read_geojson_line(const std::string& path, const TextLine& line) {
+  return Reader(path, fmt::format("{}:{}", path, line.number)).read(line.text);
+}
 
 }  // namespace gcdt::io
