@@ -20,7 +20,7 @@ struct TriangulateArguments {
   bool verify = false, assess = false, quiet = false, regions = false;
 };
 
-/// A mesh that is made of INPUT to be asked something.
+/// A mesh that is made of INPUT, or read, to be asked something.
 struct MeshArguments {
   std::string input;
   std::string crossing = "reject", domain = "hull", grid, device;

@@ -144,7 +144,9 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
 }
 
 void add_mesh(CLI::App& app, command::MeshArguments& mesh) {
-  app.add_option("INPUT", mesh.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+  app.add_option("INPUT", mesh.input,
+                 "What triangulate takes, and is triangulated; or a mesh, which is taken as it is: an .ele file with "
+                 "the .node beside it, or a .vtu file, of gcdt, Triangle or others")
       ->required()
       ->type_name("");
   add_crossing(app, mesh.crossing);
