@@ -356,11 +356,18 @@ TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collect
       {"type": "MultiPoint", "coordinates": [[12, 3]]}, {"type": "Point", "coordinates": [1, 1]}]}}]})");
   const Outcome made = session.gcdt("triangulate in.geojson --verify -o o.poly -o o.ele --stats s.json");
   CHECK(made.status == 0);
-  CHECK(contains(made.err, "1 positions have further numbers"));
+  CHECK(contains(made.err, "1 of 17 positions have a third number, and not all: they are not used"));
   const auto json = nlohmann::json::parse(session.read("s.json"));
   CHECK(json["n"] == 4 + 3 + 5 + 3 + 2);
   CHECK(json["m"] == 4 + 3 + 3 + 3);
   session.good("verify in.geojson o.ele");
+  // Heights, of a ring closed by its first position, are an attribute.
+  session.write("hill.geojson", R"({"type": "Polygon", "coordinates": [
+    [[0, 0, 10], [4, 0, 10], [4, 4, 20], [0, 4, 20], [0, 0, 10]], [[1, 1, 12.5], [3, 1, 12.5], [1, 3, 17.5]]]})");
+  session.good("triangulate hill.geojson -o hill.node");
+  CHECK(contains(session.read("hill.node"), "7 2 1 0\n0 0 0 10\n1 4 0 10\n2 4 4 20\n3 0 4 20\n4 1 1 12.5\n"));
+  session.good("raster hill.geojson --cell 1 --domain even-odd -o hill.asc");
+  CHECK(contains(session.read("hill.asc"), "\n18.75 18.75 18.75 18.75\n"));
   const char* broken[][2] = {
       {"{", "no JSON"},
       {"[]", "an object is due"},
