@@ -19,7 +19,7 @@ std::uint64_t number_from(const char* variable, std::uint64_t otherwise) {
   return text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-using Point = std::array<std::int32_t, 2>;
+using Cell = std::array<std::int32_t, 2>;
 using Seeds = std::vector<std::array<double, 2>>;
 
 /// Points at random, all on one line, or at few places; constraints at random, in rings, in a chain, doubled, turned
@@ -33,7 +33,7 @@ Graph crowded_graph(Random& random) {
   for (std::uint64_t i = 0; i < n; ++i) {
     const auto x = static_cast<std::int32_t>(random.below(side + 1)),
                y = static_cast<std::int32_t>(random.below(side + 1));
-    graph.points.push_back(line == 0 ? Point{x, 0} : line == 1 ? Point{x, x} : line == 2 ? Point{3, y} : Point{x, y});
+    graph.points.push_back(line == 0 ? Cell{x, 0} : line == 1 ? Cell{x, x} : line == 2 ? Cell{3, y} : Cell{x, y});
   }
   if (n == 0) return graph;
   const auto any = [&] { return static_cast<std::uint32_t>(random.below(n)); };
@@ -58,9 +58,9 @@ Graph crowded_graph(Random& random) {
 /// The same over the whole of the largest grid, each coordinate off by one or not: nearly degenerate.
 void stretch(Graph& graph, Random& random) {
   std::int32_t most = 1;
-  for (const Point& p : graph.points) most = std::max({most, p[0], p[1]});
+  for (const Cell& p : graph.points) most = std::max({most, p[0], p[1]});
   const std::int64_t last = (std::int64_t{1} << 31) - 1;
-  for (Point& p : graph.points)
+  for (Cell& p : graph.points)
     for (std::int32_t& c : p)
       c = static_cast<std::int32_t>(
           std::clamp<std::int64_t>(last * c / most + static_cast<std::int64_t>(random.below(3)) - 1, 0, last));
@@ -74,8 +74,8 @@ Seeds some_places(const Graph& graph, std::uint64_t count, Random& random) {
       places.push_back({-1e300, 4e9});
       continue;
     }
-    const Point &a = graph.points[random.below(graph.points.size())],
-                &b = graph.points[random.below(graph.points.size())];
+    const Cell &a = graph.points[random.below(graph.points.size())],
+               &b = graph.points[random.below(graph.points.size())];
     places.push_back(random.below(2) ? std::array<double, 2>{double(a[0]), double(a[1])}
                                      : std::array<double, 2>{(double(a[0]) + b[0]) / 2, (double(a[1]) + b[1]) / 2});
   }
@@ -90,18 +90,18 @@ std::string domain_fault(const Graph& graph, const Triangulation& mesh, const Op
 }
 
 /// The vertices, added ones last.
-std::vector<Point> all_points(const Graph& graph, const Triangulation& mesh) {
-  std::vector<Point> points = graph.points;
+std::vector<Cell> all_points(const Graph& graph, const Triangulation& mesh) {
+  std::vector<Cell> points = graph.points;
   points.insert(points.end(), mesh.added_on_grid.begin(), mesh.added_on_grid.end());
   return points;
 }
 
 /// Where each query is, by brute force: even coordinates are whole cells.
 std::string locate_fault(const Graph& graph, const Triangulation& mesh, const Result& result, Random& random) {
-  std::vector<Point> queries = all_points(graph, mesh);
+  std::vector<Cell> queries = all_points(graph, mesh);
   const std::size_t corners = queries.size();
   for (std::size_t i = 0; i < 20 && corners > 0; ++i) {
-    const Point &a = queries[random.below(corners)], &b = queries[random.below(corners)];
+    const Cell &a = queries[random.below(corners)], &b = queries[random.below(corners)];
     queries.push_back({a[0] / 2 + b[0] / 2, a[1] / 2 + b[1] / 2});
   }
   queries.push_back({0, 2147483647});
@@ -201,5 +201,41 @@ TEST_CASE("crowded graphs: every option for crossings with every domain, located
       try_all(graph, Crossing::reject, random);
     else
       REQUIRE_THROWS_AS(solver().triangulate(graph.points, graph.constraints), Error);
+  }
+}
+
+TEST_CASE("crowded graphs at any scale and offset, on the grids that are chosen for them, as each type of number") {
+  const double scales[] = {1, 0.1, 1.0 / 3, 1e-17, 1e-300, 5e-324, 4e306, 0x1p40};
+  const double offsets[] = {0, 0, 1, -0.7, 5e5, -1e15};
+  const std::uint64_t first = number_from("GCDT_CROWDED_FIRST", 1), cases = number_from("GCDT_CROWDED_CASES", 40);
+  for (std::uint64_t seed = first; seed < first + cases; ++seed) {
+    CAPTURE(seed);
+    Random random(seed);
+    const Graph graph = crowded_graph(random);
+    const double scale = scales[random.below(std::size(scales))], x = offsets[random.below(std::size(offsets))],
+                 y = offsets[random.below(std::size(offsets))];
+    std::vector<std::array<double, 2>> doubles;
+    std::vector<std::array<float, 2>> floats;
+    std::vector<std::array<std::int64_t, 2>> wide;
+    for (const Cell& p : graph.points) {
+      doubles.push_back({x + scale * p[0], y + scale * p[1]});
+      floats.push_back({static_cast<float>(x + p[0] / 3.0), static_cast<float>(y + p[1] / 3.0)});
+      wide.push_back({(std::int64_t{1} << 53) - 40 + p[0], p[1] - (std::int64_t{1} << 53)});
+    }
+    Options options;
+    options.crossing = Crossing::split;
+    options.domain = Domain::even_odd;
+    for (const gcdt::Points& points : {gcdt::Points(doubles), gcdt::Points(floats), gcdt::Points(wide)}) {
+      CAPTURE(static_cast<int>(points.type()));
+      const Result result = solver().solve(points, graph.constraints, options);
+      const Triangulation mesh = result.download();
+      MeshView seen = view(mesh);
+      seen.added = mesh.added_on_grid;
+      const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
+      REQUIRE(verify_domain(points, graph.constraints, seen, said, mesh.statistics.grid, options).reason == "");
+      REQUIRE(choose_grid(points).cell() == mesh.statistics.grid.cell());
+      const auto at = result.vertex_triangles(), found = result.locate(points);
+      REQUIRE(std::equal(found.begin(), found.end(), at.begin()));
+    }
   }
 }
