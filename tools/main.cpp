@@ -27,8 +27,10 @@ constexpr const char* batch_help =
     "Without -o the statistics are printed.\n\n";
 
 constexpr const char* locate_help =
-    "One line a point: its number, the triangle (as triangulate numbers them; the least of several; -1 outside), the\n"
-    "barycentric weights of the triangle's corners, and each attribute of the vertices there (nan outside).\n\n";
+    "One line a point: its number, the triangle (as triangulate numbers them, or as a mesh file does; the least of\n"
+    "several; -1 outside), the barycentric weights of the triangle's corners, and each attribute of the vertices "
+    "there\n"
+    "(nan outside). A mesh file is refused with status 5 if its triangles overlap or are not counter-clockwise.\n\n";
 
 constexpr const char* raster_help =
     "The cells begin at the least x and y. .asc is the Arc/Info ASCII grid; .flt has float32 with a .hdr; .png is "
@@ -131,7 +133,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   CLI::App* app =
       gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
   app->add_option("INPUT", arguments.input,
-                  "The .poly or .node file that was triangulated, or - for a .poly on standard input")
+                  "The file that was triangulated: .poly, .node, .geojson or .json, or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
