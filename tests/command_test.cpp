@@ -542,6 +542,16 @@ TEST_CASE("raster writes the value in the middle of each cell, from the north do
   session.bad(2, "raster t.node --attribute 3 -o t.asc");
   session.bad(2, "raster t.node --cell 0 -o t.asc");
   session.bad(2, "raster t.node --cell 1e-9 -o t.asc");
+  session.bad(2, "raster t.node --cell nan -o t.asc");
+  session.bad(2, "raster t.node --cell inf -o t.asc");
+  session.bad(2, "raster t.node --no-data 0.1 -o t.asc");
+  session.bad(2, "raster t.node --no-data 1e300 -o t.asc");
+  session.good("raster t.node --no-data nan --cell 1 -o nan.asc");
+  CHECK(contains(session.read("nan.asc"), "NODATA_value nan\n0 nan nan nan\n0 0 0 nan\n"));
+  session.write("wide.node", "3 2 1 0\n0 -1e308 0 0\n1 1e308 0 0\n2 0 1e308 0\n");
+  CHECK(contains(session.bad(3, "raster wide.node -o t.asc"), "the extent is no finite double"));
+  session.write("high.node", "3 2 1 0\n0 0 0 1e300\n1 4 0 0\n2 0 4 0\n");
+  CHECK(contains(session.bad(3, "raster high.node -o t.asc"), "too large for float32"));
   session.bad(2, "raster t.node -o t.tif");
   session.bad(2, "raster t.node -o t.flt -o t.hdr");
   session.bad(2, "raster t.node -o t.asc -o ./t.asc");

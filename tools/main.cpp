@@ -176,9 +176,7 @@ void add_raster(CLI::App& gcdt, command::RasterArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("OUTPUT");
   app->add_option("--attribute", arguments.attribute, "Which attribute, from 1")->capture_default_str();
-  app->add_option("--cell", arguments.cell, "The edge of a cell; default: the longer side has 1024")
-      ->check(CLI::PositiveNumber.description(""))
-      ->type_name("SIZE");
+  app->add_option("--cell", arguments.cell, "The edge of a cell; default: the longer side has 1024")->type_name("SIZE");
   app->add_option("--no-data", arguments.no_data, "The value outside of all triangles")->capture_default_str();
   app->footer(std::string(raster_help) + status_help);
   app->callback([&arguments] { command::raster(arguments); });
