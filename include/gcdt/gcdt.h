@@ -55,7 +55,7 @@ enum {
   GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; of a fixed grid, or an int64 beyond 2^53 */
   GCDT_ERROR_INDEX_OUT_OF_RANGE = -20005,      /* indices: constraint, end (0 or 1) */
   GCDT_ERROR_TOO_MANY_VERTICES = -20006,       /* more than GCDT_MAX_VERTICES */
-  GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: up to ten pairs c, d, c, d, ...; pair_count: all */
+  GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: all pairs c, d, c, d, ... (see gcdt_error) */
   GCDT_ERROR_NO_DEVICE = -20008,               /* no OpenCL device fits the choice */
   GCDT_ERROR_DEVICE_FAILED = -20009,           /* the device computes wrongly, or a program does not build */
   GCDT_ERROR_OUT_OF_MEMORY = -20010,           /* the device's memory or largest buffer is too small */
@@ -88,7 +88,7 @@ typedef struct gcdt_error {
   const char* message; /* never null; one or more lines of UTF-8 without a final newline */
   const uint64_t* indices;
   size_t index_count;
-  uint64_t pair_count; /* constraints_cross: pairs of constraints that cross in all */
+  uint64_t pair_count; /* constraints_cross: pairs of constraints that cross in all; a thread's own error has ten */
 } gcdt_error;
 #define GCDT_ERROR_INIT \
   { sizeof(gcdt_error), 0, "", NULL, 0, 0 }

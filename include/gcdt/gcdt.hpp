@@ -256,7 +256,7 @@ class Solver {
       gcdt_result_release(result);
       std::rethrow_exception(progress.thrown);
     }
-    detail::check(status);
+    detail::check(status, handle_.get());
     return Result(result);
   }
 
