@@ -100,10 +100,9 @@ Error crossings_error(const std::vector<Constraint>& crossings, const std::funct
     const Constraint e = ends(c);
     return std::to_string(c) + " (" + std::to_string(e[0]) + "-" + std::to_string(e[1]) + ")";
   };
-  for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i) {
-    indices.insert(indices.end(), {crossings[i][0], crossings[i][1]});
+  for (const Constraint& pair : crossings) indices.insert(indices.end(), pair.begin(), pair.end());
+  for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i)
     list += (i ? ", " : "") + named(crossings[i][0]) + " and " + named(crossings[i][1]);
-  }
   std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") +
                         " of constraints cross: " + list;
   if (crossings.size() > pairs_in_message) message += ", ...";

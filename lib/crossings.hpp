@@ -43,7 +43,8 @@ class CrossingPieces {
 std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
                                        const Pieces& pieces, PhaseCounters& counters);
 
-/// The error that names the first ten of the pairs; `ends(c)` are the input vertices of constraint c.
+/// The error that has all pairs as indices, and names the first ten in its message; `ends(c)` are the input vertices of
+/// constraint c.
 Error crossings_error(const std::vector<Constraint>& crossings, const std::function<Constraint(std::uint32_t)>& ends,
                       bool rounded);
 

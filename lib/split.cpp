@@ -114,11 +114,13 @@ Vertices Splitter::add(Vertices vertices, std::uint32_t coarsest_level) {
   runtime_.launch("split", "split_join", over(joined.n), inputs_, cl_uint(added_.count), vertices.points,
                   vertices.input_vertex, list, keys_, least_, joined.coordinates, added_.points, added_.crossing);
   const Grid grid = vertices.grid;
+  const auto decimals = vertices.decimals;
   vertices = {};
   keys_ = {};
   least_ = {};
   Vertices all = order(runtime_, primitives_, std::move(joined), FixedGrid{}, coarsest_level).vertices;
   all.grid = grid;
+  all.decimals = decimals;
   return all;
 }
 

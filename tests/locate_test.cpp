@@ -119,6 +119,20 @@ TEST_CASE("queries on a decimal grid are the decimals that they read as; those n
   }
 }
 
+TEST_CASE("queries on a decimal grid are read as decimals after crossings were split, too") {
+  // So far out that the doubles nearest to decimals are a twentieth away.
+  const std::vector<std::array<double, 2>> points = {
+      {0.1, -999999999999999.8}, {0.9, -999999999999996}, {0.1, -999999999999996}, {0.9, -999999999999999.2}};
+  Options options;
+  options.crossing = Crossing::split;
+  const std::vector<Constraint> constraints = {{0, 1}, {2, 3}};
+  const Result result = solver().solve(points, constraints, options);
+  REQUIRE(result.statistics().grid.kind == Grid::Kind::decimal);
+  REQUIRE(result.statistics().vertices_added == 1);
+  const auto at = result.vertex_triangles();
+  CHECK(result.locate(points) == std::vector<std::int32_t>(at.begin(), at.begin() + 4));
+}
+
 TEST_CASE("linear values are interpolated as they are, and with jumps by triangle") {
   Random random(5);
   const Grid32 points = even_points(200, 1024, random);

@@ -166,6 +166,89 @@ TEST_CASE("rings that overlap are split, and keep all borders") {
   CHECK(odd_area(all, constraints, mesh) == 2 * (36 + 36 - 2 * 9));
 }
 
+TEST_CASE("domains of ring arrays have exactly the area of the polygons: touching, with borders cut up at random") {
+  Random random(23);
+  for (int seed = 0; seed < 30; ++seed) {
+    CAPTURE(seed);
+    Rings r;
+    std::uint64_t expected = 0;  // twice the area
+    // A side of a cell, with vertices on it or without: neighbours cut up their common border in different ways.
+    auto ring = [&](const Doubles& corners) {
+      Doubles at;
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const auto &a = corners[i], &b = corners[(i + 1) % corners.size()];
+        at.push_back(a);
+        for (int cut = 1; cut < 8; ++cut)
+          if (random.below(4) == 0) at.push_back({a[0] + (b[0] - a[0]) * cut / 8, a[1] + (b[1] - a[1]) * cut / 8});
+      }
+      if (random.below(2)) std::reverse(at.begin(), at.end());
+      r.ring(at, random.below(2));
+    };
+    for (double x = 0; x < 32; x += 8)
+      for (double y = 0; y < 32; y += 8) switch (random.below(4)) {
+          case 0: break;
+          case 1:  // with a hole that touches a side or a corner
+            ring(square(x, y, 8, false));
+            ring({{x + (random.below(2) ? 4 : 0), y}, {x + 6, y + 6}, {x + 2, y + 6}});
+            expected += 128 - 24;
+            r.end_polygon();
+            break;
+          case 2:  // a ring that touches itself in the middle of the cell
+            ring({{x, y}, {x + 8, y}, {x + 4, y + 4}, {x + 8, y + 8}, {x, y + 8}, {x + 4, y + 4}});
+            expected += 64;
+            r.end_polygon();
+            break;
+          default:
+            ring(square(x, y, 8, false));
+            expected += 128;
+            r.end_polygon();
+        }
+    const auto constraints = ring_constraints(r.points, r.rings, r.polygons);
+    Options options;
+    options.grid = FixedGrid{0, 0, "0.125"};  // on which all cuts are
+    for (const Domain domain : {Domain::even_odd, Domain::nonzero}) {
+      options.domain = domain;
+      const Result result = solver().solve(r.points, constraints, options);
+      CHECK(result.quality().doubled == 64 * expected);
+      CHECK(result.statistics().open_parity == 0);
+      CHECK(result.statistics().open_winding == 0);
+    }
+  }
+}
+
+TEST_CASE("domains of ring arrays that overlap, split: the area that a board of cells has by counting") {
+  Random random(29);
+  for (int seed = 0; seed < 30; ++seed) {
+    CAPTURE(seed);
+    Rings r;
+    std::array<std::array<int, 16>, 16> covers{};  // by how many polygons
+    const std::uint64_t polygons = 1 + random.below(7);
+    for (std::uint64_t p = 0; p < polygons; ++p) {
+      const std::uint64_t x = random.below(12), y = random.below(12), side = 1 + random.below(16 - std::max(x, y));
+      // The hole may share sides with its ring.
+      const std::uint64_t hole = random.below(side), hole_x = x + random.below(side - hole + 1),
+                          hole_y = y + random.below(side - hole + 1);
+      r.ring(square(double(x), double(y), double(side), random.below(2)), random.below(2));
+      if (hole > 0) r.ring(square(double(hole_x), double(hole_y), double(hole), random.below(2)), random.below(2));
+      r.end_polygon();
+      for (std::uint64_t i = x; i < x + side; ++i)
+        for (std::uint64_t j = y; j < y + side; ++j)
+          covers[i][j] += i < hole_x || i >= hole_x + hole || j < hole_y || j >= hole_y + hole;
+    }
+    std::uint64_t odd = 0, any = 0;
+    for (const auto& column : covers)
+      for (const int c : column) odd += 2 * (c % 2), any += 2 * (c > 0);
+    const auto constraints = ring_constraints(r.points, r.rings, r.polygons);
+    Options options;
+    options.grid = FixedGrid{};
+    options.crossing = Crossing::split;
+    options.domain = Domain::even_odd;
+    CHECK(solver().solve(r.points, constraints, options).quality().doubled == odd);
+    options.domain = Domain::nonzero;
+    CHECK(solver().solve(r.points, constraints, options).quality().doubled == any);
+  }
+}
+
 TEST_CASE("offsets that do not ascend from 0 to the end are errors") {
   const Doubles points = square(0, 0, 1, false);
   const auto invalid = static_cast<std::int32_t>(Status::invalid_argument);

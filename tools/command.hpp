@@ -20,7 +20,7 @@ struct TriangulateArguments {
   bool verify = false, assess = false, quiet = false, regions = false;
 };
 
-/// A mesh that is made of INPUT to be asked something.
+/// A mesh that is made of INPUT, or read, to be asked something.
 struct MeshArguments {
   std::string input;
   std::string crossing = "reject", domain = "hull", grid, device;
@@ -36,7 +36,8 @@ struct RasterArguments {
   MeshArguments mesh;
   std::vector<std::string> outputs;
   std::uint32_t attribute = 1;
-  double cell = 0, no_data = -9999;  ///< cell 0: 1024 on the longer side
+  std::optional<double> cell;  ///< none: 1024 on the longer side
+  double no_data = -9999;
 };
 
 struct VerifyArguments {

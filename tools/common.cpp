@@ -27,12 +27,15 @@ std::string segment(const io::Input& input, std::uint64_t c) {
                      line == 0 ? "" : fmt::format(", line {}", line));
 }
 
+constexpr std::uint64_t pairs_in_message = 10;
+
 std::string crossings(const Error& error, const io::Input& input, const Options& options) {
   const auto& pairs = error.indices();
-  const std::uint64_t shown = pairs.size() / 2, all = std::max(error.pair_count(), shown);
+  const std::uint64_t all = std::max<std::uint64_t>(error.pair_count(), pairs.size() / 2),
+                      shown = std::min<std::uint64_t>(pairs.size() / 2, pairs_in_message);
   std::string text = fmt::format("{}: {} {} of constraints cross{}:", input.constraint_file, all,
                                  all == 1 ? "pair" : "pairs", all == 1 ? "es" : "");
-  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2)
+  for (std::size_t i = 0; i < 2 * shown; i += 2)
     if (pairs[i] < input.constraints.size() && pairs[i + 1] < input.constraints.size())
       text += fmt::format("\n  {} and {}", segment(input, pairs[i]), segment(input, pairs[i + 1]));
   if (all > shown) text += fmt::format("\n  and {} more", all - shown);

@@ -35,12 +35,16 @@ void write_places(const Solved& mesh, const io::Input& points, Print&& print) {
 }  // namespace
 
 void locate(const LocateArguments& arguments) {
-  if (!arguments.output.empty())
-    for (const std::string& input : {arguments.mesh.input, arguments.points})
-      if (input != "-" && io::same_file(arguments.output, input))
+  auto check_overwrites = [&](const std::vector<std::string>& inputs) {
+    for (const std::string& input : inputs)
+      if (!arguments.output.empty() && input != "-" && io::same_file(arguments.output, input))
         throw io::Failure(io::Exit::usage, fmt::format("{}: is an input, and cannot be an output", arguments.output));
+  };
+  check_overwrites({arguments.mesh.input, arguments.points});
   const io::Input points = io::read_input(arguments.points);
+  check_overwrites(points.files);
   const Solved mesh = solved(arguments.mesh);
+  check_overwrites(mesh.input.files);
   stop_if_interrupted();
   if (arguments.output.empty()) {
     std::string text;

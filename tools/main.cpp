@@ -31,8 +31,10 @@ constexpr const char* batch_help =
     "are the\nline's positions in their order (a ring's last one excepted), or {\"line\": 17, \"error\": ...}.\n\n";
 
 constexpr const char* locate_help =
-    "One line a point: its number, the triangle (as triangulate numbers them; the least of several; -1 outside), the\n"
-    "barycentric weights of the triangle's corners, and each attribute of the vertices there (nan outside).\n\n";
+    "One line a point: its number, the triangle (as triangulate numbers them, or as a mesh file does; the least of\n"
+    "several; -1 outside), the barycentric weights of the triangle's corners, and each attribute of the vertices "
+    "there\n"
+    "(nan outside). A mesh file is refused with status 5 if its triangles overlap or are not counter-clockwise.\n\n";
 
 constexpr const char* raster_help =
     "The cells begin at the least x and y. .asc is the Arc/Info ASCII grid; .flt has float32 with a .hdr; .png is "
@@ -142,7 +144,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   CLI::App* app =
       gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
   app->add_option("INPUT", arguments.input,
-                  "The .poly or .node file that was triangulated, or - for a .poly on standard input")
+                  "The file that was triangulated: .poly, .node, .geojson or .json, or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
@@ -155,7 +157,9 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
 }
 
 void add_mesh(CLI::App& app, command::MeshArguments& mesh) {
-  app.add_option("INPUT", mesh.input, "A .poly or .node file as of Triangle, or - for a .poly on standard input")
+  app.add_option("INPUT", mesh.input,
+                 "What triangulate takes, and is triangulated; or a mesh, which is taken as it is: an .ele file with "
+                 "the .node beside it, or a .vtu file, of gcdt, Triangle or others")
       ->required()
       ->type_name("");
   add_crossing(app, mesh.crossing);
@@ -183,9 +187,7 @@ void add_raster(CLI::App& gcdt, command::RasterArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("OUTPUT");
   app->add_option("--attribute", arguments.attribute, "Which attribute, from 1")->capture_default_str();
-  app->add_option("--cell", arguments.cell, "The edge of a cell; default: the longer side has 1024")
-      ->check(CLI::PositiveNumber.description(""))
-      ->type_name("SIZE");
+  app->add_option("--cell", arguments.cell, "The edge of a cell; default: the longer side has 1024")->type_name("SIZE");
   app->add_option("--no-data", arguments.no_data, "The value outside of all triangles")->capture_default_str();
   app->footer(std::string(raster_help) + status_help);
   app->callback([&arguments] { command::raster(arguments); });

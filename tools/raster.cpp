@@ -45,8 +45,17 @@ void check_overwrites(const std::vector<std::string>& paths, const std::vector<s
         throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
 }
 
+void check_numbers(const RasterArguments& arguments) {
+  if (arguments.cell && !(*arguments.cell > 0 && std::isfinite(*arguments.cell)))
+    throw Failure(Exit::usage, fmt::format("--cell {}: must be positive and finite", *arguments.cell));
+  // Files say once what stands for no value: it must be what the cells have.
+  const double no_data = arguments.no_data;
+  if (!std::isnan(no_data) && static_cast<double>(static_cast<float>(no_data)) != no_data)
+    throw Failure(Exit::usage, fmt::format("--no-data {}: not a number of float32", no_data));
+}
+
 /// The cells that cover all vertices, from their least corner on.
-io::Raster frame(const io::Input& input, double cell) {
+io::Raster frame(const io::Input& input, const std::optional<double>& cell) {
   if (input.vertices.empty()) throw Failure(Exit::input, fmt::format("{}: no vertices, no raster", input.vertex_file));
   std::array<double, 2> least = input.vertices[0], most = least;
   for (const auto& v : input.vertices)
@@ -55,10 +64,12 @@ io::Raster frame(const io::Input& input, double cell) {
       most[axis] = std::max(most[axis], v[axis]);
     }
   const double width = most[0] - least[0], height = most[1] - least[1];
+  if (!std::isfinite(width) || !std::isfinite(height))
+    throw Failure(Exit::input, fmt::format("{}: the extent is no finite double, no raster", input.vertex_file));
   io::Raster raster;
   raster.west = least[0];
   raster.south = least[1];
-  raster.cell = cell > 0 ? cell : std::max(width, height) / default_side;
+  raster.cell = cell ? *cell : std::max(width, height) / default_side;
   if (!(raster.cell > 0)) raster.cell = 1;
   const double columns = std::max(1.0, std::ceil(width / raster.cell)),
                rows = std::max(1.0, std::ceil(height / raster.cell));
@@ -67,6 +78,14 @@ io::Raster frame(const io::Input& input, double cell) {
   raster.columns = static_cast<std::uint64_t>(columns);
   raster.rows = static_cast<std::uint64_t>(rows);
   return raster;
+}
+
+/// A value as it is written. Throws Failure (Exit::input) for a finite one that is none there.
+float narrowed(double value) {
+  const auto narrow = static_cast<float>(value);
+  if (std::isinf(narrow) && std::isfinite(value))
+    throw Failure(Exit::input, fmt::format("a value of the attribute is too large for float32: {}", value));
+  return narrow;
 }
 
 void fill(io::Raster& raster, const Solved& mesh, const std::vector<double>& values) {
@@ -81,8 +100,7 @@ void fill(io::Raster& raster, const Solved& mesh, const std::vector<double>& val
         points.push_back({io::middle_x(raster, column), io::middle_y(raster, row)});
     const auto found = mesh.result->interpolate(points, values, raster.no_data);
     std::transform(found.begin(), found.end(),
-                   raster.values.begin() + static_cast<std::ptrdiff_t>(first * raster.columns),
-                   [](double value) { return static_cast<float>(value); });
+                   raster.values.begin() + static_cast<std::ptrdiff_t>(first * raster.columns), narrowed);
   }
 }
 
@@ -91,6 +109,7 @@ void fill(io::Raster& raster, const Solved& mesh, const std::vector<double>& val
 void raster(const RasterArguments& arguments) {
   const auto paths = written_paths(arguments);
   check_overwrites(paths, {arguments.mesh.input});
+  check_numbers(arguments);
   const Solved mesh = solved(arguments.mesh);
   check_overwrites(paths, mesh.input.files);
   const std::uint32_t count = mesh.input.attribute_count;

@@ -8,7 +8,7 @@
 
 namespace gcdt::command {
 
-/// An input, and its mesh in device memory.
+/// An input or a mesh file, and the mesh in device memory.
 struct Solved {
   io::Input input;
   std::unique_ptr<Solver> solver;
@@ -18,7 +18,8 @@ struct Solved {
   std::vector<double> attribute(std::uint32_t k) const;
 };
 
-/// Reads and triangulates. Throws what the two throw, explained.
+/// Reads and triangulates; a mesh file (.ele with its .node, .vtu) is taken as it is. Throws what these throw,
+/// explained.
 Solved solved(const MeshArguments& arguments);
 
 /// The device that the option names, by number; says which, if several fit, unless `quiet`.

@@ -39,12 +39,13 @@ inline Status status_of(std::int32_t code) {
   }
 }
 
-/// Throws what the last failed call of this thread said, unless `code` is GCDT_OK.
-inline void check(std::int32_t code) {
+/// Throws what the last failed call of this thread said, unless `code` is GCDT_OK. Pairs that cross are taken from
+/// `solver`, which has all of them.
+inline void check(std::int32_t code, const gcdt_solver* solver = nullptr) {
   if (code == GCDT_OK) return;
   if (code == GCDT_ERROR_HOST_MEMORY) throw std::bad_alloc();
   gcdt_error error = GCDT_ERROR_INIT;
-  gcdt_last_error(nullptr, &error);
+  gcdt_last_error(code == GCDT_ERROR_CONSTRAINTS_CROSS ? solver : nullptr, &error);
   throw Error(status_of(code), error.message, {error.indices, error.indices + error.index_count}, error.pair_count,
               code > -20000 ? code : 0);
 }

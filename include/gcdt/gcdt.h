@@ -55,7 +55,7 @@ enum {
   GCDT_ERROR_COORDINATE_OUTSIDE_GRID = -20004, /* indices: vertex, axis; of a fixed grid, or an int64 beyond 2^53 */
   GCDT_ERROR_INDEX_OUT_OF_RANGE = -20005,      /* indices: constraint, end (0 or 1) */
   GCDT_ERROR_TOO_MANY_VERTICES = -20006,       /* more than GCDT_MAX_VERTICES */
-  GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: up to ten pairs c, d, c, d, ...; pair_count: all */
+  GCDT_ERROR_CONSTRAINTS_CROSS = -20007,       /* indices: all pairs c, d, c, d, ... (see gcdt_error) */
   GCDT_ERROR_NO_DEVICE = -20008,               /* no OpenCL device fits the choice */
   GCDT_ERROR_DEVICE_FAILED = -20009,           /* the device computes wrongly, or a program does not build */
   GCDT_ERROR_OUT_OF_MEMORY = -20010,           /* the device's memory or largest buffer is too small */
@@ -78,6 +78,7 @@ GCDT_API const char* gcdt_strerror(int32_t status);
 
 typedef struct gcdt_solver gcdt_solver;
 typedef struct gcdt_result gcdt_result;
+typedef struct gcdt_mesh gcdt_mesh;
 
 /* What a failed call has to say. The pointers are the library's, and hold until the next failed call on the same
  * solver (or, without a solver, by the same thread). Indices are input numbers, from 0; see the statuses. */
@@ -87,7 +88,7 @@ typedef struct gcdt_error {
   const char* message; /* never null; one or more lines of UTF-8 without a final newline */
   const uint64_t* indices;
   size_t index_count;
-  uint64_t pair_count; /* constraints_cross: pairs of constraints that cross in all */
+  uint64_t pair_count; /* constraints_cross: pairs of constraints that cross in all; a thread's own error has ten */
 } gcdt_error;
 #define GCDT_ERROR_INIT \
   { sizeof(gcdt_error), 0, "", NULL, 0, 0 }
@@ -315,6 +316,20 @@ GCDT_API size_t gcdt_element_bytes(int32_t array);
  * nothing is written. Blocks. Its time is added to ms_output and ms_full of the result's statistics. */
 GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity);
 
+/* ---- Meshes that are there already --------------------------------------------------------------------------- */
+
+/* A result of a mesh made earlier, by this library or another: to be asked all that a result is asked. `input` has its
+ * vertices, and the constraints to be flagged, which run along its edges or outside of it; of `mesh` only `triangles`
+ * are read, counter-clockwise, which keep their numbers and first corners. They need not be Delaunay, nor cover the
+ * convex hull, nor be connected. Of `options` (may be null) grid, progress and check are read; crossing, domain and
+ * regions must be 0. Proved on the way, on the grid, which is chosen as by gcdt_triangulate: triangles do not overlap,
+ * and no vertex of `input` is inside one or inside an edge; else GCDT_ERROR_CHECK_FAILED, with indices: the triangle,
+ * or the constraint that crosses an edge. A corner that does not exist: GCDT_ERROR_INVALID_ARGUMENT, indices: triangle,
+ * corner. What lies between mesh and convex hull is triangulated, too, but not in the result: triangles_removed of the
+ * statistics. Costs about as much as gcdt_triangulate with all edges as constraints. Blocks. */
+GCDT_API int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
+                            const gcdt_options* options, gcdt_result** result);
+
 /* ---- Points in the mesh ------------------------------------------------------------------------------------ */
 
 /* For `count` points in host memory (coordinate_type as for gcdt_input), on the device: triangles[i] is the least
@@ -428,7 +443,7 @@ GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 /* ---- Verification, on the host and on the device ------------------------------------------------------------ */
 
 /* A mesh to be verified; triangle order and first corners are free. The caller's, read only. */
-typedef struct gcdt_mesh {
+struct gcdt_mesh {
   size_t struct_size;
   const uint32_t* triangles; /* triangle_count x 3 */
   uint64_t triangle_count;
@@ -436,7 +451,7 @@ typedef struct gcdt_mesh {
   const uint8_t* constrained; /* triangle_count, or null: not verified */
   const int32_t* added;       /* GCDT_CROSSING_SPLIT: added_count x 2, the added vertices on the grid; or null */
   uint64_t added_count;       /* their numbers follow those of the input */
-} gcdt_mesh;
+};
 #define GCDT_MESH_INIT \
   { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
 

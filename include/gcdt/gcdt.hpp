@@ -229,6 +229,20 @@ class Solver {
     return solve(points, constraints, options).download();
   }
 
+  /// A result of a mesh that is there already, with the numbers and first corners of its triangles; `constraints` run
+  /// along its edges and are flagged. See gcdt_adopt: any mesh without overlaps, Delaunay or not, convex or not. Throws
+  /// check_failed for others. Of `options` grid, progress and check are read.
+  Result adopt(Points points, Span<std::array<std::uint32_t, 3>> triangles, Constraints constraints = {},
+               const Options& options = {}) {
+    const gcdt_input input = detail::input(points, constraints);
+    MeshView view;
+    view.triangles = triangles;
+    const gcdt_mesh mesh = detail::mesh(view);
+    return solved(options, [&](const gcdt_options& given, gcdt_result** result) {
+      return gcdt_adopt(handle_.get(), &input, &mesh, &given, result);
+    });
+  }
+
   /// Gives the device memory back that is kept and that no result holds.
   void trim() { detail::check(gcdt_solver_trim(handle_.get())); }
 
@@ -242,7 +256,7 @@ class Solver {
       gcdt_result_release(result);
       std::rethrow_exception(progress.thrown);
     }
-    detail::check(status);
+    detail::check(status, handle_.get());
     return Result(result);
   }
 

@@ -93,7 +93,7 @@ enum class Status {
   coordinate_outside_grid,  ///< of a fixed grid, or an int64 beyond 2^53; indices: {vertex, axis}
   index_out_of_range,       ///< indices: {constraint, end (0 or 1)}
   too_many_vertices,        ///< more than the 32-bit numbering holds (max_vertices)
-  constraints_cross,        ///< indices: up to ten pairs {c, d, c, d, ...}; see Error::pair_count
+  constraints_cross,        ///< indices: all pairs {c, d, c, d, ...}, ascending
   no_device,                ///< no OpenCL device fits the choice
   device_failed,            ///< an OpenCL call failed, or the device computes wrongly
   out_of_memory,            ///< the device's memory or largest buffer is too small

@@ -6,8 +6,8 @@
 
 namespace gcdt::io {
 
-/// Reads all geometries of a .geojson or .json file: positions become vertices (first two numbers each; further ones,
-/// such as heights, are not used), lines and rings constraints. A ring's last position, which repeats its first, is
+/// Reads all geometries of a .geojson or .json file: positions become vertices, their third numbers (heights) an
+/// attribute, if all have one; lines and rings become constraints. A ring's last position, which repeats its first, is
 /// left out. Outer rings are directed counter-clockwise and holes clockwise, whatever the file does.
 /// Throws Failure (Exit::input).
 Input read_geojson(const std::string& path);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "geojson.hpp"
@@ -14,6 +16,8 @@ using Json = nlohmann::json;
 
 // Collections in collections: deeper than any file that means it.
 constexpr int deepest = 64;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 class Reader {
  public:
@@ -30,14 +34,27 @@ class Reader {
     }
     object(root, "the file", 0);
     direct_rings();
-    if (heights_ > 0)
-      input_.notes.push_back(fmt::format("{} positions have further numbers, which are not used", heights_));
+    take_heights();
     return std::move(input_);
   }
 
  private:
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
     throw Failure(Exit::input, fmt::format("{}: {}: {}", name_, where, what));
+  }
+
+  /// The third numbers of positions are an attribute, if all have one.
+  void take_heights() {
+    const auto without = std::count_if(heights_.begin(), heights_.end(), [](double h) { return !(h - h == 0); });
+    const std::size_t with = heights_.size() - static_cast<std::size_t>(without);
+    if (with == 0) return;
+    if (without > 0) {
+      input_.notes.push_back(
+          fmt::format("{} of {} positions have a third number, and not all: they are not used", with, heights_.size()));
+      return;
+    }
+    input_.attribute_count = 1;
+    input_.attributes = std::move(heights_);
   }
 
   const Json& member(const Json& of, const char* key, const std::string& where) const {
@@ -100,15 +117,17 @@ class Reader {
     for (const double c : at)
       if (!(c - c == 0)) fail(where, "a coordinate is not finite");
     if (input_.vertices.size() == max_vertices) fail(where, "too many vertices");
-    heights_ += value.size() > 2;
     input_.vertices.push_back(at);
+    heights_.push_back(value.size() > 2 && value[2].is_number() ? value[2].get<double>() : none);
   }
 
   void positions(const Json& line, const std::string& where, bool ring) {
     const auto begin = static_cast<std::uint32_t>(input_.vertices.size());
     for_each(line, where, "position", [&](const Json& p, const std::string& place) { position(p, place); });
-    if (ring && input_.vertices.size() > begin + 1 && input_.vertices.back() == input_.vertices[begin])
+    if (ring && input_.vertices.size() > begin + 1 && input_.vertices.back() == input_.vertices[begin]) {
       input_.vertices.pop_back();
+      heights_.pop_back();
+    }
     const auto end = static_cast<std::uint32_t>(input_.vertices.size());
     const std::size_t first = input_.constraints.size();
     for (std::uint32_t v = begin; v + 1 < end; ++v) input_.constraints.push_back({v, v + 1});
@@ -144,7 +163,7 @@ class Reader {
   Input input_;
   std::vector<Ring> rings_;
   std::vector<std::uint64_t> polygon_offsets_ = {0};
-  std::uint64_t heights_ = 0;
+  std::vector<double> heights_;  ///< one a vertex
 };
 
 }  // namespace

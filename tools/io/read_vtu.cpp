@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <sstream>
+#include <string_view>
 #include <type_traits>
 
 #include "base64.hpp"
@@ -14,6 +15,8 @@
 namespace gcdt::io {
 
 namespace {
+
+constexpr std::string_view marker = "marker";  // of points; see write_vtu
 
 /// A number as another type; out of that type's range, or not a number, it is the least of the type.
 template <class To, class From>
@@ -59,6 +62,7 @@ class VtuReader {
     if (!piece) fail(grid_, "no Piece");
     if (piece.next_sibling("Piece")) fail(piece.next_sibling("Piece"), "more than one Piece is not supported");
     read_points(piece, mesh);
+    read_point_data(piece.child("PointData"), mesh);
     read_triangles(piece, mesh);
     read_cell_data(piece.child("CellData"), mesh);
     read_grid(grid_.child("FieldData"), mesh);
@@ -118,6 +122,19 @@ class VtuReader {
     if (xyz.size() != 3 * piece.attribute("NumberOfPoints").as_ullong())
       fail(array, "the points are not as many as the Piece says");
     for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) mesh.vertices.push_back({xyz[i], xyz[i + 1]});
+  }
+
+  /// Arrays of one number a point, but for the markers.
+  void read_point_data(pugi::xml_node data, MeshFile& mesh) const {
+    std::vector<std::vector<double>> columns;
+    for (const auto array : data.children("DataArray")) {
+      if (array.attribute("NumberOfComponents").as_uint(1) != 1 || array.attribute("Name").value() == marker) continue;
+      columns.push_back(numbers<double>(array));
+      if (columns.back().size() != mesh.vertices.size()) fail(array, "not one number for every point");
+    }
+    mesh.attribute_count = static_cast<std::uint32_t>(columns.size());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      for (const auto& column : columns) mesh.attributes.push_back(column[v]);
   }
 
   void read_triangles(pugi::xml_node piece, MeshFile& mesh) const {

@@ -3,44 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "svg_fill.hpp"
 
 namespace gcdt::io {
 
 namespace {
 
-constexpr double longer_side = 1e5;  // units of the canvas; a unit is 1e-5 of the picture
-constexpr double margin = 0.02;      // of the longer side, all around
-constexpr int shown_pixels = 1200;   // of the longer side, where nothing else asks for a size
+constexpr double margin = 0.02;     // of the longer side, all around
+constexpr int shown_pixels = 1200;  // of the longer side, where nothing else asks for a size
 
 constexpr double thinnest = 12, thickest = 200;  // of the strokes of unconstrained edges
 
 using Edge = std::array<std::uint32_t, 2>;
-using Place = std::array<std::int32_t, 2>;
-
-/// The vertices on the canvas: the bounding box scaled to the longer side, y downwards.
-struct Canvas {
-  std::vector<Place> places;
-  double width = 0, height = 0;
-
-  explicit Canvas(const std::vector<std::array<double, 2>>& vertices) : places(vertices.size()) {
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    std::array<double, 2> low{inf, inf}, high{-inf, -inf};
-    for (const auto& v : vertices)
-      for (int axis = 0; axis < 2; ++axis) {
-        low[axis] = std::min(low[axis], v[axis] / 2);  // halves: the extent of doubles is no double
-        high[axis] = std::max(high[axis], v[axis] / 2);
-      }
-    if (vertices.empty()) return;
-    const double extent = std::max(high[0] - low[0], high[1] - low[1]);
-    auto scaled = [&](double half) { return extent > 0 ? half / extent * longer_side : 0; };
-    width = scaled(high[0] - low[0]);
-    height = scaled(high[1] - low[1]);
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      places[i] = {static_cast<std::int32_t>(std::lround(scaled(vertices[i][0] / 2 - low[0]))),
-                   static_cast<std::int32_t>(std::lround(scaled(high[1] - vertices[i][1] / 2)))};
-  }
-};
 
 /// Path data that draws every edge once, in few strokes: from each vertex on it follows unused edges
 /// as long as there are any.
@@ -132,7 +107,7 @@ void write_svg(OutputFile& file, const Result& result) {
     if (!constrained) unconstrained.push_back({a, b});
   });
   const double thin = thin_stroke(canvas, unconstrained, result.mesh.pieces), bold = 4 * thin;
-  const double border = margin * longer_side;
+  const double border = margin * Canvas::longer_side;
   const double width = canvas.width + 2 * border, height = canvas.height + 2 * border;
   const double pixels = shown_pixels / std::max(width, height);
   file.print(
@@ -140,6 +115,7 @@ void write_svg(OutputFile& file, const Result& result) {
       "{:.0f}\">\n",
       std::ceil(width * pixels), std::ceil(height * pixels), -border, -border, std::ceil(width), std::ceil(height));
   file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", -border, -border);
+  if (!result.mesh.region.empty()) fill_regions(file, canvas, result.mesh);
   file.print("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
   draw_edges(file, canvas, std::move(unconstrained), "#577", thin);
   draw_edges(file, canvas, result.mesh.pieces, "#103", bold);

@@ -41,7 +41,7 @@ struct Input {
 /// Memory is bounded by the size of the file, whatever counts it announces.
 Input read_input(const std::string& path);
 
-/// A mesh read back from .ele (and .neigh), for verification.
+/// A mesh read back from .ele (and .neigh) or .vtu.
 struct MeshFile {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< vertex numbers from 0
   std::vector<std::array<std::int32_t, 3>> neighbours;  ///< empty if the file holds none
@@ -49,6 +49,8 @@ struct MeshFile {
   std::vector<std::uint32_t> region, depth;             ///< empty if the file holds none
   std::vector<std::int32_t> winding;                    ///< empty if the file holds none
   std::vector<std::array<double, 2>> vertices;          ///< empty if the file holds none
+  std::uint32_t attribute_count = 0;                    ///< of each vertex, where the file holds vertices
+  std::vector<double> attributes;                       ///< attribute_count a vertex
   std::optional<Grid> grid;
 };
 
