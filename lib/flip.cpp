@@ -11,7 +11,6 @@ namespace {
 // rounds needs no launch and no read).
 constexpr std::uint32_t one_group_edges = 2048;
 constexpr std::uint32_t one_group_rounds = 1024;
-constexpr std::uint32_t rounds_per_read = 4;
 // From so many edges on, rounds sweep over the marks of all edges, and for as long as a round has at least this
 // share of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
 constexpr std::uint32_t least_sweep = 1u << 17, sweep_share = 128;
@@ -62,7 +61,7 @@ class Flipping {
   // Rounds by sweeps. The first takes all edges. Ends: see run().
   void sweep(std::uint64_t limit, Ticker& ticker) {
     for (std::uint32_t illegal = edges_; illegal > edges_ / sweep_share;) {
-      for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
+      for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
         launch("flip_sweep", edges_ / sweep_items, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
@@ -92,13 +91,13 @@ class Flipping {
 
   // Launches are as wide as the list was when last read; lists shrink, and a longer one is only slower.
   std::uint32_t rounds_wide(std::uint32_t pending) {
-    for (std::uint32_t i = 0; i < rounds_per_read; ++i, ++round_) {
+    for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
       launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
       launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
     }
-    return rounds_per_read;
+    return runtime_.tuning().rounds_per_read;
   }
 
   // How many rounds were done stands in the counters.

@@ -13,9 +13,6 @@ using runtime::over;
 
 namespace {
 
-// As for one problem (lib/pipeline.cpp).
-constexpr std::uint32_t coarsest_level = 256;
-
 /// The problems of a run one after the other, in host memory.
 struct Gathered {
   std::vector<unsigned char> vertices;
@@ -76,7 +73,8 @@ class ForestPipeline final : public Pipeline {
   OrderResult order_points(InputPoints points) override {
     ranges_.first_input_buffer = upload("first inputs", ranges_.first_input);
     ranges_.first_constraint_buffer = upload("first constraints", ranges_.first_constraint);
-    ForestOrder made = order_forest(runtime_, primitives_, std::move(points), ranges_, options_.grid, coarsest_level);
+    ForestOrder made = order_forest(runtime_, primitives_, std::move(points), ranges_, options_.grid,
+                                    runtime_.tuning().coarsest_level);
     grids = std::move(made.grids);
     return std::move(made.ordered);
   }

@@ -12,8 +12,6 @@ namespace {
 constexpr std::uint32_t one_group_vertices = 1024;
 // Rounds inside one launch of that group at most, which bounds the launch.
 constexpr std::uint32_t one_group_rounds = 1024;
-// Rounds enqueued between two blocking reads; a launch without work costs less than a read.
-constexpr std::uint32_t rounds_per_read = 4;
 // Every round inserts at least the vertex with the best ticket, and a face with k vertices loses about
 // two thirds of them to each child: real inputs take tens of rounds. The limit only stops a device
 // that computes wrongly.
@@ -48,7 +46,7 @@ class LevelInsertion {
       if (remaining_ <= one_group_vertices)
         rounds_in_one_group();
       else
-        for (std::uint32_t i = 0; i < rounds_per_read; ++i) round();
+        for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i) round();
       const device::Counters& c = counters_.read();
       if (c.failed) throw Error(Status::round_limit, "insert: point location left the mesh");
       round_ += c.rounds - rounds_seen_;

@@ -17,6 +17,7 @@
 
 #include "buffer_pool.hpp"
 #include "trace.hpp"
+#include "tuning.hpp"
 
 namespace gcdt::runtime {
 
@@ -76,6 +77,7 @@ struct CallHook {
   std::function<cl_int(const char* call, const char* detail)> before;
   std::string options;
   std::function<void(std::string& source)> edit;
+  Tuning tuning;
 };
 
 using Log = std::function<void(int level, const char* message)>;
@@ -93,6 +95,7 @@ class Runtime {
 
   const cl::Device& device() const { return device_; }
   const cl::Context& context() const { return context_; }
+  const Tuning& tuning() const { return hook_.tuning; }
   const DeviceInfo& info() const { return info_; }
 
   /// A new buffer of `count` elements; contents undefined. `name` is for error messages.

@@ -8,10 +8,6 @@ namespace gcdt {
 
 namespace {
 
-// The coarsest level goes into the symbolic triangle at once. Small enough for one work-group, large
-// enough that the levels below it would cost more launches than they save flips.
-constexpr std::uint32_t coarsest_level = 256;
-
 // What the steps take of a call with as many constraints as vertices, roughly, added up: only progress
 // is told by it.
 constexpr double order_share = 0.1, insert_share = 0.5, constrain_share = 0.75, flip_share = 0.9;
@@ -28,7 +24,7 @@ Pipeline::Pipeline(runtime::Runtime& runtime, Primitives& primitives, InputSourc
       counters_(runtime) {}
 
 OrderResult Pipeline::order_points(InputPoints points) {
-  return order(runtime_, primitives_, std::move(points), options_.grid, coarsest_level);
+  return order(runtime_, primitives_, std::move(points), options_.grid, runtime_.tuning().coarsest_level);
 }
 
 DeviceTriangulation Pipeline::run() {
@@ -208,7 +204,7 @@ void Pipeline::split_crossings() {
   mesh_ = {};
   lists_ = {};
   history_ = {};
-  vertices_ = splitter->add(std::move(vertices_), coarsest_level);
+  vertices_ = splitter->add(std::move(vertices_), runtime_.tuning().coarsest_level);
   for (;;) {
     ticker_.tick("constrain", 0.5);
     const auto& links = splitter->route(vertices_);

@@ -19,7 +19,8 @@ namespace {
 // Crossed faces are about (total weight >> shift) * factor.
 Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
                  cl_uint pieces, cl_uint shift, cl_uint factor) {
-  const cl_uint most = part_pool(runtime.info()), least = std::min(most, runtime.info().is_gpu ? gpu_least : cpu_least);
+  const cl_uint most = runtime.tuning().part_pool.value_or(part_pool(runtime.info())),
+                least = std::min(most, runtime.info().is_gpu ? gpu_least : cpu_least);
   Parts parts;
   parts.capacity = pieces + most;
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);

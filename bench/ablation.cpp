@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// What each idea is worth: core with one of them changed at a time (paper, figure 15; bench/README.md, "Ablation").
+// Reaches the internals through the static library. Every variant must give the same bytes.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gcdt/gcdt.hpp>
+
+#include "inputs.hpp"
+#include "pipeline.hpp"
+
+namespace {
+
+using namespace gcdt;
+
+struct Variant {
+  std::string name;
+  runtime::CallHook hook;
+};
+
+void replace(std::string& text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::runtime_error("the kernels have no \"" + from + "\" any more");
+  text.replace(at, from.size(), to);
+}
+
+/// Vertices in the order of Morton codes times an odd number: any order that still brings equal ones together.
+void shuffle_vertices(std::string& text) {
+  constexpr char mask[] = " & 0x3FFFFFFFFFFFFFFFul)";
+  if (text.find("kernel void number_vertices") == std::string::npos) return;
+  const std::string code = "gcdt_morton(x.value, y.value)", decimal = "gcdt_morton(grid[0], grid[1])";
+  for (const std::string& key : {code, decimal}) replace(text, key, "((" + key + " * 0x9E3779B97F4A7C15ul)" + mask);
+  const std::string back = "((keys[i] * 0xF1DE83E19937733Dul)" + std::string(mask);  // times that is 1 mod 2^64
+  replace(text, "gcdt_gather_bits(keys[i])", "gcdt_gather_bits(" + back + ")");
+  replace(text, "gcdt_gather_bits(keys[i] >> 1)", "gcdt_gather_bits(" + back + " >> 1)");
+}
+
+std::vector<Variant> variants(std::uint32_t vertices) {
+  std::vector<Variant> all;
+  const auto add = [&](const std::string& name) -> runtime::CallHook& {
+    all.push_back({name, {}});
+    return all.back().hook;
+  };
+  add("as it is");
+  for (std::uint32_t levels = 1; levels <= 8; ++levels)
+    add("levels " + std::to_string(levels)).tuning.coarsest_level = std::max(1u, vertices >> 2 * (levels - 1));
+  for (const char* chain : {"1", "4", "8", "16", "32"})
+    add(std::string("flips in a row ") + chain).options = std::string("-UGCDT_FLIP_CHAIN -DGCDT_FLIP_CHAIN=") + chain;
+  for (const std::uint32_t rounds : {1u, 2u, 8u, 16u})
+    add("rounds a read " + std::to_string(rounds)).tuning.rounds_per_read = rounds;
+  add("one work-item a constraint").tuning.part_pool = 0;
+  add("vertices shuffled").edit = shuffle_vertices;
+  return all;
+}
+
+std::uint64_t hash(runtime::Runtime& runtime, const DeviceTriangulation& result) {
+  std::vector<cl_uint> corners(3 * std::size_t{result.mesh.triangles});
+  runtime.read(result.mesh.corners, corners.data(), corners.size());
+  std::uint64_t h = 0;
+  for (const cl_uint word : corners) h = (h ^ word) * 0x9E3779B97F4A7C15u, h ^= h >> 29;
+  return h;
+}
+
+struct Measured {
+  double core = 0;
+  std::uint64_t hash = 0;
+  Statistics statistics;
+};
+
+/// The median of `runs` calls after two that build and warm up.
+Measured measure(const cl::Device& device, const Variant& variant, const test::Workload& input, int runs) {
+  runtime::Runtime runtime(device, variant.hook);
+  Primitives primitives(runtime);
+  const Options options;
+  std::vector<double> times;
+  Measured measured;
+  for (int i = -2; i < runs; ++i) {
+    runtime.memory().begin_call();
+    const Points points = input.points;
+    const Constraints constraints = input.constraints;
+    const InputSource source = {points.size(), constraints.size, [&] {
+                                  return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
+                                }};
+    const DeviceTriangulation result = Pipeline(runtime, primitives, source, options).run();
+    if (i == -2) measured.hash = hash(runtime, result);
+    if (i >= 0) times.push_back(result.statistics.ms.core);
+    measured.statistics = result.statistics;
+  }
+  std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
+  measured.core = times[static_cast<std::size_t>(runs) / 2];
+  return measured;
+}
+
+/// One table of Markdown. Returns whether all bytes were the same.
+bool run(const cl::Device& device, const bench::Input& input, int runs) {
+  const bench::Workload work =
+      bench::make(input, [](const std::vector<bench::Point>& points) { return triangulate(points).triangles; });
+  std::printf("\n%s, %zu vertices, %zu constraints\n\n", input.name.c_str(), work.points.size(),
+              work.constraints.size());
+  std::printf("| variant | core ms | of it as it is | insert rounds | flip rounds | flips | launches | reads |\n");
+  std::printf("|---|---|---|---|---|---|---|---|\n");
+  Measured base;
+  bool same = true;
+  for (const Variant& variant : variants(static_cast<std::uint32_t>(work.points.size()))) {
+    const Measured m = measure(device, variant, work, runs);
+    if (base.core == 0) base = m;
+    same = same && m.hash == base.hash;
+    const Statistics& s = m.statistics;
+    std::printf("| %s%s | %.2f | %.2f | %llu | %llu | %llu | %llu | %llu |\n", variant.name.c_str(),
+                m.hash == base.hash ? "" : " OTHER BYTES", m.core, m.core / base.core,
+                static_cast<unsigned long long>(s.rounds.insert), static_cast<unsigned long long>(s.rounds.flip),
+                static_cast<unsigned long long>(s.flips), static_cast<unsigned long long>(s.launches),
+                static_cast<unsigned long long>(s.read_backs));
+    std::fflush(stdout);
+  }
+  return same;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) try {
+  if (count > 3) {
+    std::fprintf(stderr, "usage: gcdt_bench_ablation [DEVICE [RUNS]]\n");
+    return 2;
+  }
+  const cl::Device device = runtime::all_devices().at(select_device(count > 1 ? arguments[1] : "auto"));
+  const int runs = count > 2 ? std::atoi(arguments[2]) : 11;
+  bool same = true;
+  for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
+    same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
+  return same ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "gcdt_bench_ablation: %s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers that results do not depend on, only speed. Everybody has the defaults; bench/ablation.cpp varies them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace gcdt {
+
+struct Tuning {
+  /// The coarsest level goes into the symbolic triangle at once. Small enough for one work-group, large
+  /// enough that the levels below it would cost more launches than they save flips.
+  std::uint32_t coarsest_level = 256;
+  /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds.
+  std::uint32_t rounds_per_read = 4;
+  /// Parts of constraints beyond one each, at most; none: by the device (walk.cpp). 0: one work-item a constraint.
+  std::optional<std::uint32_t> part_pool;
+};
+
+}  // namespace gcdt
