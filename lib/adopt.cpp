@@ -13,8 +13,12 @@ namespace {
 
 std::string named(const Constraint& edge) { return std::to_string(edge[0]) + "-" + std::to_string(edge[1]); }
 
-[[noreturn]] void refuse(std::uint64_t triangle, const char* why) {
-  throw Error(Status::check_failed, "triangle " + std::to_string(triangle) + " of the mesh " + why, {triangle});
+[[noreturn]] void refuse(std::uint64_t triangle, const char* why, const Grid& grid) {
+  const bool rounded = grid.largest_move > 0;
+  throw Error(Status::check_failed,
+              "triangle " + std::to_string(triangle) + " of the mesh " + why +
+                  (rounded ? "; the coordinates were rounded to a grid, which can turn thin triangles over" : ""),
+              {triangle});
 }
 
 /// The pieces with a source below `limit`, and those sources only.
@@ -55,13 +59,14 @@ Buffer<cl_uint> find(Runtime& runtime, const DeviceTriangulation& whole, const O
                  whole.mesh.corners, found, taken, faults);
   cl_uint fault[2];
   runtime.read(faults, fault, 2);
-  if (fault[0] != GCDT_NONE) refuse(fault[0], "is not counter-clockwise on the grid");
-  if (fault[1] != GCDT_NONE) refuse(fault[1], "overlaps others, or has a vertex inside it or inside an edge");
+  if (fault[0] != GCDT_NONE) refuse(fault[0], "is not counter-clockwise on the grid", whole.vertices.grid);
+  if (fault[1] != GCDT_NONE)
+    refuse(fault[1], "overlaps others, or has a vertex inside it or inside an edge", whole.vertices.grid);
   auto twice = runtime.allocate<cl_uint>("repeated triangle", 1);
   runtime.fill<cl_uint>(twice, GCDT_NONE, 1);
   runtime.launch("adopt", "find_repeated", over(mesh.triangles), cl_uint{mesh.triangles}, found, taken, twice);
   if (const cl_uint repeated = runtime.read_one(twice); repeated != GCDT_NONE)
-    refuse(repeated, "has the corners of an earlier one");
+    refuse(repeated, "has the corners of an earlier one", whole.vertices.grid);
   return found;
 }
 

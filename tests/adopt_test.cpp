@@ -217,6 +217,9 @@ TEST_CASE("a mesh that is none is refused, and what is wrong is named") {
   const Error across = refused({{0, 0}, {8, 0}, {8, 8}, {0, 8}}, {{0, 1, 2}, {0, 2, 3}}, {{0, 1}, {1, 3}});
   CHECK(across.indices() == std::vector<std::uint64_t>{1});
   CHECK(std::string(across.what()) == "constraint 1 (1-3) crosses edge 0-2 of the mesh");
+  // Three doubles almost on a line, and a point so far away that the grid has them on it.
+  const std::vector<std::array<double, 2>> thin = {{0, 0}, {1, 1e-17}, {2, 0}, {1e9 + 1.0 / 3, 1e9}};
+  CHECK_THROWS_WITH_AS(solver().adopt(thin, Triangles{{0, 2, 1}}), doctest::Contains("were rounded to a grid"), Error);
   const Error corner = refused(points, {{0, 1, 9}});
   CHECK(corner.status() == Status::invalid_argument);
   CHECK(corner.indices() == std::vector<std::uint64_t>{0, 2});

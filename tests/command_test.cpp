@@ -512,6 +512,19 @@ TEST_CASE("locate and raster take a mesh as it is: of gcdt, or of any other prog
   CHECK(contains(session.good("locate g.ele between.node --grid 0,0,1"), "\n0 1 0 1 0 20\n"));
   CHECK(contains(session.good("locate g.ele between.node --grid 0,0,0.5"), "\n0 1 0.125 0.75 0.125 21.25\n"));
 
+  // Heights that are coordinates, as other programs have them.
+  session.write("hill.vtu",
+                "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"1\">"
+                "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 10 4 0 20 0 4 30"
+                "</DataArray></Points><PointData><DataArray type=\"Float64\" Name=\"t\" format=\"ascii\">1 2 3"
+                "</DataArray></PointData><Cells>"
+                "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>"
+                "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray>"
+                "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">5</DataArray></Cells>"
+                "</Piece></UnstructuredGrid></VTKFile>\n");
+  session.write("one.node", "1 2 0 0\n0 1 2\n");
+  CHECK(data_lines(session.good("locate hill.vtu one.node")) == "0 0 0.25 0.25 0.5 22.5 2.25\n");
+
   session.bad(2, "locate o.ele points.node --crossing split");
   session.bad(2, "raster o.vtu --domain outer -o r.asc");
   session.bad(2, "raster o.vtu -o o.vtu");

@@ -14,8 +14,9 @@ struct MeshInput {
 /// Whether the extension is that of a mesh: .ele or .vtu.
 bool holds_mesh(const std::string& path);
 
-/// Reads an .ele file with the .node beside it, or a .vtu file, of which all point arrays with one number a point, but
-/// for `marker`, are attributes. Throws Failure: Exit::input, also for a number that does not exist.
+/// Reads an .ele file with the .node beside it, or a .vtu file, of which the points' z, if any is not 0, and all point
+/// arrays with one number a point, but for `marker`, are attributes. Throws Failure: Exit::input, also for a number
+/// that does not exist.
 MeshInput read_mesh_input(const std::string& path);
 
 /// A grid that was given as an option, to be given again; nothing for one that was chosen.

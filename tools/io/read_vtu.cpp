@@ -121,12 +121,21 @@ class VtuReader {
     const auto xyz = numbers<double>(array);
     if (xyz.size() != 3 * piece.attribute("NumberOfPoints").as_ullong())
       fail(array, "the points are not as many as the Piece says");
-    for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) mesh.vertices.push_back({xyz[i], xyz[i + 1]});
+    bool flat = true;
+    for (std::size_t i = 0; i + 2 < xyz.size(); i += 3) {
+      mesh.vertices.push_back({xyz[i], xyz[i + 1]});
+      flat = flat && xyz[i + 2] == 0;
+    }
+    if (flat) return;
+    mesh.attribute_count = 1;
+    for (std::size_t i = 2; i < xyz.size(); i += 3) mesh.attributes.push_back(xyz[i]);
   }
 
-  /// Arrays of one number a point, but for the markers.
+  /// Arrays of one number a point, but for the markers; after the heights, if there are any.
   void read_point_data(pugi::xml_node data, MeshFile& mesh) const {
     std::vector<std::vector<double>> columns;
+    if (mesh.attribute_count == 1) columns.push_back(std::move(mesh.attributes));
+    mesh.attributes.clear();
     for (const auto array : data.children("DataArray")) {
       if (array.attribute("NumberOfComponents").as_uint(1) != 1 || array.attribute("Name").value() == marker) continue;
       columns.push_back(numbers<double>(array));
