@@ -15,16 +15,16 @@ namespace {
 
 /// The problems of a run one after the other, in host memory.
 struct Gathered {
-  std::vector<unsigned char> vertices;
-  std::vector<Constraint> constraints;  ///< ends count through the run
+  HostArray vertices, constraint_array;
+  Span<Constraint> constraints;  ///< ends count through the run
   ProblemRanges ranges;
 
   Gathered(const BatchInput& batch, const std::vector<std::uint32_t>& numbers) {
     const std::size_t vertex_bytes = 8 * words_per_vertex(batch.type);
     std::uint64_t n = 0, m = 0;
     for (const std::uint32_t p : numbers) n += batch.n(p), m += batch.m(p);
-    vertices.reserve(n * vertex_bytes);
-    constraints.reserve(m);
+    vertices.make<unsigned char>(n * vertex_bytes);
+    constraints.data = written_ = constraint_array.make<Constraint>(m);
     InvalidProblems invalid;
     for (std::uint32_t i = 0; i < numbers.size(); ++i) add(batch, numbers[i], i, vertex_bytes, invalid);
     if (!invalid.errors.empty()) throw invalid;
@@ -34,7 +34,7 @@ struct Gathered {
  private:
   void end() {
     ranges.first_input.push_back(static_cast<cl_uint>(inputs_));
-    ranges.first_constraint.push_back(static_cast<cl_uint>(constraints.size()));
+    ranges.first_constraint.push_back(static_cast<cl_uint>(constraints.size));
   }
 
   void add(const BatchInput& batch, std::uint32_t p, std::uint32_t place, std::size_t vertex_bytes,
@@ -47,23 +47,25 @@ struct Gathered {
         invalid.errors.emplace_back(place, index_error(c, given[c][0] >= n ? 0 : 1, n));
         break;
       }
-      constraints.push_back(
-          {static_cast<std::uint32_t>(given[c][0] + inputs_), static_cast<std::uint32_t>(given[c][1] + inputs_)});
+      *written_++ = {static_cast<std::uint32_t>(given[c][0] + inputs_),
+                     static_cast<std::uint32_t>(given[c][1] + inputs_)};
+      ++constraints.size;
     }
-    if (n > 0) {
-      const auto* from = static_cast<const unsigned char*>(batch.vertices) + batch.vertex_offsets[p] * vertex_bytes;
-      vertices.insert(vertices.end(), from, from + n * vertex_bytes);
-    }
+    if (n > 0)
+      std::memcpy(vertices.bytes.get() + inputs_ * vertex_bytes,
+                  static_cast<const unsigned char*>(batch.vertices) + batch.vertex_offsets[p] * vertex_bytes,
+                  n * vertex_bytes);
     inputs_ += n;
   }
 
   std::uint64_t inputs_ = 0;
+  Constraint* written_ = nullptr;
 };
 
 class ForestPipeline final : public Pipeline {
  public:
   ForestPipeline(runtime::Runtime& runtime, Primitives& primitives, InputSource source, const Options& options,
-                 ProblemRanges& ranges, const std::vector<Constraint>& constraints)
+                 ProblemRanges& ranges, Span<Constraint> constraints)
       : Pipeline(runtime, primitives, std::move(source), options), ranges_(ranges), constraints_given_(constraints) {}
 
   std::vector<Grid> grids;
@@ -175,7 +177,7 @@ class ForestPipeline final : public Pipeline {
   }
 
   ProblemRanges& ranges_;
-  const std::vector<Constraint>& constraints_given_;
+  Span<Constraint> constraints_given_;
 };
 
 /// Copies what a run has left on the device.
@@ -267,7 +269,7 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
   ForestResult result;
   Gathered gathered(batch, numbers);
   ProblemRanges& ranges = gathered.ranges;
-  const std::uint64_t n = ranges.first_input.back(), m = gathered.constraints.size();
+  const std::uint64_t n = ranges.first_input.back(), m = gathered.constraints.size;
   const InputSource source = {n, m, [&] {
                                 DeviceInput loaded;
                                 loaded.points.n = static_cast<cl_uint>(n);
@@ -275,7 +277,7 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
                                 const std::size_t words = n * words_per_vertex(batch.type);
                                 loaded.points.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
                                 runtime.write(loaded.points.coordinates,
-                                              reinterpret_cast<const cl_ulong*>(gathered.vertices.data()), words);
+                                              reinterpret_cast<const cl_ulong*>(gathered.vertices.bytes.get()), words);
                                 loaded.constraints = stage(runtime, gathered.constraints);
                                 return loaded;
                               }};

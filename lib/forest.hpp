@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forest_order.hpp"
+#include "host_array.hpp"
 #include "pipeline.hpp"
 
 namespace gcdt {
@@ -23,18 +24,6 @@ struct BatchInput {
 
   std::uint64_t n(std::uint64_t p) const { return vertex_offsets[p + 1] - vertex_offsets[p]; }
   std::uint64_t m(std::uint64_t p) const { return constraint_offsets[p + 1] - constraint_offsets[p]; }
-};
-
-/// Host memory that is not cleared before it is written.
-struct HostArray {
-  std::unique_ptr<unsigned char[]> bytes;
-  std::size_t size = 0;
-  template <class T>
-  T* make(std::size_t count) {
-    size = count * sizeof(T);
-    bytes.reset(new unsigned char[std::max<std::size_t>(size, 1)]);
-    return reinterpret_cast<T*>(bytes.get());
-  }
 };
 
 /// What one run made of some problems of a batch: every problem's arrays are what it would have alone.
