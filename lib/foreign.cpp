@@ -11,9 +11,6 @@ using runtime::Runtime;
 
 namespace {
 
-// The numbering does not matter here.
-constexpr std::uint32_t coarsest_level = 256;
-
 Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints) {
   Pieces pieces;
   const auto count = static_cast<cl_uint>(constraints.size);
@@ -50,7 +47,8 @@ Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& ve
 
 void check_foreign(Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
                    const MeshView& mesh, const std::optional<FixedGrid>& grid) {
-  const Vertices vertices = order(runtime, primitives, stage(runtime, points), grid, coarsest_level).vertices;
+  const Vertices vertices =
+      order(runtime, primitives, stage(runtime, points), grid, runtime.tuning().coarsest_level).vertices;
   const Pieces pieces = order_pieces(runtime, primitives, vertices, constraints);
   primitives.release();
   OrderedMesh ordered;

@@ -8,8 +8,9 @@
 namespace gcdt {
 
 struct Tuning {
-  /// The coarsest level goes into the symbolic triangle at once. Small enough for one work-group, large
-  /// enough that the levels below it would cost more launches than they save flips.
+  /// Vertices of the coarsest level at most, which goes into the symbolic triangle at once. Small enough for one
+  /// work-group, large enough that the levels below it would cost more launches than they save flips. (Four levels of
+  /// a million vertices are 7 % faster where they are random, and 45 % slower on a grid.)
   std::uint32_t coarsest_level = 256;
   /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds.
   std::uint32_t rounds_per_read = 4;
