@@ -86,6 +86,17 @@ void Pipeline::run_steps() {
 void Pipeline::insert() {
   if (!mesh_.face_data.allocated()) mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
   need_lists();
+  if (runtime_.contiguous()) {
+    runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
+    insert_root(runtime_, vertices_, mesh_);
+    const GrowResult grown = grow(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_);
+    statistics_.rounds.insert += grown.rounds;
+    statistics_.cases.edge_splits += grown.edge_splits;
+    statistics_.location_steps += grown.steps;
+    count_flips(grown.flips);
+    if (source_.m > 0) history_ = freeze_all(runtime_, vertices_, mesh_);
+    return;
+  }
   if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   insert_root(runtime_, vertices_, mesh_);
@@ -237,6 +248,11 @@ void Pipeline::reject(const std::vector<Constraint>& crossings) {
 
 void Pipeline::flip_all() {
   need_lists();
+  if (runtime_.contiguous() && source_.m == 0) return;
+  if (runtime_.contiguous()) {
+    count_flips(grow_flip(runtime_, vertices_, mesh_, lists_, counters_, ticker_));
+    return;
+  }
   count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_));
 }
 
