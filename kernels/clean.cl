@@ -102,7 +102,7 @@ kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, glo
 // One work-item per sorted piece. Flags the first of each run of equal keys. No race: its own word.
 kernel void clean_first(uint count, global const ulong* keys, global uint* flags) {
   FOR_EACH(i, count)
-    flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
+  flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
 }
 
 // One work-item per distinct piece. Writes its ends, lower rank first, and its weight. No race: its own words.

@@ -58,13 +58,13 @@ kernel void split_touch(uint count, uint linked, global const uint* offsets, glo
                         global const uint* owners, global const uint2* pairs, volatile global uint* touched,
                         volatile global uint* newly) {
   FOR_EACH(i, count)
-    for (uint side = 0; side < 2u; ++side) {
-      const uint piece = side ? pairs[i].y : pairs[i].x;
-      for (uint j = offsets[piece]; j < offsets[piece + 1u]; ++j) {
-        const uint c = linked ? owners[sources[j]] : sources[j];
-        if (touched[c] == 0u && atomic_or(touched + c, 1u) == 0u) atomic_inc(newly);
-      }
+  for (uint side = 0; side < 2u; ++side) {
+    const uint piece = side ? pairs[i].y : pairs[i].x;
+    for (uint j = offsets[piece]; j < offsets[piece + 1u]; ++j) {
+      const uint c = linked ? owners[sources[j]] : sources[j];
+      if (touched[c] == 0u && atomic_or(touched + c, 1u) == 0u) atomic_inc(newly);
     }
+  }
 }
 
 // One work-item per distinct pixel. Flags those whose centre is no vertex yet: vertices by rank are in the order of

@@ -361,7 +361,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
     CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
   }
   CHECK(failed > all / 15);
-  CHECK(lost > all / 2);
+  CHECK(lost > all / 4);  // it may have got the problem without constraints, which takes half as many calls
   MESSAGE(failed << " of " << all / 5 << " failed without another device, " << lost << " were lost beside one");
 }
 
