@@ -216,7 +216,7 @@ kernel void forest_local_triangles(uint count, uint n, global const int2* points
 kernel void forest_local_regions(uint count, uint n, global const int2* points, global const uint* corners,
                                  global const uint* first_of_hull, global const uint* region_of_hull,
                                  global uint* region) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0))
+  FOR_EACH(t, count)
     region[t] -= region_of_hull[first_of_hull[problem_of(points, n, corners[3u * t])]];
 }
 
