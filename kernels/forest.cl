@@ -217,7 +217,7 @@ kernel void forest_local_regions(uint count, uint n, global const int2* points, 
                                  global const uint* first_of_hull, global const uint* region_of_hull,
                                  global uint* region) {
   FOR_EACH(t, count)
-    region[t] -= region_of_hull[first_of_hull[problem_of(points, n, corners[3u * t])]];
+  region[t] -= region_of_hull[first_of_hull[problem_of(points, n, corners[3u * t])]];
 }
 
 // One work-item per input vertex.

@@ -69,7 +69,7 @@ struct Edit {
   std::string what, with;
 };
 runtime::CallHook with_edits(const std::vector<Edit>& edits) {
-  runtime::CallHook hook = keeping();
+  runtime::CallHook hook;
   hook.edit = [=](std::string& source) {
     for (const Edit& edit : edits)
       for (std::size_t at = 0; (at = source.find(edit.what, at)) != std::string::npos; at += edit.with.size())
