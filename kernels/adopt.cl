@@ -48,7 +48,7 @@ kernel void find_triangles(const uint count, global const Levels* levels, global
                            global const uint* input_vertex, global const uint* corners, const uint whole_count,
                            global const uint* whole_corners, global uint* found, volatile global uint* taken,
                            volatile global uint* faults) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint3 v = vertices_of(corners, i, input_vertex);
     uint t = GCDT_NONE;
     if (gcdt_orient2d_finite(point_of(points, v.x), point_of(points, v.y), point_of(points, v.z)) <= 0) {
@@ -74,8 +74,8 @@ kernel void find_triangles(const uint count, global const Levels* levels, global
 // is none.
 kernel void find_repeated(const uint count, global const uint* found, global const uint* taken,
                           volatile global uint* twice) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    if (taken[found[i]] != i) atomic_min(twice, i);
+  FOR_EACH(i, count)
+  if (taken[found[i]] != i) atomic_min(twice, i);
 }
 
 // One work-item per triangle of the mesh.
@@ -90,7 +90,7 @@ kernel void link_triangles(const uint count, global const Levels* levels, global
                            global const uint2* ends, global const uint* source_offsets, global const uint* sources,
                            const uint sources_below, global uint* corners, global int* neighbours,
                            global uchar* constrained) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint t = found[i];
     const uint3 v = vertices_of(corners, i, input_vertex), w = vertices_of(whole_corners, t, input_vertex);
     const uint turn = w.x == v.x ? 0u : w.y == v.x ? 1u : 2u;  // corner k is corner k + turn there
@@ -116,7 +116,7 @@ kernel void link_triangles(const uint count, global const Levels* levels, global
 // After this kernel counts[p] is the number of sources below `sources_below`, and wanted[p] is 1 if there are any.
 kernel void count_sources(const uint count, const uint sources_below, global const uint* source_offsets,
                           global const uint* sources, global uint* wanted, global uint* counts) {
-  for (uint p = get_global_id(0); p < count; p += get_global_size(0)) {
+  FOR_EACH(p, count) {
     uint i = source_offsets[p];
     while (i < source_offsets[p + 1u] && sources[i] < sources_below) ++i;
     counts[p] = i - source_offsets[p];
@@ -131,7 +131,7 @@ kernel void count_sources(const uint count, const uint sources_below, global con
 kernel void keep_pieces(const uint count, global const uint* places, global const uint* first_sources,
                         global const uint2* ends, global const uint* source_offsets, global const uint* sources,
                         global uint2* kept_ends, global uint* kept_offsets, global uint* kept_sources) {
-  for (uint p = get_global_id(0); p < count; p += get_global_size(0)) {
+  FOR_EACH(p, count) {
     const uint place = places[p], first = first_sources[p], own = first_sources[p + 1u] - first;
     if (own == 0u) continue;
     kept_ends[place] = ends[p];

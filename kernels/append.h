@@ -75,9 +75,4 @@ static inline uint take_numbers(volatile local uint* taken, volatile global uint
   return taken[1] + place;
 }
 
-// Tiles of a loop whose body appends: every work-item of the group runs every tile, so that the group
-// meets at the barriers of append_flush.
-#define FOR_EACH_TILE(tile, count) \
-  for (uint tile = get_group_id(0) * get_local_size(0); tile < (count); tile += get_global_size(0))
-
 #endif

@@ -64,7 +64,7 @@ GCDT_INLINE uint corner_across(global const uint* corners, uint u, uint a, uint 
 // After this kernel, if nothing is noted, all corners are vertices and all triangles counter-clockwise.
 kernel void check_corners(const uint count, const uint n, global const int2* points, global const uint* corners,
                           global CheckReport* report) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     const uint3 c = vload3(t, corners);
     if (max(max(c.x, c.y), c.z) >= n)
       note(report, GCDT_CHECK_CORNER, t);
@@ -109,7 +109,7 @@ kernel void check_edges(const uint count, global const Levels* levels, global co
                         global CheckReport* report) {
   if (noted(report, GCDT_CHECK_ORIENT)) return;
   uint constrained_edges = 0;
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     uint3 c = vload3(t, corners);
     int3 across = vload3(t, neighbours);
     const uint flags = constrained[t];
@@ -150,7 +150,7 @@ kernel void check_boundary(const uint count, global const int2* points, global c
                            global const uint* previous, global CheckReport* report) {
   if (noted(report, GCDT_CHECK_FORK)) return;
   uint hull_vertices = 0, least_corners = 0;
-  for (uint v = get_global_id(0); v < count; v += get_global_size(0)) {
+  FOR_EACH(v, count) {
     const uint before = previous[v], after = next[v];
     if (before == GCDT_NONE && after == GCDT_NONE) continue;
     ++hull_vertices;
@@ -177,8 +177,8 @@ kernel void check_boundary(const uint count, global const int2* points, global c
 // After this kernel, if nothing is noted, all vertices lie on the line through the first two.
 kernel void check_collinear(const uint count, global const int2* points, global CheckReport* report) {
   const Vertex a = vertex_at(points, 0), b = vertex_at(points, 1);
-  for (uint v = get_global_id(0); v < count; v += get_global_size(0))
-    if (gcdt_orient2d_finite(a, b, vertex_at(points, v)) != 0) note(report, GCDT_CHECK_COLLINEAR, v);
+  FOR_EACH(v, count)
+  if (gcdt_orient2d_finite(a, b, vertex_at(points, v)) != 0) note(report, GCDT_CHECK_COLLINEAR, v);
 }
 
 // ---- After a wrong count: which vertex, which piece? ------------------------------------------------
@@ -189,7 +189,7 @@ kernel void check_collinear(const uint count, global const int2* points, global 
 // atomic_xchg: all write the same value.
 // After this kernel used[v] is 1 for every vertex that is a corner.
 kernel void mark_used(const uint count, global const uint* corners, global uint* used) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) atomic_xchg(&used[corners[i]], 1u);
+  FOR_EACH(i, count) atomic_xchg(&used[corners[i]], 1u);
 }
 
 // One work-item per triangle.
@@ -200,7 +200,7 @@ kernel void mark_used(const uint count, global const uint* corners, global uint*
 kernel void mark_pieces(const uint count, global const Levels* levels, global const uint* corners,
                         global const uchar* constrained, const uint pieces, global const uint2* ends,
                         global uint* marks) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     uint3 c = vload3(t, corners);
     for (uint k = 0; k < 3; ++k, c = c.yzx) {
       const uint piece = find_piece(levels, pieces, ends, c.y, c.z);
@@ -216,6 +216,6 @@ kernel void mark_pieces(const uint count, global const Levels* levels, global co
 // After this kernel the first vertex that is no corner, or the first pieces with mark 0 and 1, are noted.
 kernel void find_unmarked(const uint count, const uint wanted, const uint kind, global const uint* marks,
                           global CheckReport* report) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    if (marks[i] < wanted) note(report, kind + marks[i], i);
+  FOR_EACH(i, count)
+  if (marks[i] < wanted) note(report, kind + marks[i], i);
 }

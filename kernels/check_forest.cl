@@ -22,7 +22,7 @@ static inline Vertex vertex_at(global const int2* points, uint v) {
 kernel void check_forest_boundary(uint n, global const int2* points, global const uint* next,
                                   global const uint* previous, volatile global uint* hull,
                                   volatile global uint* least) {
-  for (uint v = get_global_id(0); v < n; v += get_global_size(0)) {
+  FOR_EACH(v, n) {
     const uint before = previous[v], after = next[v];
     if (before == GCDT_NONE || after == GCDT_NONE) continue;
     const uint p = problem_of(points, n, v);
@@ -41,7 +41,7 @@ kernel void check_forest_boundary(uint n, global const int2* points, global cons
 kernel void check_forest_counts(uint problems, uint n, global const int2* points, global const uint* first_triangle,
                                 global const uint* first_piece, global const uint* hull, global const uint* least,
                                 volatile global uint* bad) {
-  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {
+  FOR_EACH(p, problems) {
     const uint triangles = first_triangle[p + 1u] - first_triangle[p];
     const uint vertices = first_rank(points, n, p + 1u) - first_rank(points, n, p);
     if (triangles == 0u) atomic_add(bad + 1, first_piece[p + 1u] - first_piece[p]);
@@ -56,7 +56,7 @@ kernel void check_forest_counts(uint problems, uint n, global const int2* points
 kernel void check_forest_lines(uint n, global const Levels* levels, global const int2* points,
                                global const uint* first_triangle, volatile global uint* bad) {
   const uint last = levels->count - 1u;
-  for (uint v = get_global_id(0); v < n; v += get_global_size(0)) {
+  FOR_EACH(v, n) {
     const uint p = problem_of(points, n, v);
     if (first_triangle[p] != first_triangle[p + 1u]) continue;
     const uint rank = first_rank(points, n, p);

@@ -10,7 +10,7 @@
 kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
                       global const uint* wanted, uint all_wanted, global uint2* ends, global uint* kept,
                       volatile global uint* bad) {
-  for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
+  FOR_EACH(c, count) {
     const uint2 in = constraints[c];
     kept[c] = 0u;
     ends[c] = (uint2)(0u, 0u);
@@ -25,7 +25,7 @@ kernel void clean_map(uint count, uint inputs, global const uint2* constraints, 
 
 // One work-item per kept constraint. Gathers its ends. No race: each its own word.
 kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global uint2* to) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) to[i] = from[list[i]];
+  FOR_EACH(i, count) to[i] = from[list[i]];
 }
 
 // One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
@@ -40,7 +40,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces], faces = gcdt_face_count(n);
   uint steps = 0;
-  for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
+  FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
     if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
       const uint c = piece_of_part(begins, pieces, part);
@@ -85,7 +85,7 @@ kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, glo
                          global const uint* begins, global const uint* offsets, global const uint* hits,
                          global const uint* list, global ulong* keys, global uint* sources, global uint* crossed) {
   const uint parts = begins[pieces];
-  for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
+  FOR_EACH(part, parts) {
     const uint c = piece_of_part(begins, pieces, part);
     const uint first = offsets[begins[c]], last = offsets[part + 1u];
     uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];
@@ -101,8 +101,8 @@ kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, glo
 
 // One work-item per sorted piece. Flags the first of each run of equal keys. No race: its own word.
 kernel void clean_first(uint count, global const ulong* keys, global uint* flags) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
+  FOR_EACH(i, count)
+  flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
 }
 
 // One work-item per distinct piece. Writes its ends, lower rank first, and its weight. No race: its own words.
@@ -110,7 +110,7 @@ kernel void clean_ends(uint count, uint bits, GCDT_LEVELS_POINTER levels, global
                        global const uint* firsts, global const uint* sources, global const uint* crossed,
                        global uint2* ends, global uint* weights) {
   const uint last = levels->count - 1u;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const ulong key = keys[firsts[i]];
     ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> bits)),
                       gcdt_vertex_of_rank(levels, last, (uint)(key & (((ulong)1 << bits) - 1u))));

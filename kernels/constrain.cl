@@ -23,7 +23,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces];
   uint steps = 0, pairs = 0, existing = 0;
-  for (uint part = get_global_id(0); part < parts && part < capacity; part += get_global_size(0)) {
+  FOR_EACH(part, min(parts, capacity)) {
     const uint c = piece_of_part(begins, pieces, part);
     const uint2 e = walk_ends(ends[c]);
     Walk w;
@@ -98,7 +98,7 @@ kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, g
 kernel void constrain_hexagons(global const uint* crossed, global uint4* face_data, volatile global uint* near,
                                volatile global Counters* counters) {
   const uint count = counters->crossed_faces;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint t = crossed[i];
     const uint4 s = face_data[GCDT_SIDES(t)];
     // Edge opposite corner 0 runs from corner 1 (right) to corner 2 (left), and so on.
@@ -115,7 +115,7 @@ kernel void constrain_hexagons(global const uint* crossed, global uint4* face_da
 // One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
 kernel void constrain_list_hexagons(uint count, global const uint* crossed, global uint4* face_data,
                                     global uint* hexagon_face) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint word = *claim_word(face_data, crossed[i]);
     if (word >= FACE_HEXAGON) hexagon_face[word - FACE_HEXAGON] = crossed[i];
   }
@@ -210,7 +210,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
   chunks.capacity = chunk_capacity;
   const uint parts = begins[pieces];
   uint all_left = 0, all_right = 0;
-  for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
+  FOR_EACH(part, capacity) {
     Owned o;
     o.part = part, o.chunk = GCDT_NONE, o.length = 0u, o.left = 0u, o.right = 0u;
     if (part < parts) {
@@ -289,7 +289,7 @@ kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uin
   chains.distance = chain_distances;
   chains.piece = chain_piece;
   chains.side = chain_side;
-  for (uint i = get_global_id(0); i < chunk_count; i += get_global_size(0)) {
+  FOR_EACH(i, chunk_count) {
     const ChunkHead head = heads[i];
     const uint c = piece_of_part(begins, pieces, head.x);
     const Vertex a = load_vertex(points, n, ends[c].x), b = load_vertex(points, n, ends[c].y);
@@ -303,7 +303,7 @@ kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uin
       if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
     }
   }
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
+  FOR_EACH(c, pieces) {
     const uint2 e = walk_ends(ends[c]);
     const uint first = begins[c], last = begins[c + 1u];
     const uint2 sides = piece_edge[c] == GCDT_NONE ? last_of_piece[c] : (uint2)(GCDT_NONE, GCDT_NONE);
@@ -338,7 +338,7 @@ kernel void constrain_holes(uint hexagons, uint right_begin, GCDT_MESH_PARAMETER
                             global const uint* hexagon_face, global uint* hole_place,
                             volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  for (uint i = get_global_id(0); i < 3u * hexagons; i += get_global_size(0)) {
+  FOR_EACH(i, 3u * hexagons) {
     const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
     hole_place[i] = 0u;
     if (c == GCDT_NONE) {

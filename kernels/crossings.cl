@@ -22,7 +22,7 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_P
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces];
   uint steps = 0;
-  for (uint part = get_global_id(0); part < parts && part < capacity; part += get_global_size(0)) {
+  FOR_EACH(part, min(parts, capacity)) {
     const uint c = piece_of_part(begins, pieces, part);
     const uint2 e = walk_ends(ends[c]);
     Walk w;
@@ -53,7 +53,7 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_P
 // One work-item per face. Adds to the 64-bit total the pairs of records of the face. Sums do not depend on order.
 kernel void crossings_work(uint faces, global const uint* counts, volatile global Counters* counters) {
   u64 mine = 0;
-  for (uint t = get_global_id(0); t < faces; t += get_global_size(0)) {
+  FOR_EACH(t, faces) {
     const u64 k = counts[t];
     mine += k * (k - (k > 0 ? 1u : 0u)) / 2u;
   }
@@ -91,7 +91,7 @@ kernel void crossings_pairs(uint emit, uint first, uint last, uint faces, GCDT_M
                             global uint* counts, global uint2* pairs, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint total = starts[faces];
-  for (uint i = get_global_id(0); i < total; i += get_global_size(0)) {
+  FOR_EACH(i, total) {
     if (emit && (counts[i] == counts[i + 1u] || counts[i] >= last || counts[i + 1u] <= first)) continue;
     const uint t = piece_of_part(starts, faces, i);
     const uint c = records[i];
@@ -114,7 +114,7 @@ kernel void crossings_pairs(uint emit, uint first, uint last, uint faces, GCDT_M
 kernel void crossings_all(uint emit, uint first, uint last, uint pieces, global const int2* points,
                           global const uint2* ends, global uint* counts, global uint2* pairs,
                           volatile global Counters* counters) {
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
+  FOR_EACH(c, pieces) {
     if (emit && (counts[c] == counts[c + 1u] || counts[c] >= last || counts[c + 1u] <= first)) continue;
     const int2 a = points[ends[c].x], b = points[ends[c].y];
     uint found = 0;

@@ -37,7 +37,7 @@ GCDT_INLINE uint owner_of(global const uint* offsets, uint count, uint place) {
 kernel void count_turns(const uint sources, const uint pieces, global const uint* source_offsets,
                         global const uint* source_list, global const uint2* ends, global const uint2* constraints,
                         global const uint* input_vertex, global const int2* points, volatile global int* turns) {
-  for (uint i = get_global_id(0); i < sources; i += get_global_size(0)) {
+  FOR_EACH(i, sources) {
     const uint piece = owner_of(source_offsets, pieces, i);
     const uint2 c = constraints[source_list[i]], e = ends[piece];
     const int2 a = points[input_vertex[c.x]], b = points[input_vertex[c.y]], p = points[e.x], q = points[e.y];
@@ -61,8 +61,8 @@ GCDT_INLINE uint arc_kind(uint h, global const int* neighbours, global const uch
 // After this kernel the scan of `arcs` gives every arc a place.
 kernel void count_arcs(const uint count, global const int* neighbours, global const uchar* constrained,
                        global const uint* region, global uint* arcs) {
-  for (uint h = get_global_id(0); h < count; h += get_global_size(0))
-    arcs[h] = arc_kind(h, neighbours, constrained, region) != 0u ? 1u : 0u;
+  FOR_EACH(h, count)
+  arcs[h] = arc_kind(h, neighbours, constrained, region) != 0u ? 1u : 0u;
 }
 
 // One work-item per half edge.
@@ -70,7 +70,7 @@ kernel void count_arcs(const uint count, global const int* neighbours, global co
 // After this kernel the arcs, sorted by `nodes`, are listed by the node that they leave.
 kernel void list_arcs(const uint count, global const int* neighbours, global const uchar* constrained,
                       global const uint* region, global const uint* places, global uint* nodes, global uint* arcs) {
-  for (uint h = get_global_id(0); h < count; h += get_global_size(0)) {
+  FOR_EACH(h, count) {
     const uint kind = arc_kind(h, neighbours, constrained, region);
     if (kind == 0u) continue;
     nodes[places[h]] = kind == 1u ? 0u : region[h / 3u] + 1u;
@@ -82,7 +82,7 @@ kernel void list_arcs(const uint count, global const int* neighbours, global con
 // Reads nodes, sorted. Writes begins[i]. Word i has one writer.
 // After this kernel the arcs of node i are begins[i] up to begins[i + 1]. Ends: high - low shrinks.
 kernel void find_begins(const uint count, const uint arcs, global const uint* nodes, global uint* begins) {
-  for (uint i = get_global_id(0); i <= count; i += get_global_size(0)) {
+  FOR_EACH(i, count + 1u) {
     uint low = 0, high = arcs;
     while (low < high) {
       const uint middle = low + (high - low) / 2u;
@@ -101,7 +101,7 @@ kernel void find_begins(const uint count, const uint arcs, global const uint* no
 // After this kernel only outside has a depth.
 kernel void depth_start(const uint count, global uint* depth, global int* winding, global uint* entry,
                         global uint* frontiers, global DomainReport* report) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     depth[i] = i == 0u ? 0u : GCDT_NONE;
     winding[i] = 0;
     entry[i] = GCDT_NONE;
@@ -120,7 +120,7 @@ kernel void depth_start(const uint count, global uint* depth, global int* windin
 kernel void depth_hull(const uint count, global const int* neighbours, global const uchar* constrained,
                        global const uint* region, volatile global uint* depth, global uint* frontiers,
                        volatile global DomainReport* report) {
-  for (uint h = get_global_id(0); h < count; h += get_global_size(0)) {
+  FOR_EACH(h, count) {
     if (neighbours[h] >= 0 || ((constrained[h / 3u] >> (h % 3u)) & 1u)) continue;
     const uint node = region[h / 3u] + 1u;
     if (atomic_cmpxchg(&depth[node], GCDT_NONE, 0u) != GCDT_NONE) continue;
@@ -191,9 +191,9 @@ kernel void depth_expand(const uint d, global const uint* begins, global const u
   for (uint i = 0; i < few; ++i)
     expand(frontier[i], get_global_id(0), get_global_size(0), begins, arcs, neighbours, region, depth, entry, next,
            next_count);
-  for (uint i = get_global_id(0); i < many; i += get_global_size(0))
-    if (has_few_arcs(frontier[i], begins))
-      expand(frontier[i], 0u, 1u, begins, arcs, neighbours, region, depth, entry, next, next_count);
+  FOR_EACH(i, many)
+  if (has_few_arcs(frontier[i], begins))
+    expand(frontier[i], 0u, 1u, begins, arcs, neighbours, region, depth, entry, next, next_count);
   for (uint i = get_group_id(0); i < many; i += get_num_groups(0))
     if (!has_few_arcs(frontier[i], begins))
       expand(frontier[i], get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry, next,
@@ -210,9 +210,9 @@ kernel void depth_settle(const uint d, global const Levels* levels, global const
                          volatile global uint* depth, volatile global int* winding, volatile global const uint* entry,
                          const uint nodes, global const uint* frontiers, volatile global DomainReport* report) {
   const uint count = report->frontier[(d + 1u) % 3u];
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    settle(frontiers[((d + 1u) & 1u) * nodes + i], d, levels, corners, neighbours, region, pieces, ends, turns, begins,
-           depth, winding, entry, &report->arcs[(d + 1u) % 3u]);
+  FOR_EACH(i, count)
+  settle(frontiers[((d + 1u) & 1u) * nodes + i], d, levels, corners, neighbours, region, pieces, ends, turns, begins,
+         depth, winding, entry, &report->arcs[(d + 1u) % 3u]);
   if (get_global_id(0) == 0 && count != 0u) {
     report->settled += count;
     report->deepest = d + 1u;
@@ -266,7 +266,7 @@ kernel void count_open(const uint count, global const Levels* levels, global con
                        global const int* neighbours, global const uint* region, const uint pieces,
                        global const uint2* ends, global const int* turns, global const uint* nodes,
                        global const uint* arcs, global const int* winding, volatile global DomainReport* report) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint h = arcs[i], target = target_of(h, neighbours, region);
     if (neighbours[h] >= 0 && (uint)neighbours[h] < h / 3u) continue;
     const int wrong =
@@ -283,7 +283,7 @@ kernel void count_dangling(const uint count, global const Levels* levels, global
                            global const int* neighbours, global const uchar* constrained, global const uint* region,
                            const uint pieces, global const uint2* ends, global const int* turns,
                            volatile global DomainReport* report) {
-  for (uint h = get_global_id(0); h < count; h += get_global_size(0)) {
+  FOR_EACH(h, count) {
     const int u = neighbours[h];
     const uint t = h / 3u;
     if (!((constrained[t] >> (h % 3u)) & 1u) || u < (int)t || region[t] != region[u]) continue;
@@ -298,8 +298,8 @@ kernel void count_dangling(const uint count, global const Levels* levels, global
 // After this kernel seeds[r] is the least seed in region r, GCDT_NONE (as before) without one.
 kernel void mark_seeds(const uint count, global const int* triangles, global const uint* region,
                        volatile global uint* seeds) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    if (triangles[i] >= 0) atomic_min(&seeds[region[triangles[i]]], i);
+  FOR_EACH(i, count)
+  if (triangles[i] >= 0) atomic_min(&seeds[region[triangles[i]]], i);
 }
 
 // One work-item per triangle.
@@ -307,7 +307,7 @@ kernel void mark_seeds(const uint count, global const int* triangles, global con
 // After this kernel the scan of `keep` numbers the kept triangles in their order.
 kernel void choose_triangles(const uint count, const uint rule, global const uint* region, global const uint* depth,
                              global const int* winding, global const uint* holes, global uint* keep) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     const uint r = region[t];
     const uint inside = depth[r + 1u] != 0u, hole = holes[r] != GCDT_NONE;
     uint kept = 1u;
@@ -323,8 +323,8 @@ kernel void choose_triangles(const uint count, const uint rule, global const uin
 // Reads before, the scan of choose_triangles (count + 1 elements). Writes kept[t]. Word t has one writer.
 // After this kernel kept[t] is the triangle's place among the kept ones, -1 if it is removed.
 kernel void place_kept(const uint count, global const uint* before, global int* kept) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0))
-    kept[t] = before[t + 1u] != before[t] ? (int)before[t] : -1;
+  FOR_EACH(t, count)
+  kept[t] = before[t + 1u] != before[t] ? (int)before[t] : -1;
 }
 
 // One work-item per triangle.
@@ -333,7 +333,7 @@ kernel void place_kept(const uint count, global const uint* before, global int* 
 kernel void gather_kept(const uint count, global const int* kept, global const uint* corners,
                         global const int* neighbours, global const uchar* constrained, global uint* out_corners,
                         global int* out_neighbours, global uchar* out_constrained) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     if (kept[t] < 0) continue;
     const uint place = (uint)kept[t];
     for (uint k = 0; k < 3; ++k) {
@@ -353,7 +353,7 @@ kernel void gather_regions(const uint count, global const int* kept, global cons
                            global const uint* depth, global const int* winding, global const uint* seeds,
                            global uint* out_region, global uint* out_depth, global int* out_winding,
                            global int* out_seed) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     if (kept[t] < 0) continue;
     const uint place = (uint)kept[t], r = region[t];
     out_region[place] = r;

@@ -18,7 +18,7 @@
 // against a face owned elsewhere is queued as well: two work-items that change its two
 // faces at the same time may each see the other's old face, both find it legal, and both be wrong.
 #include "append.h"
-#include "mesh.h"
+#include "flip.h"
 
 #ifndef GCDT_FLIP_WORKLIST
 #define GCDT_FLIP_WORKLIST 8  // edges remembered by a propagating work-item (paper, 7.2: 8 is enough)
@@ -26,62 +26,6 @@
 #ifndef GCDT_FLIP_CHAIN
 #define GCDT_FLIP_CHAIN 32  // flips of one work-item in one round at most: bounds the launch
 #endif
-
-typedef struct Claim {
-  u32 stamp, bits;
-} Claim;
-
-static inline Claim make_claim(uint stamp, uint bits) {
-  Claim c;
-  c.stamp = stamp;
-  c.bits = bits;
-  return c;
-}
-
-static inline bool claimed_now(uint word, Claim c) { return (word >> c.bits) == c.stamp; }
-
-// The face references on both sides of edge e.
-static inline uint2 faces_of_edge(Mesh mesh, uint e) { return ((global const uint2*)mesh.edge_faces)[e]; }
-
-// Is the edge with face references `near` and `far` illegal? Reads of a far face that another
-// work-item is changing give a worthless answer: the caller must own the face before acting on it.
-static bool is_illegal(Mesh mesh, uint near, uint far) {
-  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(near))],
-              opposite = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(far))];
-  const uint4 r = rotate_to(c, GCDT_REF_CORNER(near));
-  const uint d = element(opposite, GCDT_REF_CORNER(far));
-  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x),
-                        load_vertex(mesh.points, mesh.n, r.y), load_vertex(mesh.points, mesh.n, d));
-}
-
-//   before: t = (b, x, y), u = (d, y, x)        after: t = (b, x, d), u = (d, y, b)
-//        b                                            b
-//      / t \        edges of t: e, ex (y-b), ey (b-x)   /|\      t: (f_y, e, e_y)
-//     x-----y       edges of u: e, fy (x-d), fx (d-y)  x t|u y    u: (e_x, e, f_x)
-//      \ u /                                            \|/
-//        d                                              d
-// b keeps its place in t and d in u, so that e_y and f_x stay where they are: scattered words are what a flip costs.
-// Writes only words of the two faces, which the caller owns (L1). The claim words stay.
-// `refs`, `corners_t`, `corners_u`: its faces and their corners. `around` gets the owned sides' codes of the four
-// edges around.
-static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
-  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
-  const uint b = GCDT_REF_CORNER(refs.x), d = GCDT_REF_CORNER(refs.y);
-  const uint x = next_corner(b), y = previous_corner(b), y_of_u = next_corner(d), x_of_u = previous_corner(d);
-  const uint4 st = mesh.face_data[GCDT_SIDES(t)], su = mesh.face_data[GCDT_SIDES(u)];
-  const uint ex = element(st, x), fy = element(su, y_of_u);
-  mesh.face_data[GCDT_CORNERS(t)] = with_element(corners_t, y, element(corners_u, d));
-  mesh.face_data[GCDT_CORNERS(u)] = with_element(corners_u, x_of_u, element(corners_t, b));
-  mesh.face_data[GCDT_SIDES(t)] = with_element(with_element(st, b, fy), x, GCDT_SIDE(e, 0u));
-  mesh.face_data[GCDT_SIDES(u)] = with_element(with_element(su, d, ex), y_of_u, GCDT_SIDE(e, 1u));
-  ((global uint2*)mesh.edge_faces)[e] = (uint2)(GCDT_FACE_REF(t, x), GCDT_FACE_REF(u, y_of_u));
-  mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
-  mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
-  around[0] = fy;
-  around[1] = element(st, y);
-  around[2] = ex;
-  around[3] = element(su, x_of_u);
-}
 
 // Where edges go that are to be tested in the next round: their marks and, if `listed`, a list.
 typedef struct Queue {
@@ -109,14 +53,6 @@ static inline Queue make_mark_queue(volatile global uint* marks) {
 static inline void queue_edge(Queue q, uint e) {
   const uint old = atomic_or(q.marks + e, GCDT_MARK_QUEUED);
   if (q.listed && !(old & GCDT_MARK_QUEUED)) append(q.list, e);
-}
-
-// Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is
-// never given back within a round, so a face taken here was not changed since the round began.
-static bool try_lock(Mesh mesh, uint face, uint ticket, Claim c) {
-  volatile global uint* word = claim_word(mesh.face_data, face);
-  const uint old = *word;
-  return !claimed_now(old, c) && atomic_cmpxchg(word, old, ticket) == old;
 }
 
 // Edge e, not constrained.
@@ -221,8 +157,7 @@ static uint flip_tiles(Mesh mesh, Claim c, global const uint* illegal, uint coun
 
 // Edges of a tile: enough that the queued ones among them fill a group.
 #define SWEEP_TILE 512u
-#define FOR_EACH_SWEEP(tile, edges) \
-  for (uint tile = get_group_id(0) * SWEEP_TILE; tile < (edges); tile += get_num_groups(0) * SWEEP_TILE)
+#define FOR_EACH_SWEEP(tile, edges) FOR_EACH_TILE_OF(tile, SWEEP_TILE, edges)
 
 // Takes the edges first .. first + 3, those that exist, out of the queue; first is a multiple of 4. Bit i: edge
 // first + i was in it (or `all`), and is not constrained.
@@ -293,7 +228,7 @@ kernel void flip_mark(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, g
   const uint count = counters->list_flip[round & 1u];
   if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
   uint flips = 0;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) flips += flip_if_won(mesh, c, illegal[i], queue);
+  FOR_EACH(i, count) flips += flip_if_won(mesh, c, illegal[i], queue);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }
 

@@ -7,7 +7,7 @@
 // After this kernel corners[i] is the vertex whose representative it was, GCDT_NONE if it was no such number.
 kernel void corners_to_vertices(const uint count, const uint inputs, global const uint* input_vertex,
                                 global const uint* vertex_input, global uint* corners) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint c = corners[i], v = c < inputs ? input_vertex[c] : 0u;
     corners[i] = c < inputs && vertex_input[v] == c ? v : GCDT_NONE;
   }
@@ -21,7 +21,7 @@ kernel void corners_to_vertices(const uint count, const uint inputs, global cons
 kernel void piece_keys(const uint count, const uint inputs, const uint bits, global const Levels* levels,
                        global const uint2* pieces, global const uint* input_vertex, global ulong* keys,
                        global uint* numbers, volatile global uint* bad) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint2 p = pieces[i];
     uint a = 0u, b = 0u;
     if (p.x < inputs && p.y < inputs) {
@@ -41,7 +41,7 @@ kernel void piece_keys(const uint count, const uint inputs, const uint bits, glo
 // before it in that order, GCDT_NONE (as before) if there is none.
 kernel void piece_ends(const uint count, const uint bits, global const Levels* levels, global const ulong* keys,
                        global const uint* numbers, global uint2* ends, volatile global uint* twice) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const ulong key = keys[i];
     if (i > 0u && keys[i - 1u] == key) atomic_min(twice, numbers[i]);
     ends[i] = (uint2)(gcdt_vertex_of_rank(levels, levels->count - 1u, (uint)(key >> bits)),

@@ -17,7 +17,7 @@
 // After this kernel and forest_fold the table describes each problem.
 kernel void forest_survey(uint chunks, global const Chunk* chunk, global const uint* first_input, uint type,
                           global const ulong* coordinates, global ulong* maxima) {
-  for (uint i = get_global_id(0); i < chunks; i += get_global_size(0)) {
+  FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
     const uint start = 2u * first_input[c.problem];
     ulong least[2] = {0, 0}, most[2] = {0, 0}, trailing = 0, bad = 0;
@@ -49,7 +49,7 @@ kernel void forest_survey(uint chunks, global const Chunk* chunk, global const u
 // After this kernel and forest_fold the table holds each problem's number of decimals.
 kernel void forest_decimals(uint chunks, global const Chunk* chunk, uint type, global const ulong* coordinates,
                             global const int* limits, global ulong* maxima) {
-  for (uint i = get_global_id(0); i < chunks; i += get_global_size(0)) {
+  FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
     const int limit = limits[c.problem];
     int digits = 0;
@@ -65,7 +65,7 @@ kernel void forest_decimals(uint chunks, global const Chunk* chunk, uint type, g
 // After this kernel `folded` has a row for each problem.
 kernel void forest_fold(uint problems, uint columns, global const uint* first_chunk, global const ulong* maxima,
                         global ulong* folded) {
-  for (uint i = get_global_id(0); i < problems * columns; i += get_global_size(0)) {
+  FOR_EACH(i, problems * columns) {
     const uint problem = i / columns, column = i % columns;
     ulong most = 0;
     for (uint c = first_chunk[problem]; c < first_chunk[problem + 1u]; ++c)
@@ -83,7 +83,7 @@ kernel void forest_fold(uint problems, uint columns, global const uint* first_ch
 kernel void forest_quantise(uint chunks, global const Chunk* chunk, global const uint* first_input, uint type,
                             global const ulong* coordinates, global const ProblemGrid* grids, global ulong* keys,
                             global uint* values, global uint* input_problem, global ulong* maxima) {
-  for (uint i = get_global_id(0); i < chunks; i += get_global_size(0)) {
+  FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
     global const ProblemGrid* grid = grids + c.problem;
     const uint start = first_input[c.problem];
@@ -119,10 +119,10 @@ kernel void forest_quantise(uint chunks, global const Chunk* chunk, global const
 // A place has one work-item.
 // After this kernel `to` is `from` in that order.
 kernel void forest_problem_at(uint n, global const uint* values, global const uint* from, global uint* to) {
-  for (uint i = get_global_id(0); i < n; i += get_global_size(0)) to[i] = from[values[i]];
+  FOR_EACH(i, n) to[i] = from[values[i]];
 }
 kernel void forest_key_at(uint n, global const uint* values, global const ulong* from, global ulong* to) {
-  for (uint i = get_global_id(0); i < n; i += get_global_size(0)) to[i] = from[values[i]];
+  FOR_EACH(i, n) to[i] = from[values[i]];
 }
 
 // One work-item per place in the sorted order.
@@ -130,8 +130,8 @@ kernel void forest_key_at(uint n, global const uint* values, global const ulong*
 // A place has one work-item.
 // After this kernel the scan of `first` counts the distinct vertices before each place.
 kernel void forest_mark_first(uint n, global const uint* problems, global const ulong* keys, global uint* first) {
-  for (uint i = get_global_id(0); i < n; i += get_global_size(0))
-    first[i] = i == 0 || problems[i] != problems[i - 1] || keys[i] != keys[i - 1] ? 1u : 0u;
+  FOR_EACH(i, n)
+  first[i] = i == 0 || problems[i] != problems[i - 1] || keys[i] != keys[i - 1] ? 1u : 0u;
 }
 
 // One work-item per place in the sorted order.
@@ -144,7 +144,7 @@ kernel void forest_number(uint n, global const Levels* levels, global const uint
                           global const uint* values, global const uint* before, global int2* points,
                           global uint* vertex_input, global uint* input_vertex) {
   global uint* words = (global uint*)(points + levels->n);
-  for (uint i = get_global_id(0); i < n; i += get_global_size(0)) {
+  FOR_EACH(i, n) {
     const uint rank = before[i + 1] - 1;
     const uint v = gcdt_vertex_of_rank(levels, levels->count - 1, rank);
     input_vertex[values[i]] = v;
@@ -164,7 +164,7 @@ kernel void forest_first_ranks(uint problems, uint n, global const uint* first_i
                                global int2* points) {
   global uint* words = (global uint*)(points + n);
   if (get_global_id(0) == 0) words[0] = problems;
-  for (uint p = get_global_id(0); p <= problems; p += get_global_size(0)) words[2u + n + p] = before[first_input[p]];
+  FOR_EACH(p, problems + 1u) words[2u + n + p] = before[first_input[p]];
 }
 
 // ---- Output -----------------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ kernel void forest_first_ranks(uint problems, uint n, global const uint* first_i
 // After this kernel things begins[p] up to begins[p + 1] are those of problem p.
 kernel void forest_begins(uint problems, uint count, uint stride, uint n, global const int2* points,
                           global const uint* things, global uint* begins) {
-  for (uint p = get_global_id(0); p <= problems; p += get_global_size(0)) {
+  FOR_EACH(p, problems + 1u) {
     uint low = 0, high = count;
     while (low < high) {
       const uint middle = low + (high - low) / 2u;
@@ -196,7 +196,7 @@ kernel void forest_begins(uint problems, uint count, uint stride, uint n, global
 kernel void forest_local_triangles(uint count, uint n, global const int2* points, global const uint* vertex_input,
                                    global const uint* first_input, global const uint* first_triangle,
                                    global uint* corners, global int* neighbours) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     const uint3 c = vload3(t, corners);
     const int3 across = vload3(t, neighbours);
     const uint p = problem_of(points, n, c.x);
@@ -216,8 +216,8 @@ kernel void forest_local_triangles(uint count, uint n, global const int2* points
 kernel void forest_local_regions(uint count, uint n, global const int2* points, global const uint* corners,
                                  global const uint* first_of_hull, global const uint* region_of_hull,
                                  global uint* region) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0))
-    region[t] -= region_of_hull[first_of_hull[problem_of(points, n, corners[3u * t])]];
+  FOR_EACH(t, count)
+  region[t] -= region_of_hull[first_of_hull[problem_of(points, n, corners[3u * t])]];
 }
 
 // One work-item per input vertex.
@@ -227,7 +227,7 @@ kernel void forest_local_regions(uint count, uint n, global const int2* points, 
 kernel void forest_representatives(uint count, uint n, global const int2* points, global const uint* vertex_input,
                                    global const uint* input_vertex, global const uint* first_input,
                                    global uint* representatives) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint v = input_vertex[i];
     representatives[i] = vertex_input[v] - first_input[problem_of(points, n, v)];
   }
@@ -238,7 +238,7 @@ kernel void forest_representatives(uint count, uint n, global const int2* points
 // A word has one work-item. Ends: the range halves.
 // After this kernel sources are constraint numbers of the problem.
 kernel void forest_local_sources(uint count, uint problems, global const uint* first_constraint, global uint* sources) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint source = sources[i];
     uint low = 0, high = problems;  // the last problem that begins at or before it has it: later ones begin after
     while (high - low > 1u) {
@@ -258,7 +258,7 @@ kernel void forest_local_sources(uint count, uint problems, global const uint* f
 // After this kernel the ends of pieces are input numbers of the problem.
 kernel void forest_local_pieces(uint count, uint n, global const int2* points, global const uint* vertex_input,
                                 global const uint* first_input, global uint2* ends) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint2 e = ends[i];
     const uint first = first_input[problem_of(points, n, e.x)];
     ends[i] = (uint2)(vertex_input[e.x] - first, vertex_input[e.y] - first);

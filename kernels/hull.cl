@@ -8,7 +8,7 @@
 // Reads neighbours. Writes flags[h]. Word h has one writer.
 // After this kernel the scan of `flags` lists the edges of the hull.
 kernel void hull_flags(const uint count, global const int* neighbours, global uint* flags) {
-  for (uint h = get_global_id(0); h < count; h += get_global_size(0)) flags[h] = neighbours[h] < 0 ? 1u : 0u;
+  FOR_EACH(h, count) flags[h] = neighbours[h] < 0 ? 1u : 0u;
 }
 
 // The vertex where half edge h starts (`end` 0) or ends (1).
@@ -24,7 +24,7 @@ GCDT_INLINE uint end_of(uint h, uint end, global const uint* corners, global con
 kernel void hull_starts(const uint count, global const Levels* levels, global const uint* edges,
                         global const uint* corners, global const uint* input_vertex, global uint* edge_at,
                         volatile global uint* first_rank) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint v = end_of(edges[i], 0u, corners, input_vertex);
     edge_at[v] = i;
     atomic_min(first_rank, gcdt_rank_of_vertex(levels, v));
@@ -38,7 +38,7 @@ kernel void hull_starts(const uint count, global const Levels* levels, global co
 kernel void hull_links(const uint count, global const Levels* levels, global const uint* edges,
                        global const uint* corners, global const uint* input_vertex, global const uint* edge_at,
                        global const uint* first_rank, global uint2* links) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint v = end_of(edges[i], 0u, corners, input_vertex), w = end_of(edges[i], 1u, corners, input_vertex);
     links[i] = gcdt_rank_of_vertex(levels, v) == *first_rank ? (uint2)(i, 0u) : (uint2)(edge_at[w], 1u);
   }
@@ -48,7 +48,7 @@ kernel void hull_links(const uint count, global const Levels* levels, global con
 // Reads from. Writes to[i]. Word i has one writer.
 // After this kernel every link goes twice as far, or to the first edge.
 kernel void hull_double(const uint count, global const uint2* from, global uint2* to) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint2 link = from[i], beyond = from[link.x];
     to[i] = (uint2)(beyond.x, link.y + beyond.y);
   }
@@ -60,7 +60,7 @@ kernel void hull_double(const uint count, global const uint2* from, global uint2
 // After this kernel hull holds the vertices of the hull, as input numbers, counter-clockwise.
 kernel void hull_order(const uint count, global const uint* edges, global const uint* corners,
                        global const uint2* links, global uint* hull) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint steps = links[i].y, k = edges[i] % 3u;
     hull[steps == 0u ? 0u : count - steps] = corners[edges[i] - k + (k == 2u ? 0u : k + 1u)];
   }
@@ -69,7 +69,7 @@ kernel void hull_order(const uint count, global const uint* edges, global const 
 // One work-item per end of a piece. Reads ends as input numbers. Writes vertices. Word i has one writer.
 kernel void number_ends(const uint count, global const uint* ends, global const uint* input_vertex,
                         global uint* vertices) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) vertices[i] = input_vertex[ends[i]];
+  FOR_EACH(i, count) vertices[i] = input_vertex[ends[i]];
 }
 
 // One work-item per half edge.
@@ -78,7 +78,7 @@ kernel void number_ends(const uint count, global const uint* ends, global const 
 kernel void edge_pieces(const uint count, global const Levels* levels, global const uint* corners,
                         global const uchar* constrained, global const uint* input_vertex, const uint pieces,
                         global const uint2* ends, global int* found) {
-  for (uint h = get_global_id(0); h < count; h += get_global_size(0)) {
+  FOR_EACH(h, count) {
     int piece = -1;
     if ((constrained[h / 3u] >> (h % 3u)) & 1u)
       piece = (int)find_piece(levels, pieces, ends, end_of(h, 0u, corners, input_vertex),

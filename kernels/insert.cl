@@ -7,6 +7,7 @@
 // work-group; both run the same functions.
 #include "append.h"
 #include "history.h"
+#include "split_face.h"
 
 // Until a vertex is inserted its record in `nodes` holds (location, depth, -, -).
 // location: a face, or an edge with this bit.
@@ -28,10 +29,6 @@ static inline Round make_round(uint number, uint stamp, uint bits) {
 static inline bool inserted_in(History h, uint v, uint round) {
   return v >= h.begin && v < h.end && (h.shape[v - h.begin] >> 8) == round;
 }
-
-// A vertex brings exactly three edges. new_edge(mesh, m, j) of a face split by m is the spoke that joins m and p_j; of
-// an edge split: 0 the second half of the edge, 1 and 2 the spokes to the apex of side 0 and 1. It brings two faces:
-// f1 = new_face(mesh, m, 0) and f2 = new_face(mesh, m, 1).
 
 // The face (m, p1, p2) in slot t was the first child of a face split by m in the last round: which
 // child holds v, or which spoke? p0 is found in child 2 = (m, p0, p1).
@@ -129,67 +126,24 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
   next[child] = ref;
 }
 
-//  v inside t:  child 0 = (v, p1, p2) in slot t, child 1 = (v, p2, p0) in f1, child 2 = (v, p0, p1) in f2.
-//  Side s.x stays where it is, opposite corner 0 of slot t.
-//  Spoke j has side 0 in child j+2 (opposite its corner 2) and side 1 in child j+1 (its corner 1).
-static void split_face(Mesh mesh, History h, Round r, uint v, uint t) {
-  const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
-  const uint slot1 = new_face(mesh, v, 0u), slot2 = new_face(mesh, v, 1u);
-  const uint e0 = new_edge(mesh, v, 0u), e1 = new_edge(mesh, v, 1u), e2 = new_edge(mesh, v, 2u);
+// Splits face t at v, and hangs v's node below its leaf.
+static void insert_in_face(Mesh mesh, History h, Round r, uint v, uint t) {
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
-  mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.y, c.z, 0u);
-  mesh.face_data[GCDT_CORNERS(slot1)] = (uint4)(v, c.z, c.x, 0u);
-  mesh.face_data[GCDT_CORNERS(slot2)] = (uint4)(v, c.x, c.y, 0u);
-  mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);
-  mesh.face_data[GCDT_SIDES(slot1)] = (uint4)(s.y, GCDT_SIDE(e0, 1u), GCDT_SIDE(e2, 0u), 0u);
-  mesh.face_data[GCDT_SIDES(slot2)] = (uint4)(s.z, GCDT_SIDE(e1, 1u), GCDT_SIDE(e0, 0u), 0u);
-  mesh.edge_faces[s.y] = GCDT_FACE_REF(slot1, 0u);
-  mesh.edge_faces[s.z] = GCDT_FACE_REF(slot2, 0u);
-  mesh.edge_faces[GCDT_SIDE(e0, 0u)] = GCDT_FACE_REF(slot2, 2u);
-  mesh.edge_faces[GCDT_SIDE(e0, 1u)] = GCDT_FACE_REF(slot1, 1u);
-  mesh.edge_faces[GCDT_SIDE(e1, 0u)] = GCDT_FACE_REF(t, 2u);
-  mesh.edge_faces[GCDT_SIDE(e1, 1u)] = GCDT_FACE_REF(slot2, 1u);
-  mesh.edge_faces[GCDT_SIDE(e2, 0u)] = GCDT_FACE_REF(slot1, 2u);
-  mesh.edge_faces[GCDT_SIDE(e2, 1u)] = GCDT_FACE_REF(t, 1u);
-  h.nodes[v - h.begin] =
-      (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(slot1, HISTORY_LEAF), HISTORY_REF(slot2, HISTORY_LEAF), 0u);
+  split_face(mesh, v, t, 0u);
+  h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
+                                 HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF), 0u);
   h.shape[v - h.begin] = (r.number << 8) | SHAPE_FACE;
 }
 
-// One side of an edge split: face t with apex a at corner k becomes (v, a, b) in slot t and (v, c, a)
-// in `slot`. half_b and half_c are this side's codes of the edge's halves, spoke joins v and a.
-static void split_side(Mesh mesh, uint v, uint t, uint k, uint slot, uint half_b, uint half_c, uint spoke) {
-  const uint4 c = rotate_to(mesh.face_data[GCDT_CORNERS(t)], k), s = rotate_to(mesh.face_data[GCDT_SIDES(t)], k);
-  mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.x, c.y, 0u);
-  mesh.face_data[GCDT_CORNERS(slot)] = (uint4)(v, c.z, c.x, 0u);
-  mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.z, half_b, GCDT_SIDE(spoke, 0u), 0u);
-  mesh.face_data[GCDT_SIDES(slot)] = (uint4)(s.y, GCDT_SIDE(spoke, 1u), half_c, 0u);
-  mesh.edge_faces[s.z] = GCDT_FACE_REF(t, 0u);
-  mesh.edge_faces[s.y] = GCDT_FACE_REF(slot, 0u);
-  mesh.edge_faces[half_b] = GCDT_FACE_REF(t, 1u);
-  mesh.edge_faces[half_c] = GCDT_FACE_REF(slot, 2u);
-  mesh.edge_faces[GCDT_SIDE(spoke, 0u)] = GCDT_FACE_REF(t, 2u);
-  mesh.edge_faces[GCDT_SIDE(spoke, 1u)] = GCDT_FACE_REF(slot, 1u);
-}
-
-// v on edge e between side 0 (a, b, c) in slot t and side 1 (d, c, b) in slot u:
-//        a                 e keeps the half b-v, the new edge is v-c:
-//       /|\                side 0: (v, a, b) in t, (v, c, a) in f1
-//      b-v-c               side 1: (v, d, c) in u, (v, b, d) in f2
-//       \|/
-//        d
-static void split_edge(Mesh mesh, History h, Round r, uint v, uint e) {
+// Splits edge e at v, and hangs v's two nodes below the leaves of the faces on both sides.
+static void insert_on_edge(Mesh mesh, History h, Round r, uint v, uint e) {
   const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
   const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
-  const uint far_half = new_edge(mesh, v, 0u), slot1 = new_face(mesh, v, 0u), slot2 = new_face(mesh, v, 1u);
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
   hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
-  split_side(mesh, v, t, GCDT_REF_CORNER(ref0), slot1, GCDT_SIDE(e, 0u), GCDT_SIDE(far_half, 0u),
-             new_edge(mesh, v, 1u));
-  split_side(mesh, v, u, GCDT_REF_CORNER(ref1), slot2, GCDT_SIDE(far_half, 1u), GCDT_SIDE(e, 1u),
-             new_edge(mesh, v, 2u));
-  h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(slot1, HISTORY_LEAF),
-                                 HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(slot2, HISTORY_LEAF));
+  split_edge(mesh, v, e, 0u);
+  h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
+                                 HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF));
   h.shape[v - h.begin] = (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
 }
 
@@ -204,26 +158,11 @@ static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global 
   const uint depth = h.nodes[v - h.begin].y + 1u;
   if (depth > counters->history_depth) atomic_max(&counters->history_depth, depth);
   if (location & ON_EDGE) {
-    split_edge(mesh, h, r, v, location & ~ON_EDGE);
+    insert_on_edge(mesh, h, r, v, location & ~ON_EDGE);
     return 1u;
   }
-  split_face(mesh, h, r, v, location);
+  insert_in_face(mesh, h, r, v, location);
   return 0u;
-}
-
-// One work-item per root (one, but in forests). Writes the symbolic triangle as face p with edges 3p, 3p+1, 3p+2
-// that have no other side. No race: each its own words. After: a mesh without finite vertices.
-kernel void insert_root(GCDT_MESH_PARAMETERS) {
-  const uint roots = root_count(points, n);
-  for (uint p = get_global_id(0); p < roots; p += get_global_size(0)) {
-    const uint v = n + 3u * p, e = 3u * p;
-    face_data[GCDT_CORNERS(p)] = (uint4)(v, v + 1u, v + 2u, 0u);
-    face_data[GCDT_SIDES(p)] = (uint4)(GCDT_SIDE(e, 0u), GCDT_SIDE(e + 1u, 0u), GCDT_SIDE(e + 2u, 0u), 0u);
-    for (uint k = 0; k < 3u; ++k) {
-      edge_faces[2u * (e + k)] = GCDT_FACE_REF(p, k);
-      edge_faces[2u * (e + k) + 1u] = GCDT_NONE;
-    }
-  }
 }
 
 // One work-item per face of the coarser mesh. Reads the mesh; writes the frozen top layer, and for
@@ -232,7 +171,7 @@ kernel void insert_root(GCDT_MESH_PARAMETERS) {
 kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  for (uint t = get_global_id(0); t < faces; t += get_global_size(0)) {
+  FOR_EACH(t, faces) {
     const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
     const uint a0 = mesh.edge_faces[s.x ^ 1u], a1 = mesh.edge_faces[s.y ^ 1u], a2 = mesh.edge_faces[s.z ^ 1u];
     h.top[GCDT_CORNERS(t)] = (uint4)(c.x, c.y, c.z, HISTORY_REF(t, HISTORY_LEAF));
@@ -256,8 +195,8 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   uint steps = 0;
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
-  for (uint v = begin + get_global_id(0); v < end; v += get_global_size(0)) {
-    const uint i = v - begin;
+  FOR_EACH(i, end - begin) {
+    const uint v = begin + i;
     const uint from = coarse_vertex_near(levels, level, points, n, h, v);
     Germ g;
     g.p = load_vertex(points, n, v);
@@ -314,8 +253,8 @@ kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETER
   const uint count = counters->list_insert[number & 1u];
   if (get_global_id(0) == 0) counters->list_insert[(number & 1u) ^ 1u] = 0u;
   uint on_edges = 0;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    on_edges += split_if_won(mesh, h, r, list[i], counters);
+  FOR_EACH(i, count)
+  on_edges += split_if_won(mesh, h, r, list[i], counters);
   on_edges = sum_of_group(&sum, on_edges);
   if (get_local_id(0) == 0 && on_edges > 0u) atomic_add(&counters->edge_splits, on_edges);
 }
@@ -362,6 +301,6 @@ kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETE
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint count = counters->list_insert[number & 1u];
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    vote(mesh, h, make_round(number, stamp, bits), list[i], h.nodes[list[i] - begin].x);
+  FOR_EACH(i, count)
+  vote(mesh, h, make_round(number, stamp, bits), list[i], h.nodes[list[i] - begin].x);
 }

@@ -12,6 +12,14 @@
 namespace gcdt::device {
 #endif
 
+// Host compilers have such a type, and so may the one that a CPU's driver compiles kernels with; its own mul_hi may
+// be made of 32-bit products.
+#if defined(__SIZEOF_INT128__) && (!defined(__OPENCL_VERSION__) || defined(GCDT_CONTIGUOUS))
+#define GCDT_HAS_INT128 1
+#else
+#define GCDT_HAS_INT128 0
+#endif
+
 typedef struct Int128 {
   u64 low;
   i64 high;
@@ -28,11 +36,11 @@ GCDT_INLINE u64 gcdt_mul_high_limbs(u64 a, u64 b) {
 
 // GCDT_EMULATE_MUL_HI is set for devices whose mul_hi fails the start-up self-test.
 GCDT_INLINE u64 gcdt_mul_high(u64 a, u64 b) {
-#if defined(__OPENCL_VERSION__) && !defined(GCDT_EMULATE_MUL_HI)
-  return mul_hi(a, b);
-#elif !defined(__OPENCL_VERSION__) && defined(__SIZEOF_INT128__)
+#if GCDT_HAS_INT128 && !defined(GCDT_EMULATE_MUL_HI)
   __extension__ typedef unsigned __int128 wide;
   return (u64)(((wide)a * b) >> 64);
+#elif defined(__OPENCL_VERSION__) && !defined(GCDT_EMULATE_MUL_HI)
+  return mul_hi(a, b);
 #else
   return gcdt_mul_high_limbs(a, b);
 #endif

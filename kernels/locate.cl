@@ -47,8 +47,8 @@ GCDT_INLINE Vertex query_of(u64 key) { return gcdt_finite_vertex(gcdt_gather_bit
 // After this kernel least[v] is the least triangle that has v as a corner, GCDT_NONE (as before) without any.
 kernel void least_triangles(const uint count, const uint by_input, global const uint* input_vertex,
                             global const uint* corners, volatile global uint* least) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0))
-    for (uint k = 0; k < 3; ++k) atomic_min(&least[vertex_of(input_vertex, by_input, corners[3u * t + k])], t);
+  FOR_EACH(t, count)
+  for (uint k = 0; k < 3; ++k) atomic_min(&least[vertex_of(input_vertex, by_input, corners[3u * t + k])], t);
 }
 
 // One work-item per input vertex.
@@ -57,7 +57,7 @@ kernel void least_triangles(const uint count, const uint by_input, global const 
 // After this kernel triangles[i] is the least triangle at input vertex i, -1 if there is none.
 kernel void number_least(const uint count, global const uint* input_vertex, global const uint* least,
                          global int* triangles) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) triangles[i] = (int)least[input_vertex[i]];
+  FOR_EACH(i, count) triangles[i] = (int)least[input_vertex[i]];
 }
 
 // The query's grid coordinate on one axis. Where the grid was chosen for decimals, a double that is one is
@@ -86,7 +86,7 @@ GCDT_INLINE Quantised place_coordinate(u64 bits, uint by_decimals, global const 
 kernel void place_queries(const uint count, const uint type, global const ulong* coordinates, const uint by_decimals,
                           global const Scale* scale, global const Decimals* decimals, global ulong* keys,
                           global uint* numbers, volatile global uint* not_finite) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     uint place[2] = {0u, 0u}, outside = 0u;
     for (uint axis = 0; axis < 2; ++axis) {
       const u64 bits = gcdt_coordinate(coordinates, type, 2u * i + axis);
@@ -111,7 +111,7 @@ kernel void place_queries(const uint count, const uint type, global const ulong*
 // at the first vertex), GCDT_NONE for a query off the grid. The search ends: high - low shrinks.
 kernel void locate_start(const uint count, global const Levels* levels, global const int2* points,
                          global const ulong* keys, global const uint* starts, global uint* places) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const ulong key = keys[i];
     uint low = 0, high = levels->n;
     while (high - low > 1u) {
@@ -150,7 +150,7 @@ GCDT_INLINE uint edge_to_cross(Corners c, uint first, Vertex query) {
 kernel void locate_walk(const uint count, const uint round, global const uint* corners, global const int* neighbours,
                         const uint by_input, global const uint* input_vertex, global const int2* points,
                         global const ulong* keys, global uint* places, volatile global uint* pending) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     uint t = places[i];
     if (t == GCDT_NONE || (t & GCDT_ARRIVED)) continue;
     const Vertex query = query_of(keys[i]);
@@ -186,7 +186,7 @@ kernel void locate_finish(const uint count, global const ulong* keys, global con
                           const uint selected, global const int* kept, global const uint* kept_corners,
                           global const uint* least, global int* triangles, global uint* found_corners,
                           global long* areas) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint q = numbers[i];
     const Vertex query = query_of(keys[i]);
     int found = -1;
@@ -225,7 +225,7 @@ kernel void locate_finish(const uint count, global const ulong* keys, global con
 // After this kernel the weights are the areas' shares, in single precision: 0 outside.
 kernel void locate_weights(const uint count, global const int* triangles, global const long* areas,
                            global float* weights) {
-  for (uint q = get_global_id(0); q < count; q += get_global_size(0)) {
+  FOR_EACH(q, count) {
     const long a = areas[3u * q], b = areas[3u * q + 1u], c = areas[3u * q + 2u];
     const float all = triangles[q] < 0 ? 1.0f : (float)(a + b + c);
     weights[3u * q] = (float)a / all;

@@ -8,16 +8,16 @@
 // What `survey` finds, as maxima: columns of its table.
 #define GCDT_SURVEY_COLUMNS 6u
 
-// One work-item per row of the table, over the vertices congruent to it modulo `rows`.
+// One work-item per row of the table, over its share of the vertices.
 // Reads: coordinates. Writes: maxima[row][0..5]: ~min x, max x, ~min y, max y (ordered keys), the
 //   complement of the least trailing exponent - GCDT_LEAST_EXPONENT (0: all coordinates are zero),
 //   the complement of the least coordinate that is not finite (0: none).
 // A row has one work-item. A coordinate that is not finite counts in its own column only.
 // After this kernel the folded table describes the whole input.
 kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows, global ulong* maxima) {
-  for (uint row = get_global_id(0); row < rows; row += get_global_size(0)) {
+  FOR_EACH(row, rows) {
     ulong least[2] = {0, 0}, most[2] = {0, 0}, trailing = 0, bad = 0;
-    for (uint v = row; v < n; v += rows) {
+    FOR_SHARE(v, n, row, rows) {
       for (uint axis = 0; axis < 2; ++axis) {
         const ulong bits = gcdt_coordinate(coordinates, type, 2 * v + axis);
         if (!gcdt_is_finite(bits)) {
@@ -40,19 +40,21 @@ kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows
   }
 }
 
-// One work-item per row of the table, over the vertices congruent to it modulo `rows`.
+// One work-item per row of the table, over its share of the vertices.
 // Reads: coordinates, all finite. Writes: maxima[row]: the most decimals that a coordinate needs to be
 //   written, `limit` + 1 if one of them cannot be written with `limit`.
 // A row has one work-item.
 // After this kernel the folded table holds the number of decimals of the whole input.
 kernel void count_decimals(uint n, uint type, global const ulong* coordinates, int limit, uint rows,
                            global ulong* maxima) {
-  for (uint row = get_global_id(0); row < rows; row += get_global_size(0)) {
+  FOR_EACH(row, rows) {
     // If d decimals suffice, d + 1 do: it is enough to raise the number where it does not.
     int digits = 0;
-    for (uint v = row; v < n && digits <= limit; v += rows)
+    FOR_SHARE(v, n, row, rows) {
+      if (digits > limit) break;
       for (uint axis = 0; axis < 2; ++axis)
         digits = gcdt_decimals_needed(gcdt_coordinate(coordinates, type, 2 * v + axis), digits, limit);
+    }
     maxima[row] = (ulong)digits;
   }
 }
@@ -63,7 +65,7 @@ kernel void count_decimals(uint n, uint type, global const ulong* coordinates, i
 // An element has one work-item.
 // After this kernel the maxima of the columns of both tables are the same.
 kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uint folded_rows, global ulong* folded) {
-  for (uint i = get_global_id(0); i < folded_rows * columns; i += get_global_size(0)) {
+  FOR_EACH(i, folded_rows * columns) {
     const uint column = i % columns;
     ulong most = 0;
     for (uint row = i / columns; row < rows; row += folded_rows)
@@ -72,7 +74,7 @@ kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uin
   }
 }
 
-// One work-item per row of the table, over the vertices congruent to it modulo `rows`.
+// One work-item per row of the table, over its share of the vertices.
 // Reads: coordinates, all finite; scale. Writes: keys[v], the Morton code of v's grid point; values[v] = v;
 //   maxima[row][0..1]: the largest move (gcdt_move_key), the complement of the least coordinate
 //   outside the grid (0: none; else the keys are void).
@@ -80,9 +82,9 @@ kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uin
 // After this kernel a stable sort of the keys gives the order along the curve.
 kernel void quantise(uint n, uint type, global const ulong* coordinates, global const Scale* scale, uint rows,
                      global ulong* keys, global uint* values, global ulong* maxima) {
-  for (uint row = get_global_id(0); row < rows; row += get_global_size(0)) {
+  FOR_EACH(row, rows) {
     ulong move = 0, outside = 0;
-    for (uint v = row; v < n; v += rows) {
+    FOR_SHARE(v, n, row, rows) {
       const Quantised x = gcdt_quantise(gcdt_coordinate(coordinates, type, 2 * v), scale, 0);
       const Quantised y = gcdt_quantise(gcdt_coordinate(coordinates, type, 2 * v + 1), scale, 1);
       move = max(move, max(x.move, y.move));
@@ -102,7 +104,7 @@ kernel void quantise(uint n, uint type, global const ulong* coordinates, global 
 // After this kernel a stable sort of the keys gives the order along the curve.
 kernel void quantise_decimals(uint n, uint type, global const ulong* coordinates, global const Decimals* decimals,
                               global ulong* keys, global uint* values) {
-  for (uint v = get_global_id(0); v < n; v += get_global_size(0)) {
+  FOR_EACH(v, n) {
     uint grid[2];
     for (uint axis = 0; axis < 2; ++axis) {
       const long numerator = gcdt_decimal_numerator(gcdt_coordinate(coordinates, type, 2 * v + axis), decimals->digits);
@@ -118,7 +120,7 @@ kernel void quantise_decimals(uint n, uint type, global const ulong* coordinates
 // A place has one work-item.
 // After this kernel the scan of `first` counts the distinct keys before each place.
 kernel void mark_first(uint n, global const ulong* keys, global uint* first) {
-  for (uint i = get_global_id(0); i < n; i += get_global_size(0)) first[i] = i == 0 || keys[i] != keys[i - 1] ? 1u : 0u;
+  FOR_EACH(i, n) first[i] = i == 0 || keys[i] != keys[i - 1] ? 1u : 0u;
 }
 
 // One work-item per place in the sorted order.
@@ -130,7 +132,7 @@ kernel void mark_first(uint n, global const ulong* keys, global uint* first) {
 kernel void number_vertices(uint n, global const Levels* levels, global const ulong* keys, global const uint* values,
                             global const uint* before, global int2* points, global uint* vertex_input,
                             global uint* input_vertex) {
-  for (uint i = get_global_id(0); i < n; i += get_global_size(0)) {
+  FOR_EACH(i, n) {
     const uint rank = before[i + 1] - 1;
     const uint v = gcdt_vertex_of_rank(levels, levels->count - 1, rank);
     input_vertex[values[i]] = v;

@@ -21,7 +21,7 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
                       global ulong* keys, global uint* refs, global uint* triangles) {
   const uint n = levels->n;
   uint finite = 0;
-  for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
+  FOR_EACH(f, count) {
     const uint4 c = face_data[GCDT_CORNERS(f)];
     ulong key = ((ulong)1 << (2u * bits)) - 1u;
     uint first = 0;
@@ -45,8 +45,8 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
 // Every face stands in refs once: every word has one writer.
 // After this kernel positions[f] is the number of face f in canonical order, -1 for symbolic faces.
 kernel void place_faces(const uint count, const uint triangles, global const uint* refs, global int* positions) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
+  FOR_EACH(i, count)
+  positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
 }
 
 // One work-item per triangle, in canonical order.
@@ -58,7 +58,7 @@ kernel void place_faces(const uint count, const uint triangles, global const uin
 kernel void gather_triangles(const uint count, global const uint4* face_data, global const uint* edge_faces,
                              global const uint* edge_marks, global const uint* refs, global const int* positions,
                              global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
     vstore3(rotated(face_data[GCDT_CORNERS(f)], first), i, out_corners);
     const uint3 s = rotated(face_data[GCDT_SIDES(f)], first);
@@ -79,7 +79,7 @@ kernel void gather_triangles(const uint count, global const uint4* face_data, gl
 // Word i has one reader and writer.
 // After this kernel corners are the representatives' input numbers.
 kernel void number_corners(const uint count, global const uint* vertex_input, global uint* corners) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) corners[i] = vertex_input[corners[i]];
+  FOR_EACH(i, count) corners[i] = vertex_input[corners[i]];
 }
 
 // One work-item per input point.
@@ -89,6 +89,6 @@ kernel void number_corners(const uint count, global const uint* vertex_input, gl
 // After this kernel representatives[i] is the input number that stands for input point i.
 kernel void number_representatives(const uint count, global const uint* vertex_input, global const uint* input_vertex,
                                    global uint* representatives) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    representatives[i] = vertex_input[input_vertex[i]];
+  FOR_EACH(i, count)
+  representatives[i] = vertex_input[input_vertex[i]];
 }

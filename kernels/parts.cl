@@ -11,7 +11,7 @@ static inline u64 piece_length(global const int2* points, uint2 ends) {
 // One work-item per piece. The weight of a piece is its length along the longer axis, below 2^31. No race: its own
 // word.
 kernel void parts_lengths(uint pieces, global const int2* points, global const uint2* ends, global uint* weights) {
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) weights[c] = (uint)piece_length(points, ends[c]);
+  FOR_EACH(c, pieces) weights[c] = (uint)piece_length(points, ends[c]);
 }
 
 // One work-item per stride of pieces. Adds weights to the 64-bit total, once for
@@ -20,7 +20,7 @@ kernel void parts_lengths(uint pieces, global const int2* points, global const u
 kernel void parts_total(uint pieces, global const uint* weights, volatile global uint* total) {
   local uint sum;
   u64 mine = 0, whole = 0;
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) mine += weights[c];
+  FOR_EACH(c, pieces) mine += weights[c];
   for (uint digit = 0; digit < 4u; ++digit)
     whole += (u64)sum_of_group(&sum, (uint)(mine >> (20u * digit)) & 0xFFFFFu) << (20u * digit);
   if (get_local_id(0) == 0) add_wide(total, total + 1, whole);
@@ -35,7 +35,7 @@ kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint fac
   const u64 whole = (u64)total[0] | ((u64)total[1] << 32);
   const u64 expected = (whole >> shift) * factor / 8u + (u64)least;
   const u64 pool = expected < most ? expected : most;
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
+  FOR_EACH(c, pieces) {
     // A weight and the pool are below 2^32.
     counts[c] = whole == 0 ? 1u : 1u + (uint)(weights[c] * pool / whole);
   }

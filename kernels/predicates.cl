@@ -7,5 +7,5 @@
 // Word i belongs to tuple i.
 // After: values[i] holds every predicate of tuples[i].
 kernel void evaluate_predicates(u32 count, global const PredicateTuple* tuples, global PredicateValues* values) {
-  for (u32 i = get_global_id(0); i < count; i += get_global_size(0)) values[i] = gcdt_evaluate_predicates(tuples[i]);
+  FOR_EACH(i, count) values[i] = gcdt_evaluate_predicates(tuples[i]);
 }

@@ -48,6 +48,6 @@ kernel void scan_serial(u32 count, u32 span, u32 parts, global const u32* in, gl
 // offsets[i] differs between any two elements that are kept: each raises the offset by one.
 // After: out lists the kept elements, ascending.
 kernel void compact_indices(u32 count, global const u32* offsets, global u32* out) {
-  for (u32 i = get_global_id(0); i < count; i += get_global_size(0))
-    if (offsets[i + 1] != offsets[i]) out[offsets[i]] = i;
+  FOR_EACH(i, count)
+  if (offsets[i + 1] != offsets[i]) out[offsets[i]] = i;
 }

@@ -13,15 +13,15 @@ GCDT_INLINE i64 dot_at(Vertex corner, Vertex b, Vertex c) {
   return (b.x - corner.x) * (c.x - corner.x) + (b.y - corner.y) * (c.y - corner.y);
 }
 
-// One work-item per row of the table, over the triangles congruent to it modulo `rows`.
+// One work-item per row of the table, over its share of the triangles.
 // Reads corners (input numbers) and points. Writes table[row].
 // A row has one work-item.
 // After this kernel the rows joined are the quality of the mesh.
 kernel void measure_triangles(const uint count, global const uint* corners, global const uint* input_vertex,
                               global const int2* points, const uint rows, global Quality* table) {
-  for (uint row = get_global_id(0); row < rows; row += get_global_size(0)) {
+  FOR_EACH(row, rows) {
     Quality sum = gcdt_no_quality();
-    for (uint t = row; t < count; t += rows) {
+    FOR_SHARE(t, count, row, rows) {
       const Vertex a = corner_point(corners, 3u * t, input_vertex, points),
                    b = corner_point(corners, 3u * t + 1u, input_vertex, points),
                    c = corner_point(corners, 3u * t + 2u, input_vertex, points);
@@ -45,7 +45,7 @@ kernel void measure_triangles(const uint count, global const uint* corners, glob
 // Reads table. Writes folded[row], the rows of table congruent to `row` joined.
 // A row has one work-item.
 kernel void fold_quality(const uint rows, global const Quality* table, const uint folded_rows, global Quality* folded) {
-  for (uint row = get_global_id(0); row < folded_rows; row += get_global_size(0)) {
+  FOR_EACH(row, folded_rows) {
     Quality sum = table[row];
     for (uint other = row + folded_rows; other < rows; other += folded_rows) sum = gcdt_join_quality(sum, table[other]);
     folded[row] = sum;

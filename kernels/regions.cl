@@ -8,9 +8,7 @@
 #include "domain.h"
 
 // One work-item per triangle. Writes label[t] = t. Word t has one writer.
-kernel void label_start(const uint count, global uint* label) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) label[t] = t;
-}
+kernel void label_start(const uint count, global uint* label) { FOR_EACH(t, count) label[t] = t; }
 
 // Joins the regions of triangles a and b; 0 if it did not come to an end in GCDT_LABEL_STEPS steps. A word that
 // is no root stays none, so shortening the way over it (label[a] = label[label[a]]) races with nothing but
@@ -44,19 +42,19 @@ GCDT_INLINE uint join(volatile global uint* label, uint a, uint b) {
 // After this kernel, unless pending, the two triangles of every unconstrained edge are in one tree.
 kernel void label_join(const uint count, global const int* neighbours, global const uchar* constrained,
                        volatile global uint* label, volatile global DomainReport* report) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0))
-    for (uint k = 0; k < 3; ++k) {
-      const int u = neighbours[3u * t + k];
-      if (u < 0 || (uint)u > t || ((constrained[t] >> k) & 1u)) continue;
-      if (!join(label, t, (uint)u)) atomic_or(&report->pending, 1u);
-    }
+  FOR_EACH(t, count)
+  for (uint k = 0; k < 3; ++k) {
+    const int u = neighbours[3u * t + k];
+    if (u < 0 || (uint)u > t || ((constrained[t] >> k) & 1u)) continue;
+    if (!join(label, t, (uint)u)) atomic_or(&report->pending, 1u);
+  }
 }
 
 // One work-item per triangle.
 // Reads and writes label; a word is replaced by an ancestor only, by its own work-item.
 // After this kernel label[t] is t's root, or GCDT_LABEL_STEPS labels nearer to it and report->pending is 1.
 kernel void label_jump(const uint count, volatile global uint* label, volatile global DomainReport* report) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
+  FOR_EACH(t, count) {
     uint root = label[t], step = 0;
     for (uint above = label[root]; above != root && step < GCDT_LABEL_STEPS; ++step) {
       root = above;
@@ -70,11 +68,11 @@ kernel void label_jump(const uint count, volatile global uint* label, volatile g
 // One work-item per triangle. Reads label. Writes roots[t]. Word t has one writer.
 // After this kernel the scan of `roots` numbers the regions in the order of their least triangles.
 kernel void label_roots(const uint count, global const uint* label, global uint* roots) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) roots[t] = label[t] == t ? 1u : 0u;
+  FOR_EACH(t, count) roots[t] = label[t] == t ? 1u : 0u;
 }
 
 // One work-item per triangle. Reads numbers, the scan of label_roots. Replaces label[t], which only it reads, by
 // the number of the region.
 kernel void label_number(const uint count, global const uint* numbers, global uint* label) {
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) label[t] = numbers[label[t]];
+  FOR_EACH(t, count) label[t] = numbers[label[t]];
 }

@@ -24,7 +24,7 @@ static inline ulong layer_value(global const ulong* distances, global const ulon
 // One work-item per entry of the layer above. No race: its own word.
 kernel void retriangulate_minima(uint count, uint below_count, uint below_begin, uint above_begin, uint from_distances,
                                  global const ulong* distances, global ulong* minima) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     ulong least = ~(ulong)0;
     for (uint j = i * GCDT_MINIMA_RADIX; j < min(below_count, (i + 1u) * GCDT_MINIMA_RADIX); ++j)
       least = min(least, from_distances ? distances[j] : minima[below_begin + j]);
@@ -188,7 +188,7 @@ kernel void retriangulate_pieces(uint pieces, global const uint2* roots, uint fr
 // are left to stitch.cl.
 kernel void retriangulate_holes(uint hexagons, uint first, global const uint* hole_place,
                                 global const uint* chain_vertex, global const uint* crossed, global uint4* face_data) {
-  for (uint h = get_global_id(0); h < hexagons; h += get_global_size(0)) {
+  FOR_EACH(h, hexagons) {
     const uint t = crossed[first + h];
     face_data[GCDT_CORNERS(t)] = (uint4)(chain_vertex[hole_place[3u * h]], chain_vertex[hole_place[3u * h + 1u]],
                                          chain_vertex[hole_place[3u * h + 2u]], 0u);

@@ -56,7 +56,7 @@ kernel void route_walk(uint emit, uint count, uint capacity, uint n, GCDT_LEVELS
                        volatile global uint* total) {
   const uint parts = begins[count];
   u64 all = 0;
-  for (uint part = get_global_id(0); part < capacity; part += get_global_size(0)) {
+  FOR_EACH(part, capacity) {
     uint found = 0;
     u64 largest = 0;
     if (part < parts) {
@@ -115,7 +115,7 @@ kernel void route_walk(uint emit, uint count, uint capacity, uint n, GCDT_LEVELS
 kernel void route_totals(uint count, global const int2* points, global const uint2* ends, global const uint* list,
                          global const uint* begins, global const uint* offsets, global const ulong* areas,
                          global ulong2* farthest, global uint* links) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     u64 largest = 0;
     for (uint part = begins[i]; part < begins[i + 1u]; ++part) largest = max(largest, areas[part]);
     const int2 a = points[ends[i].x], b = points[ends[i].y];
@@ -128,7 +128,7 @@ kernel void route_totals(uint count, global const int2* points, global const uin
 // One work-item per constraint. One that is not marked is its own only link. No race: each its own words.
 kernel void route_unmarked(uint count, global const uint* touched, global const uint2* constraints,
                            global const uint* starts, global uint2* links, global uint* owners) {
-  for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
+  FOR_EACH(c, count) {
     if (touched[c]) continue;
     links[starts[c]] = constraints[c];
     owners[starts[c]] = c;
@@ -143,7 +143,7 @@ kernel void route_links(uint count, GCDT_LEVELS_POINTER levels, global const uin
                         global const uint* offsets, global const uint* hits, global const uint* starts,
                         global uint2* links, global uint* owners) {
   const uint parts = begins[count];
-  for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
+  FOR_EACH(part, parts) {
     const uint i = piece_of_part(begins, count, part);
     const uint first = offsets[begins[i]], last = offsets[part + 1u], c = list[i];
     uint before = ends[i].x;
@@ -164,5 +164,5 @@ kernel void route_links(uint count, GCDT_LEVELS_POINTER levels, global const uin
 // One work-item per source of a piece. Replaces the link by the constraint that owns it; links of one constraint do
 // not overlap, and owners ascend, so the sources of a piece stay distinct and ascending. No race.
 kernel void route_sources(uint count, global const uint* owners, global uint* sources) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) sources[i] = owners[sources[i]];
+  FOR_EACH(i, count) sources[i] = owners[sources[i]];
 }

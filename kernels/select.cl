@@ -7,7 +7,7 @@
 // Word f has one writer.
 // After this kernel the scan of `finite` numbers the finite faces.
 kernel void select_finite(const uint count, const uint n, global const uint4* face_data, global uint* finite) {
-  for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
+  FOR_EACH(f, count) {
     const uint4 c = face_data[GCDT_CORNERS(f)];
     finite[f] = max(max(c.x, c.y), c.z) < n ? 1u : 0u;
   }
@@ -20,7 +20,7 @@ kernel void select_finite(const uint count, const uint n, global const uint4* fa
 // After this kernel refs holds the reference of the first corner of every face, finite faces first.
 kernel void select_refs(const uint count, global const uint* before, global uint* refs) {
   const uint triangles = before[count];
-  for (uint f = get_global_id(0); f < count; f += get_global_size(0)) {
+  FOR_EACH(f, count) {
     const uint place = before[f + 1] != before[f] ? before[f] : triangles + (f - before[f]);
     refs[place] = GCDT_FACE_REF(f, 0u);
   }

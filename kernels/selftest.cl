@@ -7,7 +7,7 @@
 // A row belongs to one work-item.
 // After: results hold a * b (high, low, high by limbs), a + b and its carry, and a shifted by b mod 64.
 kernel void selftest_words(u32 rows, global const u64* operands, global u64* results) {
-  for (u32 i = get_global_id(0); i < rows; i += get_global_size(0)) {
+  FOR_EACH(i, rows) {
     const u64 a = operands[2 * i], b = operands[2 * i + 1], sum = a + b;
     const u32 by = (u32)b & 63u;
     global u64* row = results + 8 * i;
@@ -27,7 +27,7 @@ kernel void selftest_words(u32 rows, global const u64* operands, global u64* res
 // After: words hold the sum, least, greatest of all i, a bit set and a bit cleared by each i mod 32, how
 // many i there are, the sum of what the counter held before each, and how many won the compare-exchange.
 kernel void selftest_atomics(u32 count, global u32* words) {
-  for (u32 i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     atomic_add(&words[0], i);
     atomic_min(&words[1], i + 5u);
     atomic_max(&words[2], i + 5u);

@@ -9,6 +9,7 @@ typedef uint u32;
 typedef long i64;
 typedef ulong u64;
 #define GCDT_INLINE static inline
+#include "loops.h"
 #else
 #include <cstdint>
 namespace gcdt::device {

@@ -46,6 +46,36 @@ kernel void sort_small(u32 count, u64 mask, global const u64* keys_in, global co
   }
 }
 
+// One work-group, its first work-item alone: for CPUs, where that is faster than lanes and barriers, and than launches
+// for each digit. Sorts pairs by the bits below `bits` of the key, stably, by digits of 8 bits.
+// Reads, writes: keys and values, and the other ones by turns.
+// After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
+kernel void sort_alone(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
+                       global u32* other_values) {
+  if (get_local_id(0) != 0) return;
+  for (u32 shift = 0; shift < bits; shift += 8u) {
+    const u32 mask = (1u << min(8u, bits - shift)) - 1u;
+    u32 next[256];
+    for (u32 d = 0; d <= mask; ++d) next[d] = 0;
+    for (u32 i = 0; i < count; ++i) ++next[(u32)(keys[i] >> shift) & mask];
+    for (u32 d = 0, sum = 0; d <= mask; ++d) {
+      const u32 keys_of_digit = next[d];
+      next[d] = sum;
+      sum += keys_of_digit;
+    }
+    for (u32 i = 0; i < count; ++i) {
+      const u64 key = keys[i];
+      const u32 to = next[(u32)(key >> shift) & mask]++;
+      other_keys[to] = key;
+      other_values[to] = values[i];
+    }
+    global u64* sorted_keys = other_keys;
+    global u32* sorted_values = other_values;
+    other_keys = keys, other_values = values;
+    keys = sorted_keys, values = sorted_values;
+  }
+}
+
 // One work-item per pair, in order of the bits from `low` on. Where a run of keys that agree in these begins, its
 // work-item sorts it by insertion, in place and stable; a run longer than `longest` is left as it is.
 // Reads, writes: keys, values.
@@ -53,7 +83,7 @@ kernel void sort_small(u32 count, u64 mask, global const u64* keys_in, global co
 // which all keys that may stand there agree.
 // After: every run up to `longest` is in order.
 kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global u32* values) {
-  for (u32 begin = get_global_id(0); begin < count; begin += get_global_size(0)) {
+  FOR_EACH(begin, count) {
     const u64 high = keys[begin] >> low;
     if (begin > 0u && keys[begin - 1u] >> low == high) continue;
     u32 end = begin + 1u;
@@ -75,6 +105,6 @@ kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global 
 
 // One work-item per pair. Writes 1 to *unordered if two neighbours are not in order. No race: all write the same.
 kernel void sort_verify(u32 count, global const u64* keys, global u32* unordered) {
-  for (u32 i = get_global_id(0); i + 1u < count; i += get_global_size(0))
-    if (keys[i] > keys[i + 1u]) *unordered = 1u;
+  FOR_EACH(i, max(count, 1u) - 1u)
+  if (keys[i] > keys[i + 1u]) *unordered = 1u;
 }

@@ -12,7 +12,7 @@ kernel void split_points(uint count, uint before, global const int2* points, glo
                          global const uint* offsets, global const uint* sources, global const uint2* pairs,
                          global ulong* keys, global uint2* named, global uint* numbers, volatile global uint* total) {
   u64 mine = 0;
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint c = pairs[i].x, d = pairs[i].y;
     const int2 a1 = points[ends[c].x], b1 = points[ends[c].y], a2 = points[ends[d].x], b2 = points[ends[d].y];
     i64 s = 1, r = 1;
@@ -25,7 +25,7 @@ kernel void split_points(uint count, uint before, global const int2* points, glo
     named[before + i] = (uint2)(min(least_c, least_d), max(least_c, least_d));
     mine += (u64)(offsets[c + 1u] - offsets[c]) * (offsets[d + 1u] - offsets[d]);
   }
-  for (uint i = get_global_id(0); i < before + count; i += get_global_size(0)) numbers[i] = i;
+  FOR_EACH(i, before + count) numbers[i] = i;
   add_wide(total, total + 1, mine);
 }
 
@@ -34,7 +34,7 @@ kernel void split_points(uint count, uint before, global const int2* points, glo
 kernel void split_least_first(uint count, global const ulong* keys, global const uint* numbers,
                               global const uint* firsts, global const uint2* named, global ulong* distinct,
                               volatile global uint2* least) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint slot = firsts[i + 1u] - 1u;
     if (firsts[i] == slot) distinct[slot] = keys[i];
     atomic_min((volatile global uint*)(least + slot), named[numbers[i]].x);
@@ -44,7 +44,7 @@ kernel void split_least_first(uint count, global const ulong* keys, global const
 // The same for the second constraint of the pairs that have that first one. After: least[s] is the least pair.
 kernel void split_least_second(uint count, global const uint* numbers, global const uint* firsts,
                                global const uint2* named, volatile global uint2* least) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint slot = firsts[i + 1u] - 1u;
     const uint2 pair = named[numbers[i]];
     volatile global uint* words = (volatile global uint*)(least + slot);
@@ -57,21 +57,21 @@ kernel void split_least_second(uint count, global const uint* numbers, global co
 kernel void split_touch(uint count, uint linked, global const uint* offsets, global const uint* sources,
                         global const uint* owners, global const uint2* pairs, volatile global uint* touched,
                         volatile global uint* newly) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-    for (uint side = 0; side < 2u; ++side) {
-      const uint piece = side ? pairs[i].y : pairs[i].x;
-      for (uint j = offsets[piece]; j < offsets[piece + 1u]; ++j) {
-        const uint c = linked ? owners[sources[j]] : sources[j];
-        if (touched[c] == 0u && atomic_or(touched + c, 1u) == 0u) atomic_inc(newly);
-      }
+  FOR_EACH(i, count)
+  for (uint side = 0; side < 2u; ++side) {
+    const uint piece = side ? pairs[i].y : pairs[i].x;
+    for (uint j = offsets[piece]; j < offsets[piece + 1u]; ++j) {
+      const uint c = linked ? owners[sources[j]] : sources[j];
+      if (touched[c] == 0u && atomic_or(touched + c, 1u) == 0u) atomic_inc(newly);
     }
+  }
 }
 
 // One work-item per distinct pixel. Flags those whose centre is no vertex yet: vertices by rank are in the order of
 // their Morton codes. No race: each its own word. Ends: the range halves.
 kernel void split_is_new(uint count, GCDT_LEVELS_POINTER levels, global const int2* points, global const ulong* keys,
                          global uint* flags) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint x = (uint)(keys[i] >> 31), y = (uint)(keys[i] & 0x7FFFFFFFu);
     const u64 code = gcdt_morton(x, y);
     uint low = 0, high = levels->n;
@@ -92,7 +92,7 @@ kernel void split_is_new(uint count, GCDT_LEVELS_POINTER levels, global const in
 kernel void split_join(uint inputs, uint added, global const int2* points, global const uint* input_vertex,
                        global const uint* list, global const ulong* keys, global const uint2* least,
                        global int2* joined, global int2* added_points, global uint2* added_pairs) {
-  for (uint i = get_global_id(0); i < inputs + added; i += get_global_size(0)) {
+  FOR_EACH(i, inputs + added) {
     if (i < inputs) {
       joined[i] = points[input_vertex[i]];
       continue;
@@ -107,7 +107,7 @@ kernel void split_join(uint inputs, uint added, global const int2* points, globa
 
 // One work-item per rank. Writes the Morton code of the vertex with that rank. No race. After: ascending.
 kernel void split_codes(uint n, GCDT_LEVELS_POINTER levels, global const int2* points, global ulong* codes) {
-  for (uint rank = get_global_id(0); rank < n; rank += get_global_size(0)) {
+  FOR_EACH(rank, n) {
     const int2 p = points[gcdt_vertex_of_rank(levels, levels->count - 1u, rank)];
     codes[rank] = gcdt_morton((uint)p.x, (uint)p.y);
   }
@@ -116,7 +116,7 @@ kernel void split_codes(uint n, GCDT_LEVELS_POINTER levels, global const int2* p
 // One work-item per marked constraint. Writes its ends as vertices. No race.
 kernel void split_ends(uint count, global const uint* list, global const uint2* constraints,
                        global const uint* input_vertex, global uint2* ends) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint2 c = constraints[list[i]];
     ends[i] = (uint2)(input_vertex[c.x], input_vertex[c.y]);
   }

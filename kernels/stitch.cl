@@ -66,7 +66,7 @@ static uint find_direction(Table table, uint u, uint v) {
 kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* face_data, global const uint* near,
                         TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint4 s = face_data[GCDT_SIDES(crossed[i])];
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
@@ -144,7 +144,7 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
 kernel void stitch_second(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
                           TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint t = crossed[i], open = open_sides(face_data, t, true);
     for (uint k = 0; k < 3u; ++k) {
       if (!((open >> k) & 1u)) continue;
@@ -164,7 +164,7 @@ kernel void stitch_second(uint count, global const uint* crossed, global uint4* 
 // cover what the crossed ones covered, once. No race: only the failure bits are written.
 kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAMETERS,
                          volatile global Counters* counters) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+  FOR_EACH(i, count) {
     const uint t = crossed[i];
     const uint4 c = face_data[GCDT_CORNERS(t)], s = face_data[GCDT_SIDES(t)];
     bool right =
@@ -185,7 +185,7 @@ kernel void stitch_mark(uint pieces, global const uint2* ends, global const uint
                         global const uint4* face_data, global uint* edge_marks, TABLE_PARAMETERS,
                         volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
-  for (uint c = get_global_id(0); c < pieces; c += get_global_size(0)) {
+  FOR_EACH(c, pieces) {
     if (piece_edge[c] != GCDT_NONE) continue;
     const uint root = min(roots[c].x, roots[c].y);
     const uint code = root != GCDT_NONE ? face_data[GCDT_SIDES(root)].z

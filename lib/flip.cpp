@@ -29,21 +29,27 @@ class Flipping {
         counters_(counters),
         faces_(mesh.faces(vertices_in_mesh)),
         edges_(mesh.edges(vertices_in_mesh)),
-        stamps_(edges_) {}
+        stamps_(edges_),
+        flips_before_(wide(counters.last().flips_low, counters.last().flips_high)) {
+    stamps_.go_on_above(mesh.claims_below);
+  }
 
   /// Ends: a flip lowers the lifted surface (heights |p|^2, and infinitesimal ones for the tie rule), so an
   /// edge flipped away never returns and there are at most (n+3)(n+2)/2 flips; a round with an illegal
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
-    stamps_.go_on_above(mesh_.claims_below);
-    const std::uint64_t limit = 1024 + 64ull * edges_;
     const bool swept = edges_ >= least_sweep;
-    if (swept) sweep(limit, ticker);
+    if (swept) sweep(ticker);
     runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!swept), edges_, round_, mesh_.edge_marks,
                     lists_.first, counters_.buffer());
+    return finish(swept ? counters_.read().list_test[round_ % 3] : edges_, ticker);
+  }
+
+  /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
+  FlipResult finish(std::uint32_t pending, Ticker& ticker) {
     std::uint64_t total = round_;
-    for (std::uint32_t pending = swept ? counters_.read().list_test[round_ % 3] : edges_; pending > 0;) {
+    while (pending > 0) {
       const std::uint32_t rounds_before = counters_.last().rounds;
       const std::uint32_t launched = pending <= one_group_edges ? rounds_in_one_group() : rounds_wide(pending);
       const device::Counters& c = counters_.read();
@@ -52,14 +58,15 @@ class Flipping {
       stamps_.take(in_group);
       total += launched + in_group;
       pending = c.list_test[round_ % 3];
-      check(total, limit, ticker);
+      check(total, ticker);
     }
-    return {total, wide(counters_.last().flips_low, counters_.last().flips_high)};
+    mesh_.claims_below = stamps_.claims_below();
+    return {total, wide(counters_.last().flips_low, counters_.last().flips_high) - flips_before_};
   }
 
  private:
   // Rounds by sweeps. The first takes all edges. Ends: see run().
-  void sweep(std::uint64_t limit, Ticker& ticker) {
+  void sweep(Ticker& ticker) {
     for (std::uint32_t illegal = edges_; illegal > edges_ / sweep_share;) {
       for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
         renew_stamps();
@@ -69,12 +76,13 @@ class Flipping {
         launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
       }
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
-      check(round_, limit, ticker);
+      check(round_, ticker);
     }
   }
 
-  void check(std::uint64_t rounds, std::uint64_t limit, Ticker& ticker) const {
-    if (rounds > limit) throw Error(Status::round_limit, "flip: illegal edges are left after the limit of rounds");
+  void check(std::uint64_t rounds, Ticker& ticker) const {
+    if (rounds > 1024 + 64ull * edges_)
+      throw Error(Status::round_limit, "flip: illegal edges are left after the limit of rounds");
     ticker.tick("flip", double(faces_) / mesh_.faces());
   }
 
@@ -123,6 +131,7 @@ class Flipping {
   PhaseCounters& counters_;
   cl_uint faces_, edges_;
   Stamps stamps_;
+  std::uint64_t flips_before_;
   cl_uint round_ = 0;
 };
 
@@ -132,6 +141,12 @@ FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh&
                 PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
   counters.zero();
   return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh).run(ticker);
+}
+
+FlipResult flip_queued(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                       PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
+  return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh)
+      .finish(counters.last().list_test[0], ticker);
 }
 
 }  // namespace gcdt

@@ -129,8 +129,25 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
   return history;
 }
 
+History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
+  History history;
+  history.level = vertices.levels.count;
+  history.begin = history.end = mesh.n;
+  history.top = runtime.allocate<cl_uint4>("top layer", 2 * std::size_t{mesh.faces()});
+  history.vertex_face = runtime.allocate<cl_uint>("faces of coarse vertices", mesh.n);
+  history.nodes = runtime.allocate<cl_uint4>("history nodes", 0);
+  history.shape = runtime.allocate<cl_uint>("history shapes", 0);
+  const cl_uint faces = mesh.faces();
+  runtime.fill<cl_uint>(history.vertex_face, 0, mesh.n);
+  runtime.launch("insert", "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,
+                 mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face, history.nodes,
+                 history.shape);
+  mesh.claims_below = 1;
+  return history;
+}
+
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
-  runtime.launch("insert", "insert_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.face_data,
+  runtime.launch("mesh", "mesh_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces);
 }
 

@@ -17,6 +17,9 @@ struct History {
 /// Buffers for the largest level; sizes in `required_bytes`.
 History make_history(runtime::Runtime& runtime, const device::Levels& levels, std::uint32_t roots = 1);
 
+/// A history without splits, of a Delaunay mesh with all vertices: all of it is top layer.
+History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
+
 /// Makes the mesh hold the symbolic triangles alone.
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
 

@@ -25,8 +25,10 @@ struct Sizes {
 std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }              // points, both maps
 std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edges; }  // corners, sides; faces, marks
 std::uint64_t list_bytes(const Sizes& s) { return 8 * s.edges; }
-// Top layer (a quarter of the vertices) and nodes (three quarters); small inputs have one level.
+// Top layer (a quarter of the vertices) and nodes (three quarters); small inputs have one level. With constraints, on a
+// CPU, all is top layer (freeze_all).
 std::uint64_t history_bytes(const Sizes& s) {
+  if (s.m > 0) return 32 * (2 * s.n + 3) + 4 * s.n;
   return 32 * (s.n / 2 + 3) + 4 * (s.n / 4 + 1) + 20 * (s.n * 3 / 4 + 256);
 }
 std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }

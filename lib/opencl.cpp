@@ -3,20 +3,32 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 
 #include "kernel_sources.hpp"
 
 namespace gcdt::runtime {
 
 namespace {
-// A work-group of 128 keeps occupancy on GPUs with kernels of 64 or more registers; on CPUs a group
-// is a loop of one thread, and 64 items amortise its start.
+// A work-group of 128 keeps occupancy on GPUs with kernels of 64 or more registers; on CPUs whose groups are lanes of
+// vectors, 64 items amortise its start.
 constexpr std::size_t gpu_group = 128, cpu_group = 64;
+// On CPUs whose groups are loops of one thread, a group is one work-item that loops over its share by itself: at
+// least as many items as amortise its start, and so many shares that threads end together.
+constexpr std::size_t least_share = 64, shares_per_unit = 16;
 // The group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels' registers.
 constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 constexpr std::size_t least_alignment = 128;
+
+// The program to build for the kernels of `program` where shares are contiguous: one for all that every call needs.
+const char* bundle_of(const char* program) {
+  for (const char* part :
+       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check"})
+    if (std::strcmp(part, program) == 0) return "core";
+  return program;
+}
 }  // namespace
 
 Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
@@ -41,8 +53,11 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     return code;
   });
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
-  geometry_ = info_.is_gpu ? Geometry{gpu_group, units * gpu_groups_per_unit, gpu_single_group}
-                           : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
+  // Mesa's llvmpipe runs the work-items of a group as lanes of vectors.
+  contiguous_ = info_.is_cpu && info_.platform != "rusticl" && info_.platform != "Clover";
+  geometry_ = info_.is_gpu  ? Geometry{gpu_group, units * gpu_groups_per_unit, gpu_single_group}
+              : contiguous_ ? Geometry{1, units * shares_per_unit, 1, least_share}
+                            : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
   // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
   alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
@@ -74,7 +89,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   const auto key = std::make_pair(std::string(program), std::string(kernel));
   auto found = kernels_.find(key);
   if (found != kernels_.end()) return found->second;
-  cl::Program& built = find_program(program);
+  cl::Program& built = find_program(contiguous_ ? bundle_of(program) : program);
   Kernel k;
   k.name = kernel;
   call("clCreateKernel", kernel, [&] {
@@ -125,7 +140,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
                                            std::to_string(arguments));
   const std::size_t group = range.one_group && geometry_.single > 0 ? geometry_.single : geometry_.local;
   const std::size_t local = std::min(group, kernel.largest_group);
-  const std::size_t wanted = (range.items + local - 1) / local;
+  const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
+  const std::size_t wanted = (range.items + each - 1) / each;
   const std::size_t groups = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
   const std::size_t global = groups * local;
   ++launches_;

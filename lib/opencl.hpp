@@ -58,9 +58,11 @@ class Buffer {
 /// is right for any count; this only chooses the parallelism.
 struct Range {
   std::size_t items = 1;
-  bool one_group = false;  ///< exactly one work-group, for kernels that loop with barriers
+  bool one_group = false;    ///< exactly one work-group, for kernels that loop with barriers
+  bool large_items = false;  ///< each is worth a work-item of its own, even where these are contiguous shares
 };
 inline Range over(std::size_t items) { return {items, false}; }
+inline Range over_large(std::size_t items) { return {items, false, true}; }
 inline Range one_group() { return {1, true}; }
 
 /// Launch geometry; tests change it to shake the schedule.
@@ -68,16 +70,19 @@ struct Geometry {
   std::size_t local = 0;       ///< work-items of a group
   std::size_t max_groups = 0;  ///< groups of a launch at most
   std::size_t single = 0;      ///< work-items of a group that is alone (Range::one_group); 0: as `local`
+  std::size_t share = 0;       ///< items that are worth a work-item; 0: one (Range::large_items)
 };
 
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
 /// `options` are added when programs are built. `edit` may change a program's text: by that, tests
-/// have a device that computes wrongly.
+/// have a device that computes wrongly. `keep_programs`: built programs go into the cache even if the
+/// driver keeps them itself.
 struct CallHook {
   std::function<cl_int(const char* call, const char* detail)> before;
   std::string options;
   std::function<void(std::string& source)> edit;
   Tuning tuning;
+  bool keep_programs = false;
 };
 
 using Log = std::function<void(int level, const char* message)>;
@@ -175,8 +180,12 @@ class Runtime {
   }
   Geometry& geometry() { return geometry_; }
   Tracer& tracer() { return tracer_; }
+  /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/loops.h).
+  bool contiguous() const { return contiguous_; }
   /// From now on programs are built for meshes of many triangulations (kernels/forest.h).
   void build_for_forests() { for_forests_ = true; }
+  /// Whether built programs go into the library's cache.
+  bool keeps_programs() const;
   /// Options that every program is built with; part of the cache key.
   std::string build_options() const;
 
@@ -241,6 +250,7 @@ class Runtime {
   std::map<std::pair<std::string, std::string>, Kernel> kernels_;
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
+  bool contiguous_ = false;
   bool for_forests_ = false;
   bool emulate_mul_hi_ = false;  ///< the device's own is wrong
 };

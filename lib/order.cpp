@@ -58,8 +58,8 @@ struct Maxima {
 
 Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
   Maxima maxima(runtime, staged.n, survey_columns);
-  runtime.launch("order", "survey", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, maxima.rows,
-                 maxima.table);
+  runtime.launch("order", "survey", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
+                 maxima.rows, maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
   if (found[5] != 0) throw survey_error(staged.type, ~found[5]);
   return survey_of(found.data());
@@ -70,7 +70,7 @@ std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const InputP
   const cl_int limit = decimals_limit(survey, k);
   if (limit < 0) return std::nullopt;
   Maxima maxima(runtime, staged.n, 1);
-  runtime.launch("order", "count_decimals", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates,
+  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  limit, maxima.rows, maxima.table);
   const int digits = static_cast<int>(maxima.read(runtime)[0]);
   return digits > limit ? std::nullopt : decimal_grid(survey, digits);
@@ -111,8 +111,8 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
   }
   const auto scale = upload(runtime, "scale", chosen.scale);
   Maxima maxima(runtime, staged.n, quantise_columns);
-  runtime.launch("order", "quantise", runtime::over(maxima.rows), staged.n, staged.type, staged.coordinates, scale,
-                 maxima.rows, keys.codes, keys.numbers, maxima.table);
+  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
+                 scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
   const std::vector<cl_ulong> found = maxima.read(runtime);
   if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
   keys.grid.largest_move = move_length(found[0], chosen.scale);

@@ -82,13 +82,24 @@ void Pipeline::run_steps() {
 }
 
 // Level by level: insert, then flip, so that each level goes into a Delaunay mesh (paper, section 8). The
-// last level is left unflipped: constraints are enforced first, and located by its history tree.
+// last level is left unflipped: constraints are enforced first, and located by its history tree. Where a work-item is a
+// thread's loop, vertices go in one after the other instead, each with its flips, and constraints come to a
+// Delaunay mesh, in which they cross fewer edges (bench/NOTES.md).
 void Pipeline::insert() {
   if (!mesh_.face_data.allocated()) mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
   need_lists();
-  if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   insert_root(runtime_, vertices_, mesh_);
+  if (runtime_.contiguous()) {
+    const GrowResult grown = grow(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_);
+    statistics_.rounds.insert += grown.rounds;
+    statistics_.cases.edge_splits += grown.edge_splits;
+    statistics_.location_steps += grown.steps;
+    count_flips(grown.flips);
+    if (source_.m > 0) history_ = freeze_all(runtime_, vertices_, mesh_);
+    return;
+  }
+  if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   for (unsigned level = 0; level < vertices_.levels.count; ++level) {
     statistics_.rounds.insert += insert_level(runtime_, vertices_, mesh_, history_, lists_, counters_, level, ticker_);
     const device::Counters& c = counters_.last();
@@ -236,8 +247,10 @@ void Pipeline::reject(const std::vector<Constraint>& crossings) {
 }
 
 void Pipeline::flip_all() {
+  if (runtime_.contiguous() && source_.m == 0) return;  // grown Delaunay, and unchanged
   need_lists();
-  count_flips(flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_));
+  count_flips(runtime_.contiguous() ? grow_flip(runtime_, vertices_, mesh_, lists_, counters_, ticker_)
+                                    : flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_));
 }
 
 void Pipeline::output() {

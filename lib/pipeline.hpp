@@ -8,6 +8,7 @@
 #include "constrain.hpp"
 #include "domain.hpp"
 #include "flip.hpp"
+#include "grow.hpp"
 #include "order.hpp"
 #include "output.hpp"
 #include "split.hpp"

@@ -20,6 +20,9 @@ constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
 constexpr std::size_t longest_walk = 60000;
 // So many keys one work-group sorts in local memory (SORT_SMALL in sort_finish.cl).
 constexpr std::size_t few_keys = 2048;
+// So many keys a CPU sorts faster by one work-item than by launches for each digit.
+constexpr std::size_t few_keys_alone = 8192;
+constexpr unsigned alone_digit_bits = 8;
 // Runs that a work-item sorts by insertion are so long at most; below so many keys the radix passes are launches only.
 constexpr cl_uint longest_run = 32;
 constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
@@ -42,7 +45,7 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
   const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
   return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
-          runtime::over(parts * runtime_.geometry().local)};
+          runtime::over_large(parts * runtime_.geometry().local)};
 }
 
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
@@ -87,7 +90,7 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   bits = std::min(bits, 64u);
-  if (count <= few_keys)
+  if (count <= (alone() ? few_keys_alone : few_keys))
     sort_few(keys, values, count, bits);
   else
     sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
@@ -97,6 +100,14 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
   if (count < 2 || bits == 0) return;
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
   match(runtime_, other_values_, "other half of the values", values.size());
+  if (alone()) {
+    runtime_.launch("sort_finish", "sort_alone", runtime::one_group(), static_cast<cl_uint>(count), cl_uint{bits}, keys,
+                    values, other_keys64_, other_values_);
+    if ((bits + alone_digit_bits - 1) / alone_digit_bits % 2 == 0) return;
+    std::swap(keys, other_keys64_);
+    std::swap(values, other_values_);
+    return;
+  }
   const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
   runtime_.launch("sort_finish", "sort_small", runtime::one_group(), static_cast<cl_uint>(count), mask, keys, values,
                   other_keys64_, other_values_);

@@ -52,6 +52,8 @@ class Primitives {
   void sort_pairs(const char* program, runtime::Buffer<Key>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                   unsigned low, unsigned bits, runtime::Buffer<Key>& other_keys);
   void sort_few(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
+  /// Whether one work-item sorts few keys.
+  bool alone() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;

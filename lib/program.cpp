@@ -14,6 +14,7 @@ std::string Runtime::build_options() const {
   // A GPU has more edges than work-items to flip them, and a work-item that flips on makes its group wait:
   // no propagation is fastest there (bench/NOTES.md). A CPU wins by the rounds that propagation saves.
   if (info_.is_gpu) options += " -DGCDT_FLIP_CHAIN=1";
+  if (contiguous_) options += " -DGCDT_CONTIGUOUS";
   if (for_forests_) options += " -DGCDT_FOREST";
   if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
   if (!hook_.options.empty()) options += " " + hook_.options;
@@ -24,6 +25,10 @@ std::vector<std::string> Runtime::cache_parts(const char* program) const {
   return {source(program), build_options(), info_.name,     info_.vendor,
           info_.driver,    info_.version,   info_.platform, GCDT_VERSION};
 }
+
+// PoCL compiles kernels as they are launched, and keeps them in a cache of its own. Its binary of a program would have
+// every kernel compiled once more, in a form that launches do not use (bench/NOTES.md).
+bool Runtime::keeps_programs() const { return hook_.keep_programs || info_.platform != "Portable Computing Language"; }
 
 std::string Runtime::source(const char* program) const {
   for (std::size_t i = 0; i < kernel_source_count; ++i)
@@ -103,6 +108,7 @@ std::string binary_of(Runtime& runtime, const char* name, const cl::Program& pro
 }  // namespace
 
 cl::Program build_program(Runtime& runtime, const char* name) {
+  if (!runtime.keeps_programs()) return build_source(runtime, name);
   const std::string entry = cache::entry("program", runtime.cache_parts(name));
   if (const auto binary = cache::load(entry)) {
     if (auto program = build_binary(runtime, name, *binary)) return *program;

@@ -19,7 +19,7 @@ device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, cons
   const std::size_t parallel = runtime.geometry().local * runtime.geometry().max_groups;
   auto rows = static_cast<cl_uint>(std::clamp<std::size_t>(parallel, 1, mesh.triangles));
   auto table = runtime.allocate<device::Quality>("quality", rows);
-  runtime.launch("quality", "measure_triangles", over(rows), cl_uint{mesh.triangles}, mesh.corners,
+  runtime.launch("quality", "measure_triangles", runtime::over_large(rows), cl_uint{mesh.triangles}, mesh.corners,
                  vertices.input_vertex, vertices.points, rows, table);
   // Ends: each pass leaves a 64th of the rows.
   while (rows > rows_read) {

@@ -275,6 +275,7 @@ cl::Device test_device() { return runtime::all_devices().at(select_device(testDe
 runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
                           cl_int code) {
   runtime::CallHook hook;
+  hook.keep_programs = true;  // hundreds of runtimes, each of which would compile
   hook.before = [=](const char*, const char*) {
     const std::uint64_t call = ++*calls;
     return call == k || (for_good && call > k) ? code : CL_SUCCESS;
@@ -339,7 +340,8 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
   const std::uint64_t all = *calls;
   MESSAGE(all << " calls");
   REQUIRE(all > 100);
-  const runtime::CallHook healthy;
+  runtime::CallHook healthy;
+  healthy.keep_programs = true;
   std::uint64_t failed = 0, lost = 0;
   for (std::uint64_t k = 1; k <= all; ++k) {
     CAPTURE(k);
@@ -359,7 +361,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
     CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
   }
   CHECK(failed > all / 15);
-  CHECK(lost > all / 2);
+  CHECK(lost > all / 4);  // it may have got the problem without constraints, which takes half as many calls
   MESSAGE(failed << " of " << all / 5 << " failed without another device, " << lost << " were lost beside one");
 }
 

@@ -29,18 +29,25 @@ struct Builds {
   int from_source = 0, from_binary = 0;
 };
 
-// Makes a runtime, runs a scan's kernel in it and checks the result.
-Builds use_a_program(runtime::CallHook hook = {}) {
+// PoCL keeps programs itself, and the library does not then, unless told.
+runtime::CallHook keeping() {
+  runtime::CallHook hook;
+  hook.keep_programs = true;
+  return hook;
+}
+
+// Makes a runtime, runs a kernel in it, of another program than the self-test's, and checks the result.
+Builds use_a_program(runtime::CallHook hook = keeping()) {
   std::map<std::string, int> calls;
   hook.before = [&](const char* call, const char*) { return ++calls[call], CL_SUCCESS; };
   runtime::Runtime runtime(default_device(), hook);
   const std::vector<cl_uint> offsets = {0, 0, 1, 2, 2};
   const auto in = runtime.allocate<cl_uint>("offsets", offsets.size());
-  const auto out = runtime.allocate<cl_uint>("indices", 2);
+  const auto out = runtime.allocate<cl_uint>("references", 4);
   runtime.write(in, offsets.data(), offsets.size());
-  runtime.launch("primitives", "compact_indices", runtime::over(4), cl_uint{4}, in, out);
-  CHECK(runtime.read_one(out, 0) == 1);
-  CHECK(runtime.read_one(out, 1) == 2);
+  runtime.launch("select", "select_refs", runtime::over(4), cl_uint{4}, in, out);
+  CHECK(runtime.read_one(out, 0) == 4);  // faces 1 and 2, corner 0
+  CHECK(runtime.read_one(out, 1) == 8);
   return {calls["clCreateProgramWithSource"], calls["clCreateProgramWithBinary"]};
 }
 
@@ -52,17 +59,21 @@ std::vector<fs::path> files(const fs::path& folder, const std::string& kind) {
 }
 
 runtime::CallHook with_options(const char* options) {
-  runtime::CallHook hook;
+  runtime::CallHook hook = keeping();
   hook.options = options;
   return hook;
 }
 
-// Replaces `what` by `with` all over a program's text.
-runtime::CallHook with_edit(std::string what, std::string with) {
+// Replaces each `what` by its `with` all over a program's text.
+struct Edit {
+  std::string what, with;
+};
+runtime::CallHook with_edits(const std::vector<Edit>& edits) {
   runtime::CallHook hook;
   hook.edit = [=](std::string& source) {
-    for (std::size_t at = 0; (at = source.find(what, at)) != std::string::npos; at += with.size())
-      source.replace(at, what.size(), with);
+    for (const Edit& edit : edits)
+      for (std::size_t at = 0; (at = source.find(edit.what, at)) != std::string::npos; at += edit.with.size())
+        source.replace(at, edit.what.size(), edit.with);
   };
   return hook;
 }
@@ -107,7 +118,7 @@ TEST_CASE("every embedded program builds without a warning on every device, mul_
 TEST_CASE("a program that does not build is an error with the compiler's words") {
   CacheFolder cache;
   try {
-    use_a_program(with_edit("typedef ulong u64;", "typedef no_such_type u64;"));
+    use_a_program(with_edits({{"typedef ulong u64;", "typedef no_such_type u64;"}}));
     FAIL("it built");
   } catch (const Error& error) {
     CHECK(error.status() == Status::device_failed);
@@ -160,6 +171,14 @@ TEST_CASE("a second run takes programs from the cache, and other options do not"
   CHECK(use_a_program(with_options("-DOTHER")).from_source == 2);
 }
 
+TEST_CASE("programs that the driver keeps are not kept twice") {
+  CacheFolder cache;
+  use_a_program({});
+  const bool pocl = runtime::describe(default_device()).platform == "Portable Computing Language";
+  CHECK(files(cache.path(), "program-").size() == (pocl ? 0 : 2));
+  CHECK(files(cache.path(), "selftest-").size() == 1);
+}
+
 TEST_CASE("with the cache off nothing is written") {
   CacheFolder cache;
   test::set_variable("GCDT_DISABLE_CACHE", "1");
@@ -209,9 +228,8 @@ TEST_CASE("two runtimes that start at once share a cache") {
   std::vector<std::string> errors;
   auto work = [&] {
     try {
-      runtime::Runtime runtime(device);
-      for (const char* program : {"primitives", "sort32_serial", "sort64_serial"})
-        runtime::build_program(runtime, program);
+      runtime::Runtime runtime(device, keeping());
+      for (const char* program : {"select", "sort32_serial", "sort64_serial"}) runtime::build_program(runtime, program);
     } catch (const std::exception& error) {
       std::lock_guard<std::mutex> lock(mutex);
       errors.push_back(error.what());
@@ -251,7 +269,7 @@ TEST_CASE("a device that computes wrongly is refused, and the error names the op
     CacheFolder cache;
     CAPTURE(std::string(b.named));
     try {
-      use_a_program(with_edit(b.what, b.with));
+      use_a_program(with_edits({{b.what, b.with}}));
       FAIL("accepted");
     } catch (const Error& error) {
       CHECK(error.status() == Status::device_failed);
@@ -263,7 +281,9 @@ TEST_CASE("a device that computes wrongly is refused, and the error names the op
 
 TEST_CASE("a device whose mul_hi is wrong works with the emulation, and is remembered") {
   CacheFolder cache;
-  const runtime::CallHook hook = with_edit("return mul_hi(a, b);", "return (u64)mul_hi((uint)a, (uint)b);");
+  // The device's own, and its compiler's, whichever is used.
+  const runtime::CallHook hook = with_edits({{"return mul_hi(a, b);", "return (u64)mul_hi((uint)a, (uint)b);"},
+                                             {"((wide)a * b) >> 64", "((wide)a * b) >> 63"}});
   for (int run = 0; run < 2; ++run) {
     runtime::Runtime runtime(default_device(), hook);
     CHECK(runtime.build_options().find("-DGCDT_EMULATE_MUL_HI") != std::string::npos);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a loop over many items is shared out among the work-items of a launch. OpenCL C only.
+//
+// GCDT_CONTIGUOUS is set for devices whose work-items are loops of a thread (Runtime::build_options): every work-item
+// takes consecutive items, so that it reads whole cache lines and pages, and its neighbours others. Elsewhere
+// neighbours take neighbouring items, so that a group's loads are joined. Either way each item below `count` has
+// exactly one owner, for any launch geometry.
+#ifndef GCDT_LOOPS_H
+#define GCDT_LOOPS_H
+
+// The first item of the part `share` of `shares` in contiguous shares of 0 .. count - 1.
+static inline uint share_begin(uint count, uint share, uint shares) {
+  return (uint)((ulong)count * (ulong)share / (ulong)shares);
+}
+
+#ifdef GCDT_CONTIGUOUS
+
+// Items of the part `share` of `shares`, ascending.
+#define FOR_SHARE(i, count, share, shares)                                                                       \
+  for (uint i = share_begin((count), (share), (shares)), i##_end = share_begin((count), (share) + 1u, (shares)); \
+       i < i##_end; ++i)
+
+// The first items of tiles, each as large as a work-group; every work-item of a group runs every tile of it, so that
+// they meet at barriers in the body.
+#define FOR_EACH_TILE_OF(tile, size, count)                                                                           \
+  for (uint tile = (size)*share_begin(((count) + (size)-1u) / (size), get_group_id(0), get_num_groups(0)),            \
+            tile##_end = (size)*share_begin(((count) + (size)-1u) / (size), get_group_id(0) + 1u, get_num_groups(0)); \
+       tile < tile##_end; tile += (size))
+
+#else
+
+#define FOR_SHARE(i, count, share, shares) for (uint i = (share); i < (count); i += (shares))
+
+#define FOR_EACH_TILE_OF(tile, size, count) \
+  for (uint tile = get_group_id(0) * (size); tile < (count); tile += get_num_groups(0) * (size))
+
+#endif
+
+// The items of this work-item.
+#define FOR_EACH(i, count) FOR_SHARE(i, count, (uint)get_global_id(0), (uint)get_global_size(0))
+
+#define FOR_EACH_TILE(tile, count) FOR_EACH_TILE_OF(tile, (uint)get_local_size(0), count)
+
+#endif
