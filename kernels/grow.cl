@@ -206,6 +206,35 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
   if (grown.on_edges > 0u) atomic_add(&counters->edge_splits, grown.on_edges);
 }
 
+#ifdef GCDT_FOREST
+// One work-item per problem. Inserts the problem's vertices coarse to fine, every 4^k-th along the curve, then every
+// 4^(k-1)-th and so on, each found by a walk from the one before, split off, and settled. The mesh holds the roots
+// alone; no face of a problem is reached from another, so none is anybody else's. Writes words of faces of its problem.
+// A vertex that is not found is counted in list_insert, and the rest of its problem left out: that cannot be. Ends: the
+// stride falls; see the functions. After: every problem is Delaunay.
+kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT_LEVELS_POINTER levels,
+                          GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* queue,
+                          volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  Grown grown = {0u, 0u, 0u};
+  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
+    const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
+    uint last = p, stride = 1u;
+    while (stride < count) stride *= GCDT_LEVEL_RATIO;
+    for (; stride > 0u; stride /= GCDT_LEVEL_RATIO)
+      for (uint i = 0; i < count && last != GCDT_NONE; i += stride) {
+        if (i % (stride * GCDT_LEVEL_RATIO) == 0u && stride < count) continue;
+        last = insert_vertex(mesh, o, gcdt_vertex_of_rank(levels, levels->count - 1u, begin + i), last, limit, &grown);
+      }
+    if (last == GCDT_NONE) atomic_inc(&counters->list_insert[0]);
+  }
+  add_wide(&counters->steps_low, &counters->steps_high, grown.steps);
+  add_wide(&counters->flips_low, &counters->flips_high, grown.flips);
+  if (grown.on_edges > 0u) atomic_add(&counters->edge_splits, grown.on_edges);
+}
+#endif
+
 // ---- Flips ----------------------------------------------------------------------------------------
 
 // Goes on flipping around an edge that was flipped. Ends: each pass takes an edge from the worklist, and only flips

@@ -7,11 +7,13 @@
 
 #include "mesh.h"
 
-// Where others walk through the mesh while it changes (grow.cl), new faces and edges are whole before they are linked.
+// Where others walk through the mesh while it changes (grow.cl), new faces and edges are whole before they are linked:
+// by an atomic that gives face t the claim that it has. It is the only order there is on PoCL 5, whose fences are empty
+// functions, so that its compiler moves stores across them.
 #ifdef GCDT_CONTIGUOUS
-#define BEFORE_LINKS() write_mem_fence(CLK_GLOBAL_MEM_FENCE)
+#define BEFORE_LINKS(mesh, t, claim) atomic_xchg(claim_word((mesh).face_data, (t)), (claim))
 #else
-#define BEFORE_LINKS()
+#define BEFORE_LINKS(mesh, t, claim)
 #endif
 
 // A vertex brings exactly three edges. new_edge(mesh, m, j) of a face split by m is the spoke that joins m and p_j; of
@@ -35,7 +37,7 @@ static void split_face(Mesh mesh, uint v, uint t, uint claim) {
   mesh.edge_faces[GCDT_SIDE(e1, 1u)] = GCDT_FACE_REF(slot2, 1u);
   mesh.edge_faces[GCDT_SIDE(e2, 0u)] = GCDT_FACE_REF(slot1, 2u);
   mesh.edge_faces[GCDT_SIDE(e2, 1u)] = GCDT_FACE_REF(t, 1u);
-  BEFORE_LINKS();
+  BEFORE_LINKS(mesh, t, claim);
   mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.y, c.z, claim);
   mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);
   mesh.edge_faces[s.y] = GCDT_FACE_REF(slot1, 0u);
@@ -51,7 +53,7 @@ static void split_side(Mesh mesh, uint v, uint t, uint k, uint slot, uint half_b
   mesh.face_data[GCDT_SIDES(slot)] = (uint4)(s.y, GCDT_SIDE(spoke, 1u), half_c, 0u);
   mesh.edge_faces[GCDT_SIDE(spoke, 0u)] = GCDT_FACE_REF(t, 2u);
   mesh.edge_faces[GCDT_SIDE(spoke, 1u)] = GCDT_FACE_REF(slot, 1u);
-  BEFORE_LINKS();
+  BEFORE_LINKS(mesh, t, claim);
   mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.x, c.y, claim);
   mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.z, half_b, GCDT_SIDE(spoke, 0u), 0u);
   mesh.edge_faces[s.z] = GCDT_FACE_REF(t, 0u);

@@ -108,6 +108,7 @@ class ForestOrdering {
     result.merged = n - distinct;
     Vertices& vertices = result.vertices;
     vertices.roots = problems_;
+    vertices.largest = largest();
     vertices.levels = device::make_levels(distinct, coarsest(distinct, coarsest_level));
     vertices.levels_buffer = runtime_.allocate<device::Levels>("levels", 1);
     runtime_.write(vertices.levels_buffer, &vertices.levels, 1);

@@ -39,9 +39,31 @@ class Growth {
     }
   }
 
+  /// All problems of a forest, each by one work-item.
+  void insert_problems() {
+    counters_.zero();
+    Stamps stamps(mesh_.edges());
+    const cl_uint stamp = stamps.take(), limit = mesh_.faces();
+    runtime_.launch("grow", "grow_problems", runtime::over_large(mesh_.roots), cl_uint{mesh_.roots}, limit, stamp,
+                    stamps.bits(), vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data,
+                    mesh_.edge_faces, mesh_.edge_marks, lists_.first, counters_.buffer());
+    mesh_.claims_below = stamps.claims_below();
+    const device::Counters c = counters_.read();
+    if (c.list_insert[0] > 0 || c.list_test[0] > 0)
+      throw Error(Status::round_limit, "insert: point location left the mesh");
+    result.rounds = 1;
+    add(c);
+  }
+
   GrowResult result;
 
  private:
+  void add(const device::Counters& c) {
+    result.edge_splits += c.edge_splits;
+    result.steps += wide(c.steps_low, c.steps_high);
+    result.flips.flips += wide(c.flips_low, c.flips_high);
+  }
+
   /// Returns how many vertices are left.
   std::uint32_t round(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
     counters_.zero();
@@ -60,9 +82,7 @@ class Growth {
     mesh_.claims_below = stamps.claims_below();
     const device::Counters c = counters_.read();
     ++result.rounds;
-    result.edge_splits += c.edge_splits;
-    result.steps += wide(c.steps_low, c.steps_high);
-    result.flips.flips += wide(c.flips_low, c.flips_high);
+    add(c);
     if (c.list_test[0] > 0) {
       const FlipResult flipped = flip_queued(runtime_, vertices_, mesh_, lists_, counters_, end, ticker_);
       result.flips.rounds += flipped.rounds;
@@ -88,6 +108,11 @@ GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh&
                 PhaseCounters& counters, std::uint32_t end, Ticker& ticker) {
   Growth growth(runtime, vertices, mesh, lists, counters, ticker);
   mesh.claims_below = 1;
+  // Problems are enough to share out.
+  if (vertices.roots > 1 && std::uint64_t{vertices.largest} * runtime.info().compute_units <= mesh.n) {
+    growth.insert_problems();
+    return growth.result;
+  }
   const auto& levels = vertices.levels;
   std::uint32_t level = 0;
   while (level < levels.count && levels.begin[level] < end) {

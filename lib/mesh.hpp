@@ -38,6 +38,7 @@ struct Vertices {
   runtime::Buffer<cl_uint> vertex_input;          ///< n: the representative's input number
   runtime::Buffer<cl_uint> input_vertex;          ///< one per input point: its vertex
   std::uint32_t roots = 1;                        ///< triangulations in one mesh
+  std::uint32_t largest = 0;                      ///< input points of the largest of several
   std::uint32_t n() const { return levels.n; }
 };
 
