@@ -182,8 +182,13 @@ class Runtime {
   Tracer& tracer() { return tracer_; }
   /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/loops.h).
   bool contiguous() const { return contiguous_; }
-  /// From now on programs are built for meshes of many triangulations (kernels/forest.h).
-  void build_for_forests() { for_forests_ = true; }
+  /// From now on programs are built for meshes of many triangulations (kernels/forest.h). What the self-test has built
+  /// goes: where programs are bundled, it holds kernels that forests need too.
+  void build_for_forests() {
+    for_forests_ = true;
+    kernels_.clear();
+    programs_.clear();
+  }
   /// Whether built programs go into the library's cache.
   bool keeps_programs() const;
   /// Options that every program is built with; part of the cache key.

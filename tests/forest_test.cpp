@@ -134,3 +134,20 @@ TEST_CASE("a launch wider than the forest") {
   check_same_as_alone({uniform(65000)});
   geometry() = usual;
 }
+
+TEST_CASE("programs that were built for one problem are built anew for forests") {
+  runtime::Runtime runtime(runtime::all_devices().at(select_device(testDevice())));
+  Primitives primitives(runtime);
+  const Workload problem = workload("random_pslg", 40);
+  const Points points = problem.points;
+  const Constraints constraints = problem.constraints;
+  const InputSource source = {points.size(), constraints.size, [&] {
+                                return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
+                              }};
+  Pipeline(runtime, primitives, source, {}).run();
+  runtime.build_for_forests();
+  const RaggedBatch batch({problem, problem, problem});
+  const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1, 2}, {});
+  const Triangulation alone = solver().triangulate(problem.points, problem.constraints);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(difference(part_of(forest, i), alone) == "");
+}
