@@ -128,6 +128,37 @@ def phase_table(rows):
     )
 
 
+def besides_table(rows):
+    """What cleaning, checking, domains, location and verification cost beside the triangulation."""
+    lines = [
+        [
+            name(row),
+            count(row["m"]),
+            ms(row["core_ms"]),
+            ms(row["phases"]["clean"]),
+            ms(row["phases"]["check"]),
+            ms(row["regions_ms"]),
+            ms(row["locate_ms"]),
+            ms(row["verify_ms"]) if row["verify_ms"] else "-",
+        ]
+        for row in rows
+        if "regions_ms" in row
+    ]
+    return table(
+        [
+            "workload",
+            "m",
+            "core ms",
+            "cleaning ms",
+            "device check ms",
+            "regions, depths, windings ms",
+            "1M points located, from and to the host ms",
+            "proof on the host, one thread ms",
+        ],
+        lines,
+    )
+
+
 def limits_table(rows, machine):
     lines = []
     for row in rows:
@@ -328,6 +359,7 @@ def main():
         if met:
             file.write("\n## Goals\n" + table(["workload", "goal", "measured", "at most", "met"], met) + "\n")
         file.write("\n## Phases, counts, memory\n" + phase_table(rows) + "\n")
+        file.write("\n## Beside the triangulation\n" + besides_table(rows) + "\n")
         file.write("\n## Against the machine's limits\n" + limits_table(rows, machine) + "\n")
         file.write(start_text(stem + "-start.json"))
         file.write("\n## All peers\n" + peers_table(rows) + "\n")

@@ -38,7 +38,7 @@ struct Arguments {
 };
 
 constexpr std::size_t quick_vertices = 50000;
-constexpr std::size_t samples = 1000000;
+constexpr std::size_t samples = 1000000, located = 1000000;
 constexpr double warm_seconds = 0.3;   // a GPU raises its clocks only under load
 constexpr double long_call_ms = 2000;  // one such call has warmed up
 constexpr double least_seconds = 0.3;  // short calls are repeated until so much time is measured
@@ -47,6 +47,11 @@ constexpr double peer_seconds = 10;  // after three runs
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double middle(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
 }
 
 std::uint64_t hash(const Triangulation& mesh) {
@@ -187,6 +192,7 @@ class Benchmark {
     }
     const double timed = seconds_now() - start;
     trace_kernels(*row);
+    ask_besides(*row);
     row->pinned_ms = pinned_.time(row->work.points, row->work.constraints, row->options, least);
     start = seconds_now();
     time_peers(*row);
@@ -213,6 +219,34 @@ class Benchmark {
     traced.solve(row.work.points, row.work.constraints, row.options);
   }
 
+  // Medians of five after one that builds.
+  void ask_besides(Row& row) {
+    Options options = row.options;
+    options.regions = true;
+    std::vector<Point> inside = test::uniform(located).points;
+    std::array<double, 2> low = row.work.points.at(0), high = low;
+    for (const Point& p : row.work.points)
+      for (int axis = 0; axis < 2; ++axis) {
+        low[axis] = std::min(low[axis], p[axis]);
+        high[axis] = std::max(high[axis], p[axis]);
+      }
+    for (Point& p : inside)
+      for (int axis = 0; axis < 2; ++axis) p[axis] = low[axis] + p[axis] * (high[axis] - low[axis]);
+    std::vector<double> regions, locating;
+    for (int i = -1; i < 5; ++i) {
+      const Result result = solver_.solve(row.work.points, row.work.constraints, options);
+      std::vector<std::array<double, 3>> weights;
+      result.locate(std::vector<Point>{inside[0]}, &weights);  // makes what all later queries use
+      const double from = seconds_now();
+      result.locate(inside, &weights);
+      if (i < 0) continue;
+      locating.push_back(1000 * (seconds_now() - from));
+      regions.push_back(result.statistics().ms.domain);
+    }
+    row.regions_ms = middle(regions);
+    row.locate_ms = middle(locating);
+  }
+
   void time_peers(Row& row) {
     bool any = false;
     for (const Peer& peer : peers_) any |= row.work.constraints.empty() || peer.takes_constraints();
@@ -227,11 +261,13 @@ class Benchmark {
   }
 
   /// "" or what is wrong with the row's mesh.
-  static std::string fault(const Row& row) {
+  static std::string fault(Row& row) {
     if (row.work.points.size() > largest_verified) return sampled_check(row.work.points, row.mesh, samples);
     const MeshView view{row.mesh.triangles, row.mesh.neighbours.data(), row.mesh.constrained.data()};
+    const double from = seconds_now();
     const Verification v =
         verify(row.work.points, row.work.constraints, view, row.mesh.statistics.grid, row.options.crossing);
+    row.verify_ms = 1000 * (seconds_now() - from);
     return v.valid ? "" : v.reason;
   }
 
