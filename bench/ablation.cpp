@@ -11,6 +11,8 @@
 
 #include <gcdt/gcdt.hpp>
 
+#include "batch_inputs.hpp"
+#include "device_pool.hpp"
 #include "inputs.hpp"
 #include "pipeline.hpp"
 
@@ -128,6 +130,33 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
   return same;
 }
 
+/// A batch with several runs at once on the device. Times are whole calls, which results alone do not tell.
+void run_lanes(const cl::Device& device, int runs) {
+  const bench::SketchBatch batch = bench::sketches(100000);
+  const BatchInput input = {batch.size(),
+                            Points::Type::float64,
+                            batch.vertices.data(),
+                            batch.vertex_offsets.data(),
+                            batch.constraints.data(),
+                            batch.constraint_offsets.data()};
+  std::printf("\n%zu sketches, %zu vertices\n\n| lanes | call ms | runs |\n|---|---|---|\n", batch.size(),
+              batch.vertices.size());
+  for (std::uint32_t lanes = 1; lanes <= 4; ++lanes) {
+    runtime::CallHook hook;
+    hook.tuning.lanes = lanes;
+    DevicePool pool({{cl::Context(), device, hook}}, {}, {});
+    std::vector<double> times;
+    for (int i = -1; i < runs; ++i) {
+      const double ms = pool.triangulate(input, {}).milliseconds;
+      if (i >= 0) times.push_back(ms);
+    }
+    std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
+    std::printf("| %u | %.1f | %llu |\n", lanes, times[static_cast<std::size_t>(runs) / 2],
+                static_cast<unsigned long long>(pool.report(0).runs));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) try {
@@ -140,6 +169,7 @@ int main(int count, char** arguments) try {
   bool same = true;
   for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
     same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
+  run_lanes(device, std::max(1, std::min(runs, 5)));
   return same ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "gcdt_bench_ablation: %s\n", error.what());

@@ -135,7 +135,9 @@ typedef struct Scale {
   u64 cell_low, cell_high;  // T
   i32 offset;               // -k - w: a mantissa's exponent q stands at window bit q + offset
   u32 origin_fits[2];
-  u32 power_of_two;  // T = 2^108
+  u32 power_of_two;        // T = 2^108
+  u32 fixed_point[2];      // of each axis: origin_fixed can be used
+  u64 origin_fixed[2][2];  // of each axis, low and high word, see gcdt_quantise_fixed
 } Scale;
 
 typedef struct Quantised {
@@ -195,12 +197,58 @@ GCDT_INLINE u32 gcdt_below(u64 a_low, u64 a_high, u64 b_low, u64 b_high) {
   return a_high < b_high || (a_high == b_high && a_low < b_low);
 }
 
+// Where the cell is a power of two, 128 bits are enough for nearly all doubles: numbers in units of 2^-64 cells, that
+// is 2^44 units of the window. The magnitude of a double is such a number below 2^126 iff its mantissa's place there
+// lies from 0 to 73, or bits that it would lose are zero. Returns whether it is; then *low and *high hold it.
+#define GCDT_FIXED_BITS 64
+GCDT_INLINE u32 gcdt_fixed(u64 bits, i32 offset, u64* low, u64* high) {
+  const i32 shift = gcdt_exponent(bits) + offset - (GCDT_UNIT_BITS - GCDT_FIXED_BITS);
+  const u64 m = gcdt_mantissa(bits);
+  *low = gcdt_limb(m, 0, shift);
+  *high = gcdt_limb(m, 0, shift - 64);
+  return shift <= 73 && !gcdt_loses_bits(m, 0, shift);
+}
+
+// The same as gcdt_quantise if both numbers are such: |D| = 2^64 X + remainder, which is 2^44 times that of the window.
+GCDT_INLINE Quantised gcdt_quantise_fixed(u64 low, u64 high, u32 minus, u64 origin_low, u64 origin_high) {
+  Quantised result;
+  result.value = 0;
+  result.outside = 1;
+  result.move = 0;
+  if (minus) {
+    high = ~high + (low == 0 ? 1 : 0);
+    low = ~low + 1;
+  }
+  high = high - origin_high - (low < origin_low ? 1 : 0);
+  low -= origin_low;
+  const u32 negative = (u32)(high >> 63);
+  if (negative) {
+    high = ~high + (low == 0 ? 1 : 0);
+    low = ~low + 1;
+  }
+  if ((high >> 31) != 0) return result;
+  u32 x = (u32)high;
+  const u64 middle = (u64)1 << (GCDT_FIXED_BITS - 1);
+  if (low > middle || (low == middle && (x & 1u))) {
+    x += 1u;
+    low = ~low + 1;
+  }
+  result.value = x;
+  result.outside = x > GCDT_GRID_LAST || (negative && x != 0);
+  result.move = gcdt_move_key(low << (GCDT_UNIT_BITS - GCDT_FIXED_BITS), low >> (2 * GCDT_FIXED_BITS - GCDT_UNIT_BITS));
+  return result;
+}
+
 GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i32 axis) {
   Quantised result;
   result.value = 0;
   result.outside = 0;
   result.move = 0;
   if (bits == scale->origin[axis]) return result;
+  u64 fixed_low, fixed_high;
+  if (scale->fixed_point[axis] && gcdt_fixed(bits, scale->offset, &fixed_low, &fixed_high))
+    return gcdt_quantise_fixed(fixed_low, fixed_high, (bits & GCDT_SIGN_BIT) != 0, scale->origin_fixed[axis][0],
+                               scale->origin_fixed[axis][1]);
   u64 d[GCDT_WINDOW_LIMBS];
   result.outside = 1;
   if (!scale->origin_fits[axis] || !gcdt_place(bits, scale->five, scale->offset, d)) return result;
@@ -357,8 +405,7 @@ GCDT_INLINE i64 gcdt_decimal_numerator(u64 bits, i32 digits) {
 }
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Scale) == 10 * sizeof(u64) + 3 * sizeof(u64) + 4 * sizeof(u32),
-              "Scale has the same layout on host and device");
+static_assert(sizeof(Scale) == 17 * sizeof(u64) + 6 * sizeof(u32), "Scale has the same layout on host and device");
 static_assert(sizeof(Decimals) == 4 * sizeof(u64), "Decimals has the same layout on host and device");
 }  // namespace gcdt::device
 #endif

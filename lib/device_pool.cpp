@@ -21,64 +21,110 @@ double milliseconds_since(Clock::time_point start) {
 // pack are not so many that copies of them pile up on the host.
 constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 
+// A GPU stands still while results go to the host, which takes longer than to make them.
+constexpr std::uint32_t gpu_lanes = 2;
+
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
+
+std::uint32_t lanes_of(const DevicePool::Member& member) {
+  const bool gpu = runtime::describe(member.device).is_gpu;
+  return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? gpu_lanes : 1));
+}
+
+// The threads that feed GPUs need cores, which a CPU of the same pool would take from them.
+void leave_cores(std::vector<DevicePool::Member>& members) {
+  std::uint32_t feeding = 0;
+  for (const DevicePool::Member& member : members)
+    if (runtime::describe(member.device).is_gpu) feeding += lanes_of(member);
+  for (DevicePool::Member& member : members)
+    if (feeding > 0 && !member.context() && runtime::describe(member.device).is_cpu)
+      member.device = runtime::part_of(member.device, feeding);
+}
 
 }  // namespace
 
 DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace)
-    : log_(std::move(log)), trace_(std::move(trace)), workers_(members.size()) {
+    : log_(std::move(log)), trace_(std::move(trace)), reports_(members.size()) {
   if (members.empty()) throw Error(Status::no_device, "a pool without devices");
-  const runtime::Log one_log = log_ ? runtime::Log([this](int level, const char* message) {
-    const std::lock_guard<std::mutex> lock(callbacks_);
-    log_(level, message);
-  })
-                                    : runtime::Log();
-  const Trace one_trace = trace_ ? Trace([this](const TraceSpan& span) {
-    const std::lock_guard<std::mutex> lock(callbacks_);
-    trace_(span);
-  })
-                                 : Trace();
+  leave_cores(members);
   for (std::size_t i = 0; i < members.size(); ++i) {
-    Worker& worker = workers_[i];
     try {
-      worker.report.info = runtime::describe(members[i].device);
-      worker.runtime = std::make_unique<runtime::Runtime>(members[i].context, members[i].device,
-                                                          std::move(members[i].hook), one_log, one_trace);
-      worker.runtime->build_for_forests();
-      worker.runtime->tracer().device_number() = static_cast<std::uint32_t>(i);
-      worker.primitives = std::make_unique<Primitives>(*worker.runtime);
+      reports_[i].info = runtime::describe(members[i].device);
+      open(std::move(members[i]), i);
     } catch (const Error& error) {
-      lose(worker, error);
+      lose(i, error);
     }
   }
   if (all_lost()) throw_reasons();
 }
 
+void DevicePool::open(Member member, std::size_t device) {
+  const runtime::Log log = log_ ? runtime::Log([this](int level, const char* message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    log_(level, message);
+  })
+                                : runtime::Log();
+  const Trace trace = trace_ ? Trace([this](const TraceSpan& span) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    trace_(span);
+  })
+                             : Trace();
+  const std::uint32_t count = lanes_of(member);
+  const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
+  for (std::uint32_t number = 0; number < count; ++number) {
+    Lane lane;
+    lane.device = device;
+    lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
+    lane.runtime->build_for_forests();
+    lane.runtime->tracer().set_lane(first + number * devices, number);
+    lane.primitives = std::make_unique<Primitives>(*lane.runtime);
+    member.context = lane.runtime->context();  // one for all
+    lanes_.push_back(std::move(lane));
+  }
+}
+
 bool DevicePool::all_lost() const {
-  return std::all_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.report.lost.has_value(); });
+  return std::all_of(reports_.begin(), reports_.end(), [](const DeviceReport& r) { return r.lost.has_value(); });
 }
 
 void DevicePool::throw_reasons() const {
-  Status status = workers_.front().report.lost->status();
-  std::int32_t code = workers_.front().report.lost->opencl_code();
+  Status status = reports_.front().lost->status();
+  std::int32_t code = reports_.front().lost->opencl_code();
   std::string message = "no device of the pool is left:";
-  for (const Worker& worker : workers_) {
-    if (worker.report.lost->status() != status) status = Status::device_failed;
-    if (worker.report.lost->opencl_code() != code) code = 0;
-    message +=
-        "\n  " + worker.report.info.name + " (" + worker.report.info.platform + "): " + worker.report.lost->what();
+  for (const DeviceReport& report : reports_) {
+    if (report.lost->status() != status) status = Status::device_failed;
+    if (report.lost->opencl_code() != code) code = 0;
+    message += "\n  " + report.info.name + " (" + report.info.platform + "): " + report.lost->what();
   }
   throw Error(status, message, {}, 0, code);
 }
 
-void DevicePool::lose(Worker& worker, const Error& error) {
-  worker.report.lost = error;
-  worker.primitives.reset();
-  worker.runtime.reset();
-  if (!log_) return;
-  const std::lock_guard<std::mutex> lock(callbacks_);
-  log_(GCDT_LOG_WARNING, (worker.report.info.name + " is taken out of the pool: " + error.what()).c_str());
+void DevicePool::lose(std::size_t device, const Error& error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  DeviceReport& report = reports_[device];
+  if (report.lost) return;  // another lane has said why
+  report.lost = error;
+  if (log_) log_(GCDT_LOG_WARNING, (report.info.name + " is taken out of the pool: " + error.what()).c_str());
+}
+
+// The lanes of a device share its memory, as long as there is enough for more than one run.
+std::vector<LaneShare> DevicePool::shares() const {
+  std::vector<LaneShare> all;
+  for (const Lane& lane : lanes_) {
+    const DeviceReport& report = reports_[lane.device];
+    const auto siblings =
+        std::count_if(lanes_.begin(), lanes_.end(), [&](const Lane& other) { return other.device == lane.device; });
+    LaneShare share;
+    share.device = lane.device;
+    share.capacity = usable_bytes(report.info);
+    share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
+    share.most_weight = report.info.is_gpu ? gpu_weight : cpu_weight;
+    share.speed = lane.speed;
+    share.lost = share.ended = report.lost.has_value();
+    all.push_back(share);
+  }
+  return all;
 }
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
@@ -88,22 +134,17 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
   if (all_lost()) throw_reasons();
-  std::vector<DeviceShare> shares;
-  for (Worker& worker : workers_) {
-    worker.report.problems = worker.report.vertices = worker.report.runs = 0;
-    worker.report.milliseconds = 0;
-    shares.push_back({usable_bytes(worker.report.info), worker.report.info.is_gpu ? gpu_weight : cpu_weight,
-                      worker.speed, worker.report.lost.has_value()});
-  }
-  Schedule schedule(batch, std::move(shares));
+  for (Lane& lane : lanes_) lane.report = {};
+  const std::vector<LaneShare> lanes = shares();
+  Schedule schedule(batch, lanes);
   std::vector<std::thread> threads;
   const auto join = [&] {
     for (std::thread& thread : threads) thread.join();
   };
   bool wanted = true;
   try {
-    for (std::size_t i = 0; i < workers_.size(); ++i)
-      if (!workers_[i].report.lost) threads.emplace_back([&, i] { work(i, schedule, batch, options); });
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (!lanes[i].lost) threads.emplace_back([&, i] { work(i, schedule, batch, options); });
     for (double done = 0; done < 1 && wanted;) {
       done = schedule.wait();
       if (options.progress) wanted = options.progress("batch", done);
@@ -115,7 +156,8 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     throw;
   }
   join();
-  for (std::size_t i = 0; i < workers_.size(); ++i) workers_[i].speed = schedule.speed(i);
+  for (std::size_t i = 0; i < lanes_.size(); ++i) lanes_[i].speed = schedule.speed(i);
+  add_reports();
   if (!wanted) throw Error(Status::cancelled, "cancelled during batch");
   if (schedule.unsettled() > 0) throw_reasons();
   PoolResult result;
@@ -126,57 +168,79 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   return result;
 }
 
+void DevicePool::add_reports() {
+  for (DeviceReport& report : reports_) {
+    report.problems = report.vertices = report.runs = 0;
+    report.milliseconds = 0;
+  }
+  for (Lane& lane : lanes_) {
+    DeviceReport& report = reports_[lane.device];
+    report.problems += lane.report.problems;
+    report.vertices += lane.report.vertices;
+    report.runs += lane.report.runs;
+    report.milliseconds += lane.report.milliseconds;
+    if (!report.lost) continue;
+    lane.primitives.reset();
+    lane.runtime.reset();
+  }
+}
+
 // Ends with the schedule, or with the device.
-void DevicePool::work(std::size_t device, Schedule& schedule, const BatchInput& batch, const Options& options) {
-  Worker& worker = workers_[device];
-  while (const std::shared_ptr<Pack> pack = schedule.take(device)) {
+void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
+  Lane& lane = lanes_[number];
+  while (const std::shared_ptr<Pack> pack = schedule.take(number)) {
     try {
-      run(device, schedule, pack, batch, options);
+      run(number, schedule, pack, batch, options);
       continue;
     } catch (const Error& error) {
-      settle(worker);
+      settle(lane);
       if (error.status() == Status::cancelled) {
         schedule.drop(pack);
         continue;
       }
       if (error.status() == Status::out_of_memory) {
-        worker.runtime->memory().trim();
-        schedule.too_large(device, pack, error);
+        lane.runtime->memory().trim();
+        schedule.too_large(number, pack, error);
         continue;
       }
-      lose(worker, error);
+      lose(lane.device, error);
     } catch (const std::exception& error) {
-      lose(worker, Error(Status::device_failed, std::string("the host failed it: ") + error.what()));
+      lose(lane.device, Error(Status::device_failed, std::string("the host failed it: ") + error.what()));
     }
-    schedule.lose(device, pack);
+    schedule.lose(number, pack);
   }
+  if (schedule.crowded_out(number)) {
+    lane.primitives->release();
+    lane.runtime->memory().trim();
+  }
+  schedule.end(number);
 }
 
 // Whatever has happened, nothing is left in the queue.
-void DevicePool::settle(Worker& worker) {
-  runtime::Runtime& runtime = *worker.runtime;
+void DevicePool::settle(Lane& lane) {
+  runtime::Runtime& runtime = *lane.runtime;
   runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
   runtime.tracer().clear();
-  worker.primitives->release();
+  lane.primitives->release();
 }
 
 // Problems with errors of their own are taken out and the rest is run again, which ends: there are fewer each time.
-void DevicePool::run(std::size_t device, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
+void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
                      const Options& options) {
-  Worker& worker = workers_[device];
+  Lane& lane = lanes_[number];
   Options own = options;
   own.progress = [&](const char*, double) { return !schedule.needless(pack); };
   std::vector<std::uint32_t> numbers = pack->problems;
   std::vector<std::pair<std::uint32_t, Error>> errors;
   const auto start = Clock::now();
-  const double built = worker.runtime->build_ms();
+  const double built = lane.runtime->build_ms();
   ForestResult result;
   while (!numbers.empty()) {
     try {
-      result = triangulate_forest(*worker.runtime, *worker.primitives, batch, numbers, own);
+      result = triangulate_forest(*lane.runtime, *lane.primitives, batch, numbers, own);
       break;
     } catch (const InvalidProblems& invalid) {
-      settle(worker);
+      settle(lane);
       std::vector<bool> out(numbers.size(), false);
       for (const auto& [place, error] : invalid.errors) {
         errors.emplace_back(numbers[place], error);
@@ -188,9 +252,9 @@ void DevicePool::run(std::size_t device, Schedule& schedule, const std::shared_p
       numbers.resize(kept);
     }
   }
-  const double ms = milliseconds_since(start) - (worker.runtime->build_ms() - built);
-  if (!schedule.finish(device, pack, std::move(result), std::move(errors), ms)) return;
-  DeviceReport& report = worker.report;
+  const double ms = milliseconds_since(start) - (lane.runtime->build_ms() - built);
+  if (!schedule.finish(number, pack, std::move(result), std::move(errors), ms)) return;
+  DeviceReport& report = lane.report;
   report.problems += pack->problems.size();
   for (const std::uint32_t p : pack->problems) report.vertices += batch.n(p);
   ++report.runs;

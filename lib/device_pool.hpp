@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any set of OpenCL devices, of any platforms, at one batch: each with its own context or the application's, queue,
-// memory, programs, and thread. Contexts cannot span platforms, so everything goes through host memory.
+// Any set of OpenCL devices, of any platforms, at one batch: each with its own context or the application's, and one or
+// more lanes. Contexts cannot span platforms, so everything goes through host memory.
 #pragma once
 
 #include "schedule.hpp"
@@ -38,28 +38,35 @@ class DevicePool {
   /// status that all failed with, naming every device's reason.
   PoolResult triangulate(const BatchInput& batch, const Options& options);
 
-  std::size_t size() const { return workers_.size(); }
-  const DeviceReport& report(std::size_t device) const { return workers_[device].report; }
+  std::size_t size() const { return reports_.size(); }
+  const DeviceReport& report(std::size_t device) const { return reports_[device]; }
 
  private:
-  struct Worker {
+  /// One stream of runs on a device: a queue, memory, programs, and in calls a thread. While one lane's results go to
+  /// the host, and the host puts its next problems together, the device works for another.
+  struct Lane {
+    std::size_t device = 0;
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
-    DeviceReport report;
     double speed = 0;
+    DeviceReport report;  ///< its part in the last batch
   };
-  void work(std::size_t device, Schedule& schedule, const BatchInput& batch, const Options& options);
-  void run(std::size_t device, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
+  void open(Member member, std::size_t device);
+  std::vector<LaneShare> shares() const;
+  void work(std::size_t lane, Schedule& schedule, const BatchInput& batch, const Options& options);
+  void run(std::size_t lane, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
            const Options& options);
-  void settle(Worker& worker);
-  void lose(Worker& worker, const Error& error);
+  void settle(Lane& lane);
+  void lose(std::size_t device, const Error& error);
+  void add_reports();
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
 
-  std::mutex callbacks_;
+  std::mutex mutex_;  ///< of callbacks and of losses
   runtime::Log log_;
   Trace trace_;
-  std::vector<Worker> workers_;
+  std::vector<DeviceReport> reports_;
+  std::vector<Lane> lanes_;
 };
 
 }  // namespace gcdt

@@ -30,6 +30,16 @@ bool usable(const cl::Device& device) {
   return major > 1 || (major == 1 && minor >= 2);
 }
 
+cl::Device part_of(const cl::Device& device, std::uint32_t left) {
+  const cl_uint units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>(), kept = units > left ? units - left : 1;
+  const cl_device_partition_property counts[] = {CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_int>(kept),
+                                                 CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+  std::vector<cl::Device> parts;
+  cl::Device whole = device;
+  if (kept >= units || whole.createSubDevices(counts, &parts) != CL_SUCCESS || parts.size() != 1) return device;
+  return parts[0];
+}
+
 std::vector<cl::Device> all_devices() {
   // These calls return codes, they do not throw: no driver at all, or a platform that fails, only
   // leaves its list empty.

@@ -47,6 +47,12 @@ device::Scale make_scale(std::array<std::uint64_t, 2> origin, std::uint64_t five
   for (int axis = 0; axis < 2; ++axis) {
     scale.origin[axis] = origin[axis];
     scale.origin_fits[axis] = device::gcdt_place(origin[axis], five, scale.offset, scale.origin_window[axis]);
+    std::uint64_t low = 0, high = 0;
+    scale.fixed_point[axis] =
+        scale.power_of_two && five == 1 && device::gcdt_fixed(origin[axis], scale.offset, &low, &high);
+    const bool minus = origin[axis] & GCDT_SIGN_BIT;
+    scale.origin_fixed[axis][0] = minus ? ~low + 1 : low;
+    scale.origin_fixed[axis][1] = minus ? ~high + (low == 0 ? 1 : 0) : high;
   }
   return scale;
 }

@@ -272,6 +272,10 @@ bool usable(const cl::Device& device);
 /// All usable devices of all platforms, in the order of gcdt_device_get.
 std::vector<cl::Device> all_devices();
 
+/// A sub-device of `device` with all but `left` of its compute units, at least one; `device` itself if it has one or
+/// cannot be divided.
+cl::Device part_of(const cl::Device& device, std::uint32_t left);
+
 /// See gcdt_device_select; `ambiguous` may be null.
 std::size_t choose_device(const std::string& spec, bool* ambiguous);
 

@@ -9,8 +9,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A device whose speed is not known gets so much first: enough to tell, little enough to lose no time on a slow one.
-constexpr std::uint64_t first_weight = 20000;
+// A lane whose speed is not known gets so much first: enough to tell, little enough to lose no time on a slow one.
+constexpr double first_weight = 20000;
 // A pack should take so long at least: below, launches that find no work are the time.
 constexpr double least_milliseconds = 20;
 // A thief must be sure to win.
@@ -26,8 +26,7 @@ std::chrono::nanoseconds nanoseconds(double milliseconds) {
 
 }  // namespace
 
-Schedule::Schedule(const BatchInput& batch, std::vector<DeviceShare> devices)
-    : batch_(batch), devices_(std::move(devices)) {
+Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batch_(batch), lanes_(std::move(lanes)) {
   places.resize(batch.problems);
   errors.resize(batch.problems);
   unsettled_ = batch.problems;
@@ -58,48 +57,65 @@ std::uint64_t Schedule::bytes(const Pack& pack) const {
   return forest_bytes(pack.problems.size(), n, m);
 }
 
-std::shared_ptr<Pack> Schedule::take(std::size_t device) {
+std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
   Lock lock(mutex_);
-  // Ends: a device waits only while another runs, and every run ends; each settles problems, shrinks a capacity or
-  // loses a device.
+  // Ends: a lane waits only while another runs or ends, and every run ends; each settles problems, shrinks a capacity,
+  // or makes lanes end.
   for (;;) {
-    if (cancelled_ || devices_[device].lost || unsettled_ == 0) return nullptr;
-    if (auto pack = cut(device)) return pack;
-    if (auto pack = steal(device)) return pack;
-    if (running_.empty()) {
-      refuse_what_is_too_large();
-      changed_.notify_all();
-      if (unsettled_ == 0) return nullptr;
+    if (cancelled_ || lanes_[lane].lost || unsettled_ == 0) return nullptr;
+    if (!must_wait(lane)) {
+      if (auto pack = cut(lane)) return pack;
+      if (auto pack = steal(lane)) return pack;
+      if (running_.empty()) {
+        refuse_what_is_too_large();
+        changed_.notify_all();
+        if (unsettled_ == 0) return nullptr;
+      }
     }
     changed_.wait_for(lock, glance);
   }
 }
 
+// Of a pack of several problems, as far as the lane alone is concerned.
+double Schedule::wanted_weight(std::size_t lane) const {
+  const LaneShare& share = lanes_[lane];
+  const auto rest = static_cast<double>(waiting_weight_);
+  double speeds = 0, alive = 0;
+  bool alike = true;
+  for (const LaneShare& other : lanes_) {
+    if (other.lost) continue;
+    speeds += other.speed, ++alive;
+    alike = alike && other.device == share.device;
+  }
+  if (alive == 1) return rest;
+  const double least = share.speed > 0 ? share.speed * least_milliseconds : first_weight;
+  if (alike) return std::max(least, rest / alive / 2);
+  return share.speed > 0 ? std::max(least, rest * share.speed / speeds / 2) : std::min(least, rest / alive);
+}
+
+// Lanes that are to end still have memory.
+bool Schedule::must_wait(std::size_t lane) const {
+  return std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& other) {
+    return other.device == lanes_[lane].device && other.lost && !other.ended;
+  });
+}
+
 // From the largest that fits on.
-std::shared_ptr<Pack> Schedule::cut(std::size_t device) {
-  const DeviceShare& share = devices_[device];
+std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
+  const LaneShare& share = lanes_[lane];
   const auto begin = std::partition_point(waiting_.begin(), waiting_.end(),
                                           [&](std::uint32_t p) { return bytes(p) > share.capacity; });
   if (begin == waiting_.end()) return nullptr;
-  double speeds = 0;
-  std::size_t alive = 0;
-  for (const DeviceShare& other : devices_)
-    if (!other.lost) speeds += other.speed, ++alive;
-  double wanted = std::min<double>(first_weight, static_cast<double>(waiting_weight_) / static_cast<double>(alive));
-  if (alive == 1)
-    wanted = static_cast<double>(waiting_weight_);
-  else if (share.speed > 0)
-    wanted =
-        std::max(share.speed * least_milliseconds, static_cast<double>(waiting_weight_) * share.speed / speeds / 2);
-  wanted = std::min(wanted, static_cast<double>(share.most_weight));
+  const double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
   auto pack = std::make_shared<Pack>();
+  const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
   std::uint64_t n = 0, m = 0;
   auto end = begin;
   for (; end != waiting_.end(); ++end) {
     const std::uint64_t more_n = n + batch_.n(*end), more_m = m + batch_.m(*end);
     const std::uint64_t problems = pack->problems.size() + 1;
     if (problems > 1 && (static_cast<double>(pack->weight + weight(*end)) > wanted ||
-                         more_n + problems > most_vertices || forest_bytes(problems, more_n, more_m) > share.capacity))
+                         more_n + problems > most_vertices || forest_bytes(problems, more_n, more_m) > most_bytes))
       break;
     pack->problems.push_back(*end);
     pack->weight += weight(*end);
@@ -107,42 +123,42 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t device) {
   }
   waiting_.erase(begin, end);
   waiting_weight_ -= pack->weight;
-  start(device, pack, true);
+  start(lane, pack, true);
   return pack;
 }
 
-// The pack that is due last, if this device would be done with it well before.
-std::shared_ptr<Pack> Schedule::steal(std::size_t device) {
-  const DeviceShare& share = devices_[device];
+// The pack of another device that is due last, if this one would be done with it well before.
+std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
+  const LaneShare& share = lanes_[lane];
   if (share.speed <= 0) return nullptr;
   std::shared_ptr<Pack> latest;
   for (const auto& pack : running_)
-    if (!pack->done && pack->runners == 1 && pack->owner != device && pack->due != Clock::time_point() &&
-        (!latest || pack->due > latest->due))
+    if (!pack->done && pack->runners == 1 && lanes_[pack->owner].device != share.device &&
+        pack->due != Clock::time_point() && (!latest || pack->due > latest->due))
       latest = pack;
   if (!latest) return nullptr;
   if (bytes(*latest) > share.capacity) return nullptr;
   const double own = static_cast<double>(latest->weight) / share.speed;
   if (Clock::now() + nanoseconds(own * theft_margin) >= latest->due) return nullptr;
-  start(device, latest, false);
+  start(lane, latest, false);
   return latest;
 }
 
-void Schedule::start(std::size_t device, const std::shared_ptr<Pack>& pack, bool first) {
+void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first) {
   ++pack->runners;
   if (!first) return;
-  pack->owner = device;
-  const double speed = devices_[device].speed;
+  pack->owner = lane;
+  const double speed = lanes_[lane].speed;
   pack->due = speed > 0 ? Clock::now() + nanoseconds(static_cast<double>(pack->weight) / speed) : Clock::time_point();
   running_.push_back(pack);
 }
 
-bool Schedule::finish(std::size_t device, const std::shared_ptr<Pack>& pack, ForestResult result,
+bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
                       std::vector<std::pair<std::uint32_t, Error>> own_errors, double milliseconds) {
   const Lock lock(mutex_);
   // The latest run counts most: sizes change in the course of a batch.
   const double measured = static_cast<double>(pack->weight) / std::max(milliseconds, 1e-3);
-  double& speed = devices_[device].speed;
+  double& speed = lanes_[lane].speed;
   speed = speed > 0 ? (speed + 2 * measured) / 3 : measured;
   const bool first = !pack->done;
   if (first) {
@@ -181,20 +197,44 @@ void Schedule::put_back(const std::shared_ptr<Pack>& pack) {
   waiting_weight_ += pack->weight;
 }
 
-void Schedule::too_large(std::size_t device, const std::shared_ptr<Pack>& pack, const Error& error) {
+void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error) {
   const Lock lock(mutex_);
+  if (crowd_out_others(lane)) {
+    put_back(pack);
+    return;
+  }
   const std::uint64_t needed = bytes(*pack);
   // Half of it, or less than its only problem.
-  devices_[device].capacity =
-      std::min(devices_[device].capacity,
-               pack->problems.size() > 1 ? std::max(needed / 2, bytes(pack->problems[0])) : needed - 1);
+  lanes_[lane].capacity = std::min(
+      lanes_[lane].capacity, pack->problems.size() > 1 ? std::max(needed / 2, bytes(pack->problems[0])) : needed - 1);
   shortage_ = error;
   put_back(pack);
 }
 
-void Schedule::lose(std::size_t device, const std::shared_ptr<Pack>& pack) {
+// Whether the lane was not the only one of its device, or is itself to end.
+bool Schedule::crowd_out_others(std::size_t lane) {
+  bool shared = lanes_[lane].lost;
+  for (std::size_t other = 0; other < lanes_.size(); ++other)
+    if (other != lane && lanes_[other].device == lanes_[lane].device && !lanes_[lane].lost && !lanes_[other].lost)
+      shared = lanes_[other].lost = lanes_[other].crowded_out = true;
+  return shared;
+}
+
+bool Schedule::crowded_out(std::size_t lane) {
   const Lock lock(mutex_);
-  devices_[device].lost = true;
+  return lanes_[lane].crowded_out;
+}
+
+void Schedule::end(std::size_t lane) {
+  const Lock lock(mutex_);
+  lanes_[lane].lost = lanes_[lane].ended = true;
+  changed_.notify_all();
+}
+
+void Schedule::lose(std::size_t lane, const std::shared_ptr<Pack>& pack) {
+  const Lock lock(mutex_);
+  for (LaneShare& other : lanes_)
+    if (other.device == lanes_[lane].device) other.lost = true;
   if (pack) put_back(pack);
   changed_.notify_all();
 }
@@ -218,7 +258,7 @@ void Schedule::cancel() {
 // Nobody runs, and somebody who lives has been asked: what all that live have no memory for is refused.
 void Schedule::refuse_what_is_too_large() {
   std::uint64_t most = 0;
-  for (const DeviceShare& share : devices_)
+  for (const LaneShare& share : lanes_)
     if (!share.lost) most = std::max(most, share.capacity);
   while (!waiting_.empty() && bytes(waiting_.front()) > most) {
     const std::uint32_t p = waiting_.front();
@@ -233,16 +273,16 @@ void Schedule::refuse_what_is_too_large() {
 double Schedule::wait() {
   Lock lock(mutex_);
   const auto nobody = [&] {
-    return std::all_of(devices_.begin(), devices_.end(), [](const DeviceShare& share) { return share.lost; });
+    return std::all_of(lanes_.begin(), lanes_.end(), [](const LaneShare& share) { return share.lost; });
   };
   if (unsettled_ > 0 && !nobody()) changed_.wait_for(lock, beat);
   if (unsettled_ == 0 || nobody()) return 1;
   return static_cast<double>(settled_weight_) / static_cast<double>(weight_);
 }
 
-double Schedule::speed(std::size_t device) {
+double Schedule::speed(std::size_t lane) {
   const Lock lock(mutex_);
-  return devices_[device].speed;
+  return lanes_[lane].speed;
 }
 
 }  // namespace gcdt

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who triangulates what: a batch's problems shared out to devices, largest first, by measured speed.
+// Who triangulates what: a batch's problems shared out to the lanes of devices, largest first, by measured speed.
 #pragma once
 
 #include <chrono>
@@ -13,55 +13,64 @@
 
 namespace gcdt {
 
-/// Problems that go to a device together.
+/// Problems that go to a lane together.
 struct Pack {
   std::vector<std::uint32_t> problems;
   std::uint64_t weight = 0;  ///< vertices and constraints, and one for each problem
   // Under the schedule's lock:
   bool done = false;
-  unsigned runners = 0;                       ///< devices at it
-  std::size_t owner = 0;                      ///< the device that took it first
+  unsigned runners = 0;                       ///< lanes at it
+  std::size_t owner = 0;                      ///< the lane that took it first
   std::chrono::steady_clock::time_point due;  ///< when the owner should be done; the epoch: it cannot be said
 };
 
-/// What devices are to the schedule.
-struct DeviceShare {
-  std::uint64_t capacity = 0;     ///< bytes; a pack that needs more is not taken
-  std::uint64_t most_weight = 0;  ///< of a pack of several problems
+/// What a lane, one stream of runs on a device, is to the schedule.
+struct LaneShare {
+  std::size_t device = 0;         ///< lanes of one device are alike, share its memory and are lost together
+  std::uint64_t capacity = 0;     ///< bytes; a problem that needs more is not taken
+  std::uint64_t most_bytes = 0;   ///< of a pack of several problems
+  std::uint64_t most_weight = 0;  ///< likewise
   double speed = 0;               ///< weight a millisecond; 0: not measured yet
-  bool lost = false;
+  bool lost = false;              ///< takes nothing any more
+  bool crowded_out = false;       ///< since another lane of the device needs its memory
+  bool ended = false;             ///< is gone, and so is its memory if it was crowded out
 };
 
 /// One batch on its way. All members may be called by all workers.
 ///
-/// A device takes from the front of a list in order of size, half of what its speed would give it of the rest (if it is
-/// alone, all that it can take at once), so packs shrink towards the end. When the list is empty a device that would be
-/// done with a pack before the one that has it takes it as well; the first result counts, the other run is cancelled. A
-/// pack that comes back, since its device is lost or has too little memory, goes into the list again. Every problem is
-/// settled once: by the first result of its pack, or by an error of its own.
+/// A lane takes from the front of a list in order of size, half of what its speed would give it of the rest (if it is
+/// alone, all that it can take at once), so packs shrink towards the end. When the list is empty a lane that would be
+/// done with a pack before the other device that has it takes it as well; the first result counts, the other run is
+/// cancelled. A pack that comes back, since its device is lost or has too little memory, goes into the list again.
+/// Every problem is settled once: by the first result of its pack, or by an error of its own.
 class Schedule {
  public:
-  Schedule(const BatchInput& batch, std::vector<DeviceShare> devices);
+  Schedule(const BatchInput& batch, std::vector<LaneShare> lanes);
 
-  /// The next pack for the device; null when nothing is left to do for it. Blocks while others may bring work back.
-  std::shared_ptr<Pack> take(std::size_t device);
-  /// The device's result for the pack, with the errors of problems (batch numbers) that it lacks. False if another was
+  /// The next pack for the lane; null when nothing is left to do for it. Blocks while others may bring work back.
+  std::shared_ptr<Pack> take(std::size_t lane);
+  /// The lane's result for the pack, with the errors of problems (batch numbers) that it lacks. False if another was
   /// first. `milliseconds`: what the run took.
-  bool finish(std::size_t device, const std::shared_ptr<Pack>& pack, ForestResult result,
+  bool finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
               std::vector<std::pair<std::uint32_t, Error>> errors, double milliseconds);
-  /// The device has too little memory for it: it takes only smaller ones from now on.
-  void too_large(std::size_t device, const std::shared_ptr<Pack>& pack, const Error& error);
-  /// The device is lost; it may have a pack.
-  void lose(std::size_t device, const std::shared_ptr<Pack>& pack);
+  /// The device has too little memory for it. If other lanes share that, they take nothing any more, and this one goes
+  /// on when they have ended; else it takes only smaller ones from now on.
+  void too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error);
+  /// The device of the lane is lost; the lane may have a pack, and others of the device may end theirs.
+  void lose(std::size_t lane, const std::shared_ptr<Pack>& pack);
   /// Given up, since the pack is done or all is cancelled.
   void drop(const std::shared_ptr<Pack>& pack);
+  /// The last that a lane calls.
+  void end(std::size_t lane);
+  /// Whether the lane has to give its memory back before it ends.
+  bool crowded_out(std::size_t lane);
   /// Whether a run of the pack may stop.
   bool needless(const std::shared_ptr<Pack>& pack);
   void cancel();
 
   /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all is.
   double wait();
-  double speed(std::size_t device);
+  double speed(std::size_t lane);
 
   /// By problem, when all is settled: the result and its place there, or an error.
   struct Place {
@@ -78,9 +87,12 @@ class Schedule {
   std::uint64_t bytes(const Pack& pack) const;
   std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + 1; }
   bool before(std::uint32_t p, std::uint32_t q) const;
-  std::shared_ptr<Pack> cut(std::size_t device);
-  std::shared_ptr<Pack> steal(std::size_t device);
-  void start(std::size_t device, const std::shared_ptr<Pack>& pack, bool first);
+  double wanted_weight(std::size_t lane) const;
+  bool must_wait(std::size_t lane) const;
+  bool crowd_out_others(std::size_t lane);
+  std::shared_ptr<Pack> cut(std::size_t lane);
+  std::shared_ptr<Pack> steal(std::size_t lane);
+  void start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first);
   void put_back(const std::shared_ptr<Pack>& pack);
   void stop_running(const std::shared_ptr<Pack>& pack);
   void settle(std::uint32_t p, std::optional<Error> error);
@@ -89,7 +101,7 @@ class Schedule {
   const BatchInput& batch_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<DeviceShare> devices_;
+  std::vector<LaneShare> lanes_;
   std::vector<std::uint64_t> bytes_;    ///< that each problem needs alone
   std::vector<std::uint32_t> waiting_;  ///< largest first
   std::uint64_t waiting_weight_ = 0, weight_ = 0, settled_weight_ = 0, unsettled_ = 0;

@@ -23,7 +23,11 @@ class Tracer {
   Tracer() = default;
   Tracer(Trace sink, std::string device) : sink_(std::move(sink)), device_(std::move(device)) {}
   bool on() const { return static_cast<bool>(sink_); }
-  std::uint32_t& device_number() { return device_number_; }
+  /// Spans of a further lane of a device have a number and a name of their own: they overlap the first one's.
+  void set_lane(std::uint32_t number, std::uint32_t lane) {
+    device_number_ = number;
+    if (lane > 0) device_ += ", lane " + std::to_string(lane + 1);
+  }
 
   /// Spans of launches are told while a phase lasts, as parts of it; phases nest.
   void begin_phase(const char* name);

@@ -238,7 +238,7 @@ TEST_CASE("a trace of a pool has every device's phases") {
   std::set<std::uint32_t> devices;
   std::set<std::string> phases;
   Pool two = make_pool(half_devices(), {}, [&](const TraceSpan& span) {
-    devices.insert(span.device_number);
+    devices.insert(span.device_number % 2);  // and lanes
     phases.insert(span.phase);
   });
   two.triangulate(batch_of(std::vector<Workload>(3000, workload("random_pslg", 4))));
@@ -378,4 +378,70 @@ TEST_CASE("when all devices fail, the error has every device's reason") {
     CHECK(first != std::string::npos);
     CHECK(message.find("clCreateContext", first + 1) != std::string::npos);
   }
+}
+
+namespace {
+
+std::vector<Workload> valid_problems() {
+  std::vector<Workload> valid = corpus({"ok"});
+  for (int i = 0; i < 40; ++i) valid.push_back(workload("random_pslg", 4 + std::size_t(i) % 5));
+  return valid;
+}
+
+}  // namespace
+
+TEST_CASE("two lanes on one device give the bytes of one, also when a call of either fails") {
+  std::vector<Workload> problems = valid_problems();
+  problems.push_back(uniform(30000));
+  const RaggedBatch batch(problems);
+  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const auto two_lanes = [&](std::uint64_t k, bool for_good, cl_int code) {
+    runtime::CallHook hook = failing(calls, k, for_good, code);
+    hook.tuning.lanes = 2;
+    return hook;
+  };
+  *calls = 0;
+  DevicePool pool({{cl::Context(), test_device(), two_lanes(0, false, 0)}}, {}, {});
+  REQUIRE(pool.size() == 1);
+  for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
+    CHECK(outcome_of(pool, batch, expected).right);
+    CHECK(pool.report(0).problems == problems.size());
+    CHECK(pool.report(0).runs >= 2);
+  }
+  const std::uint64_t all = *calls / 2;
+  for (std::uint64_t k = 1; k < all; k += 1 + all / 40) {
+    CAPTURE(k);
+    *calls = 0;
+    // Once without memory, which may be the other lane's fault; or lost.
+    const bool for_good = k % 2 == 0;
+    const cl_int code = for_good ? CL_INVALID_COMMAND_QUEUE : CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    runtime::CallHook healthy;
+    healthy.keep_programs = true;
+    DevicePool both(
+        {{cl::Context(), test_device(), two_lanes(k, for_good, code)}, {cl::Context(), test_device(), healthy}}, {},
+        {});
+    const Outcome outcome = outcome_of(both, batch, expected);
+    CAPTURE(outcome.message);
+    CHECK(outcome.right);
+    CHECK(both.report(0).problems + both.report(1).problems == problems.size());
+  }
+}
+
+TEST_CASE("a device may be used but for some of its compute units") {
+  const cl::Device whole = test_device();
+  const cl_uint units = whole.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
+  const cl::Device part = runtime::part_of(whole, 1);
+  cl::Device other = whole;
+  const cl_device_partition_property one[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, CL_DEVICE_PARTITION_BY_COUNTS_LIST_END,
+                                              0};
+  std::vector<cl::Device> parts;
+  const bool divides = units > 1 && other.createSubDevices(one, &parts) == CL_SUCCESS;
+  CHECK(part.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>() == (divides ? units - 1 : units));
+  CHECK(runtime::part_of(whole, 1000).getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>() == (divides ? 1 : units));
+  CHECK(runtime::part_of(whole, 0)() == whole());
+  const std::vector<Workload> problems = valid_problems();
+  DevicePool pool({{cl::Context(), part, {}}}, {}, {});
+  const Alone alone(problems);
+  CHECK(outcome_of(pool, RaggedBatch(problems), alone.meshes).right);
 }

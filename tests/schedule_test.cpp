@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who gets which problems of a batch: every problem settled once, whatever lanes do.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <numeric>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "schedule.hpp"
+
+using namespace gcdt;
+
+namespace {
+
+/// Problems of so many vertices and no constraints; nobody reads them.
+struct Sizes {
+  std::vector<std::uint64_t> vertex_offsets = {0}, constraint_offsets;
+
+  explicit Sizes(const std::vector<std::uint64_t>& sizes) {
+    for (const std::uint64_t n : sizes) vertex_offsets.push_back(vertex_offsets.back() + n);
+    constraint_offsets.assign(vertex_offsets.size(), 0);
+  }
+  BatchInput view() const {
+    return {vertex_offsets.size() - 1, Points::Type::float64, nullptr, vertex_offsets.data(), nullptr,
+            constraint_offsets.data()};
+  }
+};
+
+LaneShare lane(std::size_t device, double speed = 0, std::uint64_t capacity = std::uint64_t{1} << 40) {
+  LaneShare share;
+  share.device = device;
+  share.capacity = share.most_bytes = capacity;
+  share.most_weight = std::uint64_t{1} << 24;
+  share.speed = speed;
+  return share;
+}
+
+ForestResult result_of(const Pack& pack) {
+  ForestResult result;
+  result.problems = pack.problems;
+  return result;
+}
+
+void finish(Schedule& schedule, std::size_t number, const std::shared_ptr<Pack>& pack, double milliseconds = 1) {
+  schedule.finish(number, pack, result_of(*pack), {}, milliseconds);
+}
+
+/// Every problem has one place in the results, where its number stands, or an error.
+void check_settled(const Schedule& schedule, std::size_t problems) {
+  CHECK(schedule.unsettled() == 0);
+  for (std::size_t p = 0; p < problems; ++p) {
+    if (schedule.errors[p]) continue;
+    const Schedule::Place place = schedule.places[p];
+    REQUIRE(place.result < schedule.results.size());
+    REQUIRE(place.place < schedule.results[place.result].problems.size());
+    CHECK(schedule.results[place.result].problems[place.place] == p);
+  }
+}
+
+Error shortage() { return Error(Status::out_of_memory, "made up"); }
+
+}  // namespace
+
+TEST_CASE("a lane that is alone takes everything at once, largest first") {
+  const Sizes sizes({5, 100, 7, 100, 1});
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0)});
+  const auto pack = schedule.take(0);
+  REQUIRE(bool(pack));
+  CHECK(pack->problems == std::vector<std::uint32_t>{1, 3, 2, 0, 4});
+  finish(schedule, 0, pack);
+  CHECK(bool(schedule.take(0)) == false);
+  check_settled(schedule, 5);
+}
+
+TEST_CASE("lanes of one device share the rest evenly, and packs shrink") {
+  const Sizes sizes(std::vector<std::uint64_t>(1000, 999));
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0, 100), lane(0, 100)});
+  const auto first = schedule.take(0), second = schedule.take(1);
+  CHECK(first->weight == 250 * 1000u);
+  CHECK(second->weight == 187 * 1000u);
+}
+
+TEST_CASE("a lane takes over a pack of a slow device, but none of its own device's") {
+  const Sizes sizes({500000, 400000, 300000});
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0, 1), lane(1, 1000), lane(1, 1000)});
+  const auto slow = schedule.take(0), second = schedule.take(1), third = schedule.take(2);
+  REQUIRE(bool(second));
+  REQUIRE(bool(third));
+  finish(schedule, 2, third, 300);
+  const auto stolen = schedule.take(2);
+  const bool same = stolen == slow;
+  CHECK(same);
+  finish(schedule, 2, stolen, 500);
+  CHECK(schedule.needless(slow));
+  CHECK(!schedule.needless(second));
+  CHECK(!schedule.finish(0, slow, result_of(*slow), {}, 1));
+  finish(schedule, 1, second);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(bool(schedule.take(i)) == false);
+  check_settled(schedule, 3);
+}
+
+TEST_CASE("a lane without memory has its neighbour end first, and is refused only when it is alone") {
+  const Sizes sizes({1000000, 10});
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0), lane(0)});
+  const auto large = schedule.take(0), small = schedule.take(1);
+  REQUIRE(large->problems == std::vector<std::uint32_t>{0});
+  schedule.too_large(0, large, shortage());
+  CHECK(schedule.crowded_out(1));
+  CHECK(!schedule.crowded_out(0));
+  std::atomic<bool> ended{false};
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    finish(schedule, 1, small);
+    CHECK(bool(schedule.take(1)) == false);
+    ended = true;
+    schedule.end(1);
+  });
+  auto again = schedule.take(0);
+  CHECK(ended);
+  CHECK(again->problems == large->problems);
+  other.join();
+  SUBCASE("then there is enough") { finish(schedule, 0, again); }
+  SUBCASE("then there is not") {
+    schedule.too_large(0, again, shortage());
+    CHECK(bool(schedule.take(0)) == false);
+    REQUIRE(schedule.errors[0]);
+    CHECK(schedule.errors[0]->status() == Status::out_of_memory);
+  }
+  CHECK(bool(schedule.take(0)) == false);
+  check_settled(schedule, 2);
+}
+
+TEST_CASE("both lanes of a device without memory: one goes on alone") {
+  const Sizes sizes({30000, 30000});
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0), lane(0)});
+  const auto a = schedule.take(0), b = schedule.take(1);
+  schedule.too_large(1, b, shortage());
+  schedule.too_large(0, a, shortage());  // crowded out meanwhile: no fault of the pack's
+  CHECK(bool(schedule.take(0)) == false);
+  schedule.end(0);
+  const auto both = schedule.take(1);
+  CHECK(both->problems.size() == 2);
+  finish(schedule, 1, both);
+  check_settled(schedule, 2);
+}
+
+TEST_CASE("a lost device's lanes end, and its work goes to others") {
+  const Sizes sizes(std::vector<std::uint64_t>(10, 9000));
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0), lane(0), lane(1)});
+  const auto a = schedule.take(0), b = schedule.take(1), c = schedule.take(2);
+  schedule.lose(0, a);
+  CHECK(bool(schedule.take(0)) == false);
+  finish(schedule, 1, b);  // what was running still counts
+  CHECK(bool(schedule.take(1)) == false);
+  finish(schedule, 2, c);
+  while (const auto rest = schedule.take(2)) finish(schedule, 2, rest);
+  check_settled(schedule, 10);
+}
+
+TEST_CASE("whatever lanes do, in any order, everything is settled once") {
+  std::mt19937 seeds(11);
+  for (int round = 0; round < 60; ++round) {
+    CAPTURE(round);
+    std::vector<std::uint64_t> given(1 + seeds() % 200);
+    for (auto& n : given) n = seeds() % (seeds() % 10 == 0 ? 100000 : 1000);
+    const Sizes sizes(given);
+    const BatchInput batch = sizes.view();
+    std::vector<LaneShare> shares;
+    for (std::size_t device = 0, count = 1 + seeds() % 3; device < count; ++device)
+      for (std::size_t i = 0, lanes = 1 + seeds() % 3; i < lanes; ++i)
+        shares.push_back(lane(device, seeds() % 2 ? 0 : 1 + seeds() % 1000, 40000000));
+    Schedule schedule(batch, shares);
+    std::vector<std::thread> threads;
+    // The last device's lanes never fail.
+    const std::size_t safe = shares.back().device;
+    for (std::size_t number = 0; number < shares.size(); ++number)
+      threads.emplace_back([&, number, random = std::mt19937(seeds())]() mutable {
+        while (const auto pack = schedule.take(number)) {
+          const auto chance = random() % 10;
+          if (chance < 2 && shares[number].device != safe) {
+            schedule.lose(number, pack);
+          } else if (chance < 4) {
+            schedule.too_large(number, pack, shortage());
+          } else if (chance < 6 && schedule.needless(pack)) {
+            schedule.drop(pack);
+          } else {
+            std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+            finish(schedule, number, pack, 0.01 + static_cast<double>(random() % 100));
+          }
+        }
+        schedule.end(number);
+      });
+    for (std::thread& thread : threads) thread.join();
+    // A problem is refused only for want of memory.
+    check_settled(schedule, given.size());
+  }
+}
