@@ -28,6 +28,28 @@ kernel void clean_gather(uint count, global const uint* list, global const uint2
   FOR_EACH(i, count) to[i] = from[list[i]];
 }
 
+// One work-item per kept constraint. The same for their numbers. No race: each its own word.
+kernel void clean_gather_list(uint count, global const uint* list, global const uint* from, global uint* to) {
+  FOR_EACH(i, count) to[i] = from[list[i]];
+}
+
+// One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, and its own
+// number, to be sorted. No race: its own words.
+kernel void clean_ranks(uint count, GCDT_LEVELS_POINTER levels, global const uint2* ends, global uint* keys,
+                        global uint* places) {
+  FOR_EACH(i, count) {
+    keys[i] = gcdt_rank_of_vertex(levels, ends[i].x);
+    places[i] = i;
+  }
+}
+
+// One work-item per kept constraint, in any order. Writes how many pieces it becomes at places[c]. No race: places is a
+// permutation. After the scan: where the pieces of the constraint at each place begin.
+kernel void clean_count(uint count, global const uint* begins, global const uint* offsets, global const uint* places,
+                        global uint* pieces) {
+  FOR_EACH(c, count) pieces[places[c]] = offsets[begins[c + 1u]] - offsets[begins[c]] + 1u;
+}
+
 // One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
 // (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1, only parts that have some). No race: each
 // part has its own word, or its own range; faces crossed are added to their constraint's count. After: counts[part] for
@@ -78,23 +100,25 @@ static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, ui
 
 // One work-item per part. A constraint with hits h1 .. hk becomes the pieces a-h1, h1-h2, .. hk-b. Each
 // part writes the pieces that end in its hits, the last part also the final one: piece number = hits
-// before it + constraints before it, so no two write the same word. After: keys = (rank, rank) of the
-// ends, lower first, and the source of every piece, in order of the sources; of a constraint's crossed faces what
-// comes to each of its pieces.
-kernel void clean_pieces(uint pieces, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
+// before it + constraints before it, among all that are ascending (firsts, at places, where the list is along the
+// curve), so no two write the same word. After: keys = (rank, rank) of the ends, lower first, and the source of every
+// piece, in order of the sources; of a constraint's crossed faces what comes to each of its pieces.
+kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
                          global const uint* begins, global const uint* offsets, global const uint* hits,
-                         global const uint* list, global ulong* keys, global uint* sources, global uint* crossed) {
+                         global const uint* list, global const uint* places, global const uint* firsts,
+                         global ulong* keys, global uint* sources, global uint* crossed) {
   const uint parts = begins[pieces];
   FOR_EACH(part, parts) {
     const uint c = piece_of_part(begins, pieces, part);
     const uint first = offsets[begins[c]], last = offsets[part + 1u];
+    const uint at = along_curve ? firsts[places[c]] : first + c;
     uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];
     for (uint i = offsets[part]; i < last; ++i) {
-      write_piece(levels, bits, before, hits[i], list[c], i + c, keys, sources);
+      write_piece(levels, bits, before, hits[i], list[c], at + (i - first), keys, sources);
       before = hits[i];
     }
     if (part + 1u != begins[c + 1u]) continue;
-    write_piece(levels, bits, before, ends[c].y, list[c], last + c, keys, sources);
+    write_piece(levels, bits, before, ends[c].y, list[c], at + (last - first), keys, sources);
     crossed[list[c]] = crossed[list[c]] / (last - first + 1u);
   }
 }

@@ -47,7 +47,36 @@ Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
   result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
   primitives_.compact_indices(kept, result.list, count_);
   runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, result.ends);
+  result.along_curve = runtime_.tuning().walk_along_curve.value_or(runtime_.contiguous());
+  if (result.along_curve) put_along_curve(result);
   return result;
+}
+
+// Constraints that lie side by side cross the same faces: a thread that walks them one after the other has these in its
+// cache.
+void Cleaner::put_along_curve(Kept& kept) {
+  auto keys = runtime_.allocate<cl_uint>("ranks of constraints", kept.count);
+  auto places = runtime_.allocate<cl_uint>("places of constraints", kept.count);
+  runtime_.launch("clean", "clean_ranks", over(kept.count), kept.count, vertices_.levels_buffer, kept.ends, keys,
+                  places);
+  primitives_.sort(keys, places, kept.count, std::max(1u, bit_width(vertices_.n())));
+  auto list = runtime_.allocate<cl_uint>("list of constraints", kept.count);
+  auto ends = runtime_.allocate<cl_uint2>("ends of kept constraints", kept.count);
+  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, places, kept.ends, ends);
+  runtime_.launch("clean", "clean_gather_list", over(kept.count), kept.count, places, kept.list, list);
+  kept.list = std::move(list);
+  kept.ends = std::move(ends);
+  kept.places = std::move(places);
+}
+
+// Pieces are written in the order of their sources, in whatever order these were walked: sorting them keeps the sources
+// of equal ones ascending.
+void Cleaner::place_pieces(const Kept& kept, const Parts& parts, const runtime::Buffer<cl_uint>& offsets,
+                           runtime::Buffer<cl_uint>& firsts) {
+  firsts = runtime_.allocate<cl_uint>("first pieces of constraints", kept.along_curve ? kept.count + 1u : 0u);
+  if (!kept.along_curve) return;
+  runtime_.launch("clean", "clean_count", over(kept.count), kept.count, parts.begins, offsets, kept.places, firsts);
+  primitives_.exclusive_scan(firsts, firsts, kept.count);
 }
 
 CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
@@ -78,8 +107,11 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   const unsigned bits = std::max(1u, bit_width(vertices_.n()));
   auto keys = runtime_.allocate<cl_ulong>("keys of pieces", count);
   auto sources = runtime_.allocate<cl_uint>("sources of pieces", count);
-  runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(bits), vertices_.levels_buffer,
-                  kept.ends, parts.begins, offsets, hit_list, kept.list, keys, sources, crossed);
+  runtime::Buffer<cl_uint> firsts;
+  place_pieces(kept, parts, offsets, firsts);
+  runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(kept.along_curve), cl_uint(bits),
+                  vertices_.levels_buffer, kept.ends, parts.begins, offsets, hit_list, kept.list,
+                  kept.along_curve ? kept.places : kept.list, firsts, keys, sources, crossed);
   result.pieces = merge(vertices_, std::move(keys), std::move(sources), crossed, count, bits);
   return result;
 }

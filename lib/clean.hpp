@@ -33,10 +33,15 @@ class Cleaner {
  private:
   struct Kept {
     cl_uint count = 0;
-    runtime::Buffer<cl_uint> list;   ///< input constraints with a length, ascending
-    runtime::Buffer<cl_uint2> ends;  ///< their vertices
+    runtime::Buffer<cl_uint> list;    ///< input constraints with a length, ascending or along the curve
+    runtime::Buffer<cl_uint2> ends;   ///< their vertices
+    runtime::Buffer<cl_uint> places;  ///< along the curve: their places if they were ascending
+    bool along_curve = false;
   };
   Kept keep(const std::vector<cl_uint>& wanted);
+  void put_along_curve(Kept& kept);
+  void place_pieces(const Kept& kept, const Parts& parts, const runtime::Buffer<cl_uint>& offsets,
+                    runtime::Buffer<cl_uint>& firsts);
   Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
                const runtime::Buffer<cl_uint>& crossed, cl_uint count, unsigned bits);
 
