@@ -57,7 +57,8 @@ std::vector<Variant> variants(std::uint32_t vertices) {
     add("rounds a read " + std::to_string(rounds)).tuning.rounds_per_read = rounds;
   add("one work-item a constraint").tuning.part_pool = 0;
   for (const bool sorted : {false, true})
-    add(sorted ? "constraints cleaned along the curve" : "constraints cleaned as given").tuning.walk_along_curve = sorted;
+    add(sorted ? "constraints cleaned along the curve" : "constraints cleaned as given").tuning.walk_along_curve =
+        sorted;
   add("vertices shuffled").edit = shuffle_vertices;
   return all;
 }
