@@ -133,7 +133,7 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
   return same;
 }
 
-/// A batch with several runs at once on the device. Times are whole calls, which results alone do not tell.
+/// A batch with several runs at once on the device: as lanes, which share a context, or as if there were more devices.
 void run_lanes(const cl::Device& device, int runs) {
   const bench::SketchBatch batch = bench::sketches(100000);
   const BatchInput input = {batch.size(),
@@ -142,22 +142,26 @@ void run_lanes(const cl::Device& device, int runs) {
                             batch.vertex_offsets.data(),
                             batch.constraints.data(),
                             batch.constraint_offsets.data()};
-  std::printf("\n%zu sketches, %zu vertices\n\n| lanes | call ms | runs |\n|---|---|---|\n", batch.size(),
-              batch.vertices.size());
-  for (std::uint32_t lanes = 1; lanes <= 4; ++lanes) {
+  std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs |\n|---|---|---|---|\n",
+              batch.size(), batch.vertices.size());
+  const auto measure_lanes = [&](std::uint32_t lanes, std::size_t contexts) {
     runtime::CallHook hook;
     hook.tuning.lanes = lanes;
-    DevicePool pool({{cl::Context(), device, hook}}, {}, {});
+    DevicePool pool(std::vector<DevicePool::Member>(contexts, {cl::Context(), device, hook}), {}, {});
     std::vector<double> times;
     for (int i = -1; i < runs; ++i) {
       const double ms = pool.triangulate(input, {}).milliseconds;
       if (i >= 0) times.push_back(ms);
     }
     std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
-    std::printf("| %u | %.1f | %llu |\n", lanes, times[static_cast<std::size_t>(runs) / 2],
-                static_cast<unsigned long long>(pool.report(0).runs));
+    std::uint64_t packs = 0;
+    for (std::size_t i = 0; i < contexts; ++i) packs += pool.report(i).runs;
+    std::printf("| %u | %zu | %.1f | %llu |\n", lanes * static_cast<std::uint32_t>(contexts), contexts,
+                times[static_cast<std::size_t>(runs) / 2], static_cast<unsigned long long>(packs));
     std::fflush(stdout);
-  }
+  };
+  for (std::uint32_t lanes = 1; lanes <= 4; ++lanes) measure_lanes(lanes, 1);
+  for (std::size_t contexts = 2; contexts <= 3; ++contexts) measure_lanes(1, contexts);
 }
 
 }  // namespace
