@@ -56,6 +56,8 @@ std::vector<Variant> variants(std::uint32_t vertices) {
   for (const std::uint32_t rounds : {1u, 2u, 8u, 16u})
     add("rounds a read " + std::to_string(rounds)).tuning.rounds_per_read = rounds;
   add("one work-item a constraint").tuning.part_pool = 0;
+  for (const std::uint32_t crossings : {4u, 16u, 32u})
+    add("crossings a part " + std::to_string(crossings)).tuning.crossings_per_part = crossings;
   for (const bool sorted : {false, true})
     add(sorted ? "constraints cleaned along the curve" : "constraints cleaned as given").tuning.walk_along_curve =
         sorted;
@@ -114,8 +116,10 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
       bench::make(input, [](const std::vector<bench::Point>& points) { return triangulate(points).triangles; });
   std::printf("\n%s, %zu vertices, %zu constraints\n\n", input.name.c_str(), work.points.size(),
               work.constraints.size());
-  std::printf("| variant | core ms | of it as it is | insert rounds | flip rounds | flips | launches | reads |\n");
-  std::printf("|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| variant | core ms | of it as it is | cleaning ms | insert rounds | flip rounds | flips | launches | reads "
+      "|\n");
+  std::printf("|---|---|---|---|---|---|---|---|---|\n");
   Measured base;
   bool same = true;
   for (const Variant& variant : variants(static_cast<std::uint32_t>(work.points.size()))) {
@@ -123,8 +127,8 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
     if (base.core == 0) base = m;
     same = same && m.hash == base.hash;
     const Statistics& s = m.statistics;
-    std::printf("| %s%s | %.2f | %.2f | %llu | %llu | %llu | %llu | %llu |\n", variant.name.c_str(),
-                m.hash == base.hash ? "" : " OTHER TRIANGLES", m.core, m.core / base.core,
+    std::printf("| %s%s | %.2f | %.2f | %.2f | %llu | %llu | %llu | %llu | %llu |\n", variant.name.c_str(),
+                m.hash == base.hash ? "" : " OTHER TRIANGLES", m.core, m.core / base.core, s.ms.clean,
                 static_cast<unsigned long long>(s.rounds.insert), static_cast<unsigned long long>(s.rounds.flip),
                 static_cast<unsigned long long>(s.flips), static_cast<unsigned long long>(s.launches),
                 static_cast<unsigned long long>(s.read_backs));

@@ -98,11 +98,9 @@ std::string describe(const Row& row, const DeviceInfo& device, const std::string
   o.add("verified_by", s.n > largest_verified ? "device check and sample" : "verify").add("checked", row.options.check);
   o.add("same_bytes", row.same_bytes).add("runs", count(row.ms.size()));
   o.raw("core", text(core)).raw("full", text(full)).raw("call", text(spread(row.call_ms)));
-  std::vector<double> clean;  // the cleaning of constraints: part of insert + constrain + flip, not of core
-  for (const Ms& ms : row.ms) clean.push_back(ms.insert + ms.constrain + ms.flip - ms.core);
   Object phases;
   phases.add("order", median(row, &Ms::order)).add("insert", median(row, &Ms::insert));
-  phases.add("constrain", median(row, &Ms::constrain)).add("clean", std::max(0.0, spread(clean).median));
+  phases.add("constrain", median(row, &Ms::constrain)).add("clean", median(row, &Ms::clean));
   phases.add("flip", median(row, &Ms::flip)).add("check", median(row, &Ms::check));
   phases.add("output", spread(row.order_ms).median);
   phases.add("copy", median(row, &Ms::output) - spread(row.order_ms).median);

@@ -4,12 +4,10 @@
 // Two walks over the same parts: constrain_near finds the nearest piece at each end of every crossed
 // edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the farthest
 // cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl and stitch.cl.
-// Claim words in this phase: 0 = not crossed, 1 = crossed, 2 + h = crossed, hexagon h.
+// Claim words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed,
+// claim + 1 + h = crossed, hexagon h.
 #include "append.h"
 #include "near.h"
-
-#define FACE_CROSSED 1u
-#define FACE_HEXAGON 2u
 
 // One work-item per part. Writes near words by compare-and-exchange (reduce_piece: order cannot
 // matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
@@ -17,7 +15,8 @@
 // atomic_or). After: near and crossed faces are complete, or failure bits are set.
 kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, volatile global uint* edge_marks,
                            volatile global uint* near, global const uint2* ends, global const uint* begins,
-                           global uint* piece_edge, global uint* part_face, volatile global Counters* counters) {
+                           global uint* piece_edge, global uint* part_face, uint claim,
+                           volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
@@ -36,7 +35,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
         ++existing;
       } else {
-        *claim_word(mesh.face_data, w.face) = FACE_CROSSED;
+        *claim_word(mesh.face_data, w.face) = claim;
         ++pairs;
       }
     }
@@ -50,7 +49,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
       reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, ends, counters);
       event = walk_cross(&w, mesh, behind);
       // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
-      if (behind.corners.w != FACE_CROSSED) *claim_word(mesh.face_data, w.face) = FACE_CROSSED;
+      if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
       ++pairs;
     }
     if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);
@@ -63,13 +62,13 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
 }
 
 // One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets.
-kernel void constrain_crossed_faces(uint faces, global uint4* face_data, global uint* crossed,
+kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, global uint* crossed,
                                     volatile global Counters* counters) {
   DECLARE_APPENDER(list);
   const Appender list = make_appender(list_items, list_gathered, crossed, &counters->crossed_faces);
   FOR_EACH_TILE(tile, faces) {
     const uint t = tile + get_local_id(0);
-    if (t < faces && *claim_word(face_data, t) != 0u) append(list, t);
+    if (t < faces && *claim_word(face_data, t) >= claim) append(list, t);
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);
@@ -95,8 +94,8 @@ kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, g
 // One work-item per crossed face. A face whose three corners are each cut off by some piece, nearest to
 // it on both of its edges, is a hexagon: one hole triangle (paper, 6.5). Writes the face's own claim
 // word (hexagons are numbered by an atomic counter: any numbering does). After: counters->hexagons.
-kernel void constrain_hexagons(global const uint* crossed, global uint4* face_data, volatile global uint* near,
-                               volatile global Counters* counters) {
+kernel void constrain_hexagons(uint claim, global const uint* crossed, global uint4* face_data,
+                               volatile global uint* near, volatile global Counters* counters) {
   const uint count = counters->crossed_faces;
   FOR_EACH(i, count) {
     const uint t = crossed[i];
@@ -105,19 +104,19 @@ kernel void constrain_hexagons(global const uint* crossed, global uint4* face_da
     const uint a1 = *near_right(near, s.z), a2 = *near_left(near, s.y);
     const uint b1 = *near_right(near, s.x), b2 = *near_left(near, s.z);
     const uint c1 = *near_right(near, s.y), c2 = *near_left(near, s.x);
-    uint word = FACE_CROSSED;
+    uint word = claim;
     if (a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2)
-      word = FACE_HEXAGON + atomic_inc(&counters->hexagons);
+      word = claim + 1u + atomic_inc(&counters->hexagons);
     *claim_word(face_data, t) = word;
   }
 }
 
 // One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
-kernel void constrain_list_hexagons(uint count, global const uint* crossed, global uint4* face_data,
+kernel void constrain_list_hexagons(uint count, uint claim, global const uint* crossed, global uint4* face_data,
                                     global uint* hexagon_face) {
   FOR_EACH(i, count) {
     const uint word = *claim_word(face_data, crossed[i]);
-    if (word >= FACE_HEXAGON) hexagon_face[word - FACE_HEXAGON] = crossed[i];
+    if (word > claim) hexagon_face[word - claim - 1u] = crossed[i];
   }
 }
 
@@ -201,7 +200,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
                           global const uint* piece_edge, global const uint* part_face, global uint* counts_left,
                           global uint* counts_right, volatile global uint* far, global ChunkHead* heads,
-                          global uint2* entries, global uint2* last, volatile global Counters* counters) {
+                          global uint2* entries, global uint2* last, uint claim, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Chunks chunks;
@@ -230,8 +229,8 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
         if (owns_right(&w, near, c))
           own_vertex(chunks, &o, w.right, 1u,
                      chain_side(near, w.across_left, w.third_side == 0, w.across_right ^ 1u, c), counters);
-        if (w.third_side != 0 && word >= FACE_HEXAGON) {
-          volatile global uint* at = far + 3u * (word - FACE_HEXAGON) + cut_corner(&w);
+        if (w.third_side != 0 && word > claim) {
+          volatile global uint* at = far + 3u * (word - claim - 1u) + cut_corner(&w);
           Compared seen = nothing_compared();
           reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, ends, counters);
         }

@@ -27,13 +27,13 @@ kernel void parts_total(uint pieces, global const uint* weights, volatile global
 }
 
 // One work-item per piece. Reads the total weight; writes the piece's number of parts, at least 1. The
-// pool has one part for about eight crossed faces, `least` to `most`; their number is (total >> shift) * factor,
+// pool has one part for about `crossings` crossed faces, `least` to `most`; their number is (total >> shift) * factor,
 // exactly or on an evenly filled mesh. No race: each its own word. After: counts[c] >= 1, their sum is at most pieces +
 // most.
-kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint factor, global const uint* weights,
-                        global const uint* total, global uint* counts) {
+kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint factor, uint crossings,
+                        global const uint* weights, global const uint* total, global uint* counts) {
   const u64 whole = (u64)total[0] | ((u64)total[1] << 32);
-  const u64 expected = (whole >> shift) * factor / 8u + (u64)least;
+  const u64 expected = (whole >> shift) * factor / crossings + (u64)least;
   const u64 pool = expected < most ? expected : most;
   FOR_EACH(c, pieces) {
     // A weight and the pool are below 2^32.

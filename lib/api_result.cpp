@@ -118,7 +118,8 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.symbolic_chain_vertices = s.cases.symbolic_chain_vertices;
     c.device = s.device.c_str(), c.driver = s.driver.c_str();
     c.platform = s.platform.c_str(), c.version = s.version.c_str();
-    c.ms_domain = s.ms.domain, c.regions = s.regions, c.triangles_removed = s.triangles_removed;
+    c.ms_clean = s.ms.clean, c.ms_domain = s.ms.domain, c.regions = s.regions,
+    c.triangles_removed = s.triangles_removed;
     c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
     c.constraints_split = s.constraints_split, c.constraint_move = s.constraint_move;
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));

@@ -59,8 +59,7 @@ class Constraining {
   }
 
   void find_near() {
-    clear_claims(runtime_, mesh_, mesh_.faces());
-    mesh_.claims_below = 2 + std::uint64_t{mesh_.faces()};  // crossed faces and numbers of hexagons
+    take_claims();
     near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
     runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
     parts_ = parts_by_crossings(runtime_, primitives_, pieces_);
@@ -68,17 +67,25 @@ class Constraining {
     part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
     walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity),
                    std::make_tuple(pieces_.count, parts_.capacity), mesh_.edge_marks, near_, pieces_.ends,
-                   parts_.begins, piece_edge_, part_face_, counters_.buffer());
+                   parts_.begins, piece_edge_, part_face_, claim_, counters_.buffer());
+  }
+
+  // One claim for crossed faces, and one for each hexagon.
+  void take_claims() {
+    const std::uint64_t wanted = 1 + std::uint64_t{mesh_.faces()};
+    if (mesh_.claims_below + wanted > UINT32_MAX) clear_claims(runtime_, mesh_, mesh_.faces());
+    claim_ = static_cast<cl_uint>(std::max<std::uint64_t>(mesh_.claims_below, 1));
+    mesh_.claims_below = claim_ + wanted;
   }
 
   void list_crossed() {
     crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
     crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
-    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), mesh_.face_data,
+    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), claim_, mesh_.face_data,
                     crossed_, counters_.buffer());
     runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
                     crossed_edges_, counters_.buffer());
-    runtime_.launch("constrain", "constrain_hexagons", over(mesh_.faces()), crossed_, mesh_.face_data, near_,
+    runtime_.launch("constrain", "constrain_hexagons", over(mesh_.faces()), claim_, crossed_, mesh_.face_data, near_,
                     counters_.buffer());
   }
 
@@ -88,7 +95,7 @@ class Constraining {
     hexagons_ = counters_.last().hexagons;
     hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
     if (hexagons_ > 0)
-      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, crossed_,
+      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, claim_, crossed_,
                       mesh_.face_data, hexagon_face_);
     chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity + 1;
     chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
@@ -102,7 +109,7 @@ class Constraining {
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
                     chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
                     pieces_.ends, parts_.begins, piece_edge_, part_face_, left_start_, right_start_, far_, chunk_heads_,
-                    chunk_entries_, last_sides_, counters_.buffer());
+                    chunk_entries_, last_sides_, claim_, counters_.buffer());
     primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
     primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
   }
@@ -217,6 +224,7 @@ class Constraining {
   runtime::Buffer<device::MinimaLayers> layers_buffer_;
   device::MinimaLayers layers_ = {};
   cl_uint crossed_faces_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
+  cl_uint claim_ = 1;
   cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;
 };
 

@@ -73,7 +73,7 @@ void Pipeline::run_steps() {
   timed("flip", ms.flip, [&] { flip_all(); });
   ticker_.enter(flip_share, 1);
   output();
-  ms.core = sort_ms_ + ms.insert + ms.constrain - clean_ms_ + ms.flip;
+  ms.core = sort_ms_ + ms.insert + ms.constrain - ms.clean + ms.flip;
   ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain;
   ms.build = runtime_.build_ms() - built;
   statistics_.launches = runtime_.launches() - launches;
@@ -133,7 +133,7 @@ void Pipeline::constrain_all() {
   }
   ticker_.tick("constrain", 0);
   cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, constraints_, std::uint32_t(source_.n));
-  timed("clean", clean_ms_, [&] { clean({}); });
+  timed("clean", statistics_.ms.clean, [&] { clean({}); });
   ticker_.tick("constrain", 0.3);
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
@@ -195,7 +195,7 @@ void Pipeline::drop_crossings(const std::vector<Constraint>& crossings) {
   runtime_.write(result_.dropped, dropped.data(), dropped.size());
   std::vector<cl_uint> wanted(source_.m, 1);
   for (const std::uint32_t d : dropped) wanted[d] = 0;
-  timed("clean", clean_ms_, [&] { clean(wanted); });
+  timed("clean", statistics_.ms.clean, [&] { clean(wanted); });
   runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
   const ConstrainResult second = enforce();
   if (second.failed)
@@ -222,7 +222,7 @@ void Pipeline::split_crossings() {
     insert();
     cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, links,
                                          std::uint32_t(vertices_.input_vertex.size()));
-    timed("clean", clean_ms_, [&] { clean({}); });
+    timed("clean", statistics_.ms.clean, [&] { clean({}); });
     const ConstrainResult enforced = enforce();
     if (!enforced.failed) break;
     if (enforced.mesh_changed) insert();

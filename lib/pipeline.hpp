@@ -98,7 +98,7 @@ class Pipeline {
   std::unique_ptr<Cleaner> cleaner_;
   Pieces pieces_;
   runtime::Buffer<cl_int> turns_;  ///< by piece; for domains
-  double sort_ms_ = 0, clean_ms_ = 0;
+  double sort_ms_ = 0;
 };
 
 template <class Step>

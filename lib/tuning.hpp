@@ -16,6 +16,8 @@ struct Tuning {
   std::uint32_t rounds_per_read = 4;
   /// Parts of constraints beyond one each, at most; none: by the device (walk.cpp). 0: one work-item a constraint.
   std::optional<std::uint32_t> part_pool;
+  /// Crossed faces of a part, about: enough to be worth finding its first face.
+  std::uint32_t crossings_per_part = 8;
   /// Whether constraints are cleaned in the order of the curve; none: where a work-item is a thread.
   std::optional<bool> walk_along_curve;
   /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).

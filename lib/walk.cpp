@@ -27,8 +27,8 @@ Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtim
   runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("weight of pieces", 2);
   runtime.fill<cl_uint>(total, 0, 2);
   runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
-  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor, weights, total,
-                 parts.begins);
+  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor,
+                 cl_uint{runtime.tuning().crossings_per_part}, weights, total, parts.begins);
   primitives.exclusive_scan(parts.begins, parts.begins, pieces);
   return parts;
 }

@@ -23,7 +23,8 @@ Json grid_json(const Grid& grid) {
 Json milliseconds_json(const Statistics::Milliseconds& ms) {
   return {{"read", ms.read},   {"core", ms.core},   {"full", ms.full},     {"write", ms.write},
           {"build", ms.build}, {"order", ms.order}, {"insert", ms.insert}, {"constrain", ms.constrain},
-          {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}, {"domain", ms.domain}};
+          {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output}, {"domain", ms.domain},
+          {"clean", ms.clean}};
 }
 
 Json quality_json(const Quality& q) {

@@ -226,7 +226,7 @@ inline Statistics statistics(const gcdt_result* result) {
   s.cases.existing_edges = c.existing_edges, s.cases.pieces_walked = c.pieces_walked;
   s.cases.chain_vertices = c.chain_vertices, s.cases.holes = c.holes;
   s.cases.symbolic_chain_vertices = c.symbolic_chain_vertices;
-  s.ms.domain = c.ms_domain, s.regions = c.regions, s.triangles_removed = c.triangles_removed;
+  s.ms.clean = c.ms_clean, s.ms.domain = c.ms_domain, s.regions = c.regions, s.triangles_removed = c.triangles_removed;
   s.deepest = c.deepest, s.open_parity = c.open_parity, s.open_winding = c.open_winding;
   for (std::size_t i = 0; const char* note = gcdt_result_note(result, i); ++i) s.notes.emplace_back(note);
   return s;

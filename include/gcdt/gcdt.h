@@ -409,6 +409,7 @@ typedef struct gcdt_statistics {
   uint64_t open_parity, open_winding;           /* see GCDT_DOMAIN_...: 0 where borders are closed */
   uint64_t constraints_split;                   /* constraints that may have been moved by GCDT_CROSSING_SPLIT */
   double constraint_move; /* the largest distance of one from its edges, in the units of the input */
+  double ms_clean;        /* cleaning the constraints: part of the phases before, not of core */
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);

@@ -210,6 +210,7 @@ struct Statistics {
   struct Milliseconds {
     double read = 0, core = 0, full = 0, write = 0, build = 0;
     double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0, domain = 0;
+    double clean = 0;  ///< constraints; part of the phases before, not of core
   } ms;
   struct Rounds {
     std::uint64_t insert = 0, flip = 0;
