@@ -3,19 +3,18 @@
 // at every vertex on it (found by walking), equal pieces merged with the list of their sources.
 #include "walk.h"
 
-// One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in
-// which it is walked, and whether it
-// has a length. An index out of range is reported by atomic_min: the least one wins. No other race:
-// each its own words. After: kept[c] is 0 or 1; *bad is the least 2 c + end out of range or GCDT_NONE.
+// One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in which it is
+// walked, and whether it has a length. An index out of range is reported by atomic_min: the least one wins. No other
+// race: each its own words. After: kept[c] is 0 or 1; kept[count + 1] is the least 2 c + end out of range, or
+// GCDT_NONE.
 kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
-                      global const uint* wanted, uint all_wanted, global uint2* ends, global uint* kept,
-                      volatile global uint* bad) {
+                      global const uint* wanted, uint all_wanted, global uint2* ends, volatile global uint* kept) {
   FOR_EACH(c, count) {
     const uint2 in = constraints[c];
     kept[c] = 0u;
     ends[c] = (uint2)(0u, 0u);
     if (in.x >= inputs || in.y >= inputs) {
-      atomic_min(bad, 2u * c + (in.x >= inputs ? 0u : 1u));
+      atomic_min(kept + count + 1u, 2u * c + (in.x >= inputs ? 0u : 1u));
       continue;
     }
     ends[c] = walk_ends((uint2)(input_vertex[in.x], input_vertex[in.y]));
@@ -61,7 +60,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces], faces = gcdt_face_count(n);
-  uint steps = 0;
+  uint steps = 0, hit = 0;
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
     if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
@@ -87,8 +86,11 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
       if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
     }
     if (!emit) counts[part] = found;
+    hit += found;
   }
   add_for_group(&sum, &counters->steps_low, &counters->steps_high, emit ? 0u : steps);
+  hit = sum_of_group(&sum, hit);
+  if (get_local_id(0) == 0 && !emit && hit > 0u) atomic_add(&counters->hits, hit);
 }
 
 static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,

@@ -122,7 +122,7 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 
 // ---- Chains ----------------------------------------------------------------------------------------
 // All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
-// walk order, b. Part p of piece c starts at left_start[p] + 2c + 1; a and b have distance 0.
+// walk order, b. See left_begin; a and b have distance 0.
 //
 // How long each part's share is, is known after its walk. So the walk writes what it owns to chunks, taken from a
 // pool by an atomic counter, and each chunk knows its place within the part.
@@ -193,14 +193,14 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
 }
 
 // One work-item per part. Writes the vertices that the part owns to chunks, and how many are left and right (its own
-// words), marks known sides along chains with NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon
-// (reduce_piece). A piece that is an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k]
-// is complete; last[c] of each piece that was walked.
+// words, the right ones `capacity` behind), marks known sides along chains with NEAR_CHAIN, and reduces the farthest
+// cut at each corner of a hexagon (reduce_piece). A piece that is an edge already crosses nothing. After: counts, 0
+// beyond the last part; far[3 h + k] is complete; last[c] of each piece that was walked.
 kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS,
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
-                          global const uint* piece_edge, global const uint* part_face, global uint* counts_left,
-                          global uint* counts_right, volatile global uint* far, global ChunkHead* heads,
-                          global uint2* entries, global uint2* last, uint claim, volatile global Counters* counters) {
+                          global const uint* piece_edge, global const uint* part_face, global uint* counts,
+                          volatile global uint* far, global ChunkHead* heads, global uint2* entries, global uint2* last,
+                          uint claim, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Chunks chunks;
@@ -242,8 +242,8 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       if (piece_edge[c] == GCDT_NONE && part + 1u == begins[c + 1u] && event == WALK_END)
         last[c] = last_sides(&w, mesh, near, c);
     }
-    counts_left[part] = o.left;
-    counts_right[part] = o.right;
+    counts[part] = o.left;
+    counts[capacity + part] = o.right;
     all_left += o.left;
     all_right += o.right;
   }
@@ -251,6 +251,13 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
   if (get_local_id(0) == 0 && all_left > 0u) atomic_add(&counters->owned_left, all_left);
   all_right = sum_of_group(&sum, all_right);
   if (get_local_id(0) == 0 && all_right > 0u) atomic_add(&counters->owned_right, all_right);
+}
+
+// Where a part of piece c begins in the chains. The scan of both counts has all left ones before the right ones, and
+// each piece before c has two places for its ends on each side.
+static inline uint left_begin(global const uint* starts, uint part, uint c) { return starts[part] + 2u * c; }
+static inline uint right_begin(global const uint* starts, uint capacity, uint pieces, uint part, uint c) {
+  return starts[capacity + part] + 2u * (pieces + c);
 }
 
 typedef struct Chains {
@@ -277,12 +284,11 @@ static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, 
 
 // One work-item per chunk, and one per piece. Writes the chunk's vertices to its own range of the chains, the
 // piece's ends around its chains. After: the chains are complete.
-kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uint n, global const int2* points,
+kernel void constrain_chain(uint pieces, uint chunk_count, uint capacity, uint n, global const int2* points,
                             global const uint2* ends, global const uint* begins, global const uint* piece_edge,
-                            global const uint2* last_of_piece, global const uint* left_start,
-                            global const uint* right_start, global const ChunkHead* heads, global const uint2* entries,
-                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
-                            global uint* chain_side, volatile global Counters* counters) {
+                            global const uint2* last_of_piece, global const uint* starts, global const ChunkHead* heads,
+                            global const uint2* entries, global uint* chain_vertex, global ulong* chain_distances,
+                            global uint* chain_piece, global uint* chain_side, volatile global Counters* counters) {
   Chains chains;
   chains.vertex = chain_vertex;
   chains.distance = chain_distances;
@@ -292,8 +298,8 @@ kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uin
     const ChunkHead head = heads[i];
     const uint c = piece_of_part(begins, pieces, head.x);
     const Vertex a = load_vertex(points, n, ends[c].x), b = load_vertex(points, n, ends[c].y);
-    uint left = left_start[head.x] + 2u * c + 1u + head.y;
-    uint right = right_begin + right_start[head.x] + 2u * c + 1u + head.z;
+    uint left = left_begin(starts, head.x, c) + 1u + head.y;
+    uint right = right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z;
     for (uint j = 0; j < head.w; ++j) {
       const uint2 entry = entries[CHUNK_LENGTH * i + j];
       const uint v = entry.x >> 1;
@@ -306,10 +312,10 @@ kernel void constrain_chain(uint pieces, uint chunk_count, uint right_begin, uin
     const uint2 e = walk_ends(ends[c]);
     const uint first = begins[c], last = begins[c + 1u];
     const uint2 sides = piece_edge[c] == GCDT_NONE ? last_of_piece[c] : (uint2)(GCDT_NONE, GCDT_NONE);
-    write_chain(chains, left_start[first] + 2u * c, e.x, c, 0u, GCDT_NONE);
-    write_chain(chains, left_start[last] + 2u * c + 1u, e.y, c, 0u, sides.x);
-    write_chain(chains, right_begin + right_start[first] + 2u * c, e.x, c, 0u, GCDT_NONE);
-    write_chain(chains, right_begin + right_start[last] + 2u * c + 1u, e.y, c, 0u, sides.y);
+    write_chain(chains, left_begin(starts, first, c), e.x, c, 0u, GCDT_NONE);
+    write_chain(chains, left_begin(starts, last, c) + 1u, e.y, c, 0u, sides.x);
+    write_chain(chains, right_begin(starts, capacity, pieces, first, c), e.x, c, 0u, GCDT_NONE);
+    write_chain(chains, right_begin(starts, capacity, pieces, last, c) + 1u, e.y, c, 0u, sides.y);
   }
 }
 
@@ -331,11 +337,10 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
 // One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
 // just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
 // left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
-kernel void constrain_holes(uint hexagons, uint right_begin, GCDT_MESH_PARAMETERS, volatile global uint* near,
+kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
                             global const uint2* ends, global const uint* begins, global const uint* part_face,
-                            global const uint* left_start, global const uint* right_start, global const uint* far,
-                            global const uint* hexagon_face, global uint* hole_place,
-                            volatile global Counters* counters) {
+                            global const uint* starts, global const uint* far, global const uint* hexagon_face,
+                            global uint* hole_place, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(i, 3u * hexagons) {
     const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
@@ -351,8 +356,8 @@ kernel void constrain_holes(uint hexagons, uint right_begin, GCDT_MESH_PARAMETER
     const uint third = cut_right ? previous_corner(k) : next_corner(k), parts = begins[c + 1u] - begins[c];
     const uint part = part_that_crosses(mesh, a, b, element(corners, next_corner(third)),
                                         element(corners, previous_corner(third)), parts);
-    uint left = left_start[begins[c] + part] + 2u * c + 1u;
-    uint right = right_begin + right_start[begins[c] + part] + 2u * c + 1u;
+    uint left = left_begin(starts, begins[c] + part, c) + 1u;
+    uint right = right_begin(starts, capacity, pieces, begins[c] + part, c) + 1u;
     Walk w;
     uint event = walk_begin_in(&w, mesh, part_face[begins[c] + part], e.x, e.y, part, parts);
     // Ends: every edge crossed lies further along the piece.

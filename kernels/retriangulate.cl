@@ -21,6 +21,21 @@ static inline ulong layer_value(global const ulong* distances, global const ulon
   return l == 0u ? distances[i] : minima[layers->begin[l] + i];
 }
 
+// One work-item. Says how many layers there are over chains of so many places, and where they begin. Ends: lengths
+// fall, and 8 layers reach beyond 2^32 places.
+kernel void retriangulate_layers(uint length, global MinimaLayers* layers) {
+  FOR_EACH(one, 1u) {
+    uint count = 0, total = 0;
+    for (uint entries = length; count < GCDT_MINIMA_LAYERS; entries = (entries - 1u) / GCDT_MINIMA_RADIX + 1u) {
+      layers->length[count] = entries;
+      layers->begin[count] = total;
+      if (count++ > 0u) total += entries;
+      if (entries <= GCDT_MINIMA_RADIX) break;
+    }
+    layers->count = count;
+  }
+}
+
 // One work-item per entry of the layer above. No race: its own word.
 kernel void retriangulate_minima(uint count, uint below_count, uint below_begin, uint above_begin, uint from_distances,
                                  global const ulong* distances, global ulong* minima) {

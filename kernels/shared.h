@@ -86,7 +86,8 @@ typedef struct Counters {
   u32 new_edges;
   u32 crossed_faces, crossed_edges;  // lengths of their lists (constrain.cl)
   u32 owned_left, owned_right;       // vertices of all chains
-  u32 reserved[6];
+  u32 hits;                          // vertices inside constraints (clean.cl)
+  u32 reserved[5];
 } Counters;
 
 // ---- Layers of minima over the chains (kernels/constrain.cl) ------------------------------------------

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clean.hpp"
 
+#include <array>
+
 namespace gcdt {
 
 using runtime::over;
@@ -31,18 +33,19 @@ Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertic
 Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
   const cl_uint all = wanted.empty();
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
-  auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 1);
+  // Behind the flags their sum, and the first end that is no input point.
+  auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 2);
   auto wanted_buffer = runtime_.allocate<cl_uint>("wanted constraints", wanted.size());
-  auto bad = runtime_.allocate<cl_uint>("index out of range", 1);
   runtime_.write(wanted_buffer, wanted.data(), wanted.size());
-  runtime_.fill<cl_uint>(bad, GCDT_NONE, 1);
+  runtime_.fill<cl_uint>(kept, GCDT_NONE, 1, std::size_t(count_) + 1);
   runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
-                  wanted_buffer, all, ends, kept, bad);
-  const cl_uint first_bad = runtime_.read_one(bad);
-  if (first_bad != GCDT_NONE) throw index_error(first_bad / 2, first_bad % 2, inputs_);
+                  wanted_buffer, all, ends, kept);
   primitives_.exclusive_scan(kept, kept, count_);
+  std::array<cl_uint, 2> found;
+  runtime_.read(kept, found.data(), found.size(), count_);
+  if (found[1] != GCDT_NONE) throw index_error(found[1] / 2, found[1] % 2, inputs_);
   Kept result;
-  result.count = runtime_.read_one(kept, count_);
+  result.count = found[0];
   result.list = runtime_.allocate<cl_uint>("list of constraints", result.count);
   result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
   primitives_.compact_indices(kept, result.list, count_);
@@ -97,8 +100,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   };
   walk(0, offsets);
   primitives_.exclusive_scan(offsets, offsets, parts.capacity);
-  const cl_uint hits = runtime_.read_one(offsets, parts.capacity);
   if (counters.read().failed) throw Error(Status::check_failed, "clean: a walk along a constraint left the mesh");
+  const cl_uint hits = counters.last().hits;
   result.hits = hits;
   auto hit_list = runtime_.allocate<cl_uint>("vertices on constraints", hits);
   if (hits > 0) walk(1, hit_list);

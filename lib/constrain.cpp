@@ -101,17 +101,15 @@ class Constraining {
     chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
     chunk_entries_ =
         runtime_.allocate<cl_uint2>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
-    left_start_ = runtime_.allocate<cl_uint>("left chain starts", std::size_t(parts_.capacity) + 1);
-    right_start_ = runtime_.allocate<cl_uint>("right chain starts", std::size_t(parts_.capacity) + 1);
+    starts_ = runtime_.allocate<cl_uint>("chain starts", 2 * std::size_t{parts_.capacity} + 1);
     far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
     runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
     last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
                     chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                    pieces_.ends, parts_.begins, piece_edge_, part_face_, left_start_, right_start_, far_, chunk_heads_,
-                    chunk_entries_, last_sides_, claim_, counters_.buffer());
-    primitives_.exclusive_scan(left_start_, left_start_, parts_.capacity);
-    primitives_.exclusive_scan(right_start_, right_start_, parts_.capacity);
+                    pieces_.ends, parts_.begins, piece_edge_, part_face_, starts_, far_, chunk_heads_, chunk_entries_,
+                    last_sides_, claim_, counters_.buffer());
+    primitives_.exclusive_scan(starts_, starts_, 2 * std::size_t{parts_.capacity});
   }
 
   // As many triangles are made as were crossed, if no two pieces cross.
@@ -127,9 +125,9 @@ class Constraining {
     right_begin_ = left_total_ + 2 * pieces_.count;
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
     if (hexagons_ > 0)
-      runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, right_begin_,
-                      mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_, pieces_.ends,
-                      parts_.begins, part_face_, left_start_, right_start_, far_, hexagon_face_, hole_place_,
+      runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
+                      parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
+                      pieces_.ends, parts_.begins, part_face_, starts_, far_, hexagon_face_, hole_place_,
                       counters_.buffer());
   }
 
@@ -141,30 +139,29 @@ class Constraining {
     chain_side_ = runtime_.allocate<cl_uint>("sides along chains", length_);
     const cl_uint chunks = counters_.last().chunks;
     runtime_.launch("constrain", "constrain_chain", over(std::max(chunks, pieces_.count)), pieces_.count, chunks,
-                    right_begin_, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, piece_edge_,
-                    last_sides_, left_start_, right_start_, chunk_heads_, chunk_entries_, chain_vertex_,
-                    chain_distances_, chain_piece_, chain_side_, counters_.buffer());
+                    parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, piece_edge_,
+                    last_sides_, starts_, chunk_heads_, chunk_entries_, chain_vertex_, chain_distances_, chain_piece_,
+                    chain_side_, counters_.buffer());
     chunk_heads_ = {};
     chunk_entries_ = {};
     make_minima();
   }
 
   void make_minima() {
-    layers_ = {};
-    cl_uint total = 0;
-    for (cl_uint length = length_; layers_.count < GCDT_MINIMA_LAYERS; length = (length - 1) / GCDT_MINIMA_RADIX + 1) {
-      layers_.length[layers_.count] = length;
-      layers_.begin[layers_.count] = total;
-      if (layers_.count++ > 0) total += length;
-      if (length <= GCDT_MINIMA_RADIX) break;
-    }
-    minima_ = runtime_.allocate<cl_ulong>("minima", total);
-    for (cl_uint l = 1; l < layers_.count; ++l)
-      runtime_.launch("retriangulate", "retriangulate_minima", over(layers_.length[l]), layers_.length[l],
-                      layers_.length[l - 1], layers_.begin[l - 1], layers_.begin[l], cl_uint(l == 1), chain_distances_,
-                      minima_);
     layers_buffer_ = runtime_.allocate<device::MinimaLayers>("minima layers", 1);
-    runtime_.write(layers_buffer_, &layers_, 1);
+    runtime_.launch("retriangulate", "retriangulate_layers", over(1), length_, layers_buffer_);
+    const auto above = [](cl_uint length) { return (length - 1) / GCDT_MINIMA_RADIX + 1; };
+    cl_uint total = 0;
+    for (cl_uint length = length_; length > GCDT_MINIMA_RADIX; length = above(length)) total += above(length);
+    minima_ = runtime_.allocate<cl_ulong>("minima", total);
+    cl_uint below = 0, begin = 0;  // where the layers begin: the lowest one is the chains
+    for (cl_uint length = length_; length > GCDT_MINIMA_RADIX; length = above(length)) {
+      const cl_uint lowest = length == length_;
+      runtime_.launch("retriangulate", "retriangulate_minima", over(above(length)), above(length), length, below, begin,
+                      lowest, chain_distances_, minima_);
+      below = begin;
+      begin += above(length);
+    }
   }
 
   // Entries: at most 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
@@ -214,15 +211,13 @@ class Constraining {
   const Pieces& pieces_;
   PhaseCounters& counters_;
   Parts parts_;
-  runtime::Buffer<cl_uint> near_, piece_edge_, part_face_, crossed_, crossed_edges_, left_start_, right_start_, far_,
-      hexagon_face_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, part_face_, crossed_, crossed_edges_, starts_, far_, hexagon_face_;
   runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_;
   runtime::Buffer<cl_uint2> chunk_entries_;
   runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, chain_side_, hole_place_, table_;
   runtime::Buffer<cl_ulong> chain_distances_, minima_;
   runtime::Buffer<device::MinimaLayers> layers_buffer_;
-  device::MinimaLayers layers_ = {};
   cl_uint crossed_faces_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
   cl_uint claim_ = 1;
   cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;

@@ -138,6 +138,13 @@ class Runtime {
   void fill(const Buffer<T>& buffer, T value, std::size_t count, std::size_t offset = 0) {
     fill_bytes(buffer.handle(), &value, sizeof(T), offset * sizeof(T), count * sizeof(T));
   }
+  /// All bytes 0, without waiting.
+  template <class T>
+  void zero(const Buffer<T>& buffer) {
+    static_assert(sizeof(T) % sizeof(cl_uint) == 0, "filled word by word");
+    const cl_uint nothing = 0;
+    fill_bytes(buffer.handle(), &nothing, sizeof nothing, 0, buffer.size() * sizeof(T));
+  }
   template <class T>
   void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count, std::size_t from_offset = 0) {
     copy_bytes(from.handle(), from_offset * sizeof(T), to.handle(), 0, count * sizeof(T));
