@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "crossings.hpp"
+#include "enforce.hpp"
 
 namespace gcdt {
 
@@ -100,6 +101,21 @@ class ForestPipeline final : public Pipeline {
                                          grids[p].kind == Grid::Kind::rounded));
     }
     throw invalid;
+  }
+
+  bool enforce_by_problem() override {
+    EnforceResult r = enforce_problems(runtime_, primitives_, vertices_, mesh_, ranges_, constraints_, counters_);
+    if (r.crossing) return false;
+    statistics_.constraints_zero = r.zero_length;
+    auto& cases = statistics_.cases;
+    cases.constraint_hits = r.hits;
+    cases.existing_edges = r.existing_edges;
+    cases.pieces_walked = r.pieces.count - r.existing_edges;
+    cases.chain_vertices = r.chain_vertices;
+    statistics_.crossed_pairs = r.crossed_pairs;
+    statistics_.flips += r.flips;
+    pieces_ = std::move(r.pieces);
+    return true;
   }
 
   // Added vertices would have to be numbered problem by problem: such problems are run alone.

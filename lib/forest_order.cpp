@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "grid.hpp"
+#include "grow.hpp"
 #include "phase.hpp"
 #include "problems.h"
 
@@ -136,8 +137,11 @@ class ForestOrdering {
     return most;
   }
 
-  // As many levels as the largest problem would have alone: the others then have their vertices in the finest ones.
+  // One level where nobody needs more: numbers are ranks then, and each problem's are consecutive, as is all that they
+  // bring. Else as many levels as the largest problem would have alone: the others then have their vertices in the
+  // finest ones.
   std::uint32_t coarsest(cl_uint distinct, std::uint32_t coarsest_level) const {
+    if (problem_by_problem(runtime_, problems_, largest(), distinct)) return std::max(distinct, 1u);
     const std::uint64_t alone = std::max<cl_uint>(largest(), coarsest_level);
     return static_cast<std::uint32_t>((std::uint64_t{distinct} * coarsest_level + alone - 1) / alone);
   }
