@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "arrange.hpp"
 #include "crossings.hpp"
 #include "enforce.hpp"
 
@@ -128,9 +129,15 @@ class ForestPipeline final : public Pipeline {
       ticker_.tick("output", 0);
       history_ = {};
       lists_ = {};
-      ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, true);
+      if (by_problem_) {
+        ArrangedForest arranged = arrange_problems(runtime_, primitives_, mesh_, vertices_);
+        ordered = std::move(arranged.mesh);
+        first_triangle = std::move(arranged.first_triangle);
+      } else {
+        ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, true);
+        first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
+      }
       mesh_ = {};
-      first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
       first_piece = begins("first pieces", pieces_.count, 2, pieces_.ends);
     });
     if (options_.check)

@@ -102,7 +102,7 @@ class Pipeline {
   std::unique_ptr<Cleaner> cleaner_;
   Pieces pieces_;
   runtime::Buffer<cl_int> turns_;  ///< by piece; for domains
-  bool by_problem_ = false;        ///< constraints are enforced problem by problem
+  bool by_problem_ = false;        ///< vertices and constraints go in problem by problem
   double sort_ms_ = 0;
 };
 
