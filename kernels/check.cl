@@ -119,11 +119,12 @@ kernel void check_first_pieces(const uint n, global const Levels* levels, const 
   }
 }
 
-// Whether there is a piece ab. On CPUs `first` tells where; elsewhere it is not read.
+// Whether there is a piece ab. On CPUs `first` tells where, if there are any; elsewhere it is not read.
 GCDT_INLINE bool is_piece(global const Levels* levels, uint pieces, global const uint* first, global const uint2* ends,
                           uint a, uint b) {
   const uint ra = gcdt_rank_of_vertex(levels, a), rb = gcdt_rank_of_vertex(levels, b), lower = min(ra, rb);
 #ifdef GCDT_CONTIGUOUS
+  if (pieces == 0u) return false;
   const uint low = first[lower], high = first[lower + 1u];
 #else
   const uint low = 0, high = pieces;

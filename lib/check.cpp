@@ -109,7 +109,7 @@ class Checker {
     runtime_.fill<cl_uint>(next, GCDT_NONE, n);
     runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
     runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
-    const bool lists = runtime_.contiguous();
+    const bool lists = runtime_.contiguous() && pieces_.count > 0;
     auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
     if (lists)
       runtime_.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices_.levels_buffer,
