@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The canonical order for CPUs and batches of small problems: each problem's triangles by one work-item, while they are
-// in its cache. What output.cl does by sorting all.
+// Orders for CPUs and batches of small problems: of each problem's vertices and triangles by one work-item, while they
+// are in its cache. What forest_order.cpp and output.cl do by sorting all.
 //
 // A forest with one level (forest_order.cpp): vertices are ranks, and those of a problem are consecutive, and so are
 // their faces, while enforce.cl alone has enforced constraints. The order is that of (least corner, the corner after
@@ -10,6 +10,61 @@
 #define GCDT_FOREST
 #endif
 #include "mesh.h"
+
+// ---- Vertices ---------------------------------------------------------------------------------------
+
+// So few keys are sorted faster by insertion.
+#define ARRANGE_FEW 32u
+
+// One work-item per problem. Sorts its keys and values by the key, below 2^64, stably: by insertion, or by
+// digits of 8 bits, from one pair of arrays to the other and back.
+// Reads, writes: keys, values, other_keys, other_values, from first_input on; the other ones are void afterwards.
+// A word belongs to one problem.
+// After this kernel the keys of each problem ascend.
+kernel void arrange_keys(uint problems, global const uint* first_input, global ulong* keys, global uint* values,
+                         global ulong* other_keys, global uint* other_values) {
+  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
+    const uint begin = first_input[p], end = first_input[p + 1u];
+    if (end - begin <= ARRANGE_FEW) {
+      for (uint i = begin + 1u; i < end; ++i) {
+        const ulong key = keys[i];
+        const uint value = values[i];
+        uint at = i;
+        for (; at > begin && keys[at - 1u] > key; --at) {
+          keys[at] = keys[at - 1u];
+          values[at] = values[at - 1u];
+        }
+        keys[at] = key;
+        values[at] = value;
+      }
+      continue;
+    }
+    global ulong *from_keys = keys, *to_keys = other_keys;
+    global uint *from_values = values, *to_values = other_values;
+    for (uint shift = 0; shift < 64u; shift += 8u) {  // an even number of times
+      uint next[256];
+      for (uint d = 0; d < 256u; ++d) next[d] = 0;
+      for (uint i = begin; i < end; ++i) ++next[(uint)(from_keys[i] >> shift) & 255u];
+      for (uint d = 0, sum = begin; d < 256u; ++d) {
+        const uint keys_of_digit = next[d];
+        next[d] = sum;
+        sum += keys_of_digit;
+      }
+      for (uint i = begin; i < end; ++i) {
+        const ulong key = from_keys[i];
+        const uint to = next[(uint)(key >> shift) & 255u]++;
+        to_keys[to] = key;
+        to_values[to] = from_values[i];
+      }
+      global ulong* sorted_keys = to_keys;
+      global uint* sorted_values = to_values;
+      to_keys = from_keys, to_values = from_values;
+      from_keys = sorted_keys, from_values = sorted_values;
+    }
+  }
+}
+
+// ---- Triangles --------------------------------------------------------------------------------------
 
 // The reference of a face at its least corner, GCDT_NONE if a corner is symbolic; its corners from there on.
 static inline uint ref_of_face(Mesh mesh, uint t, private uint4* corners) {

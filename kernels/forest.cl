@@ -112,59 +112,6 @@ kernel void forest_quantise(uint chunks, global const Chunk* chunk, global const
   }
 }
 
-// ---- Order ------------------------------------------------------------------------------------------
-
-// So few keys are sorted faster by insertion.
-#define FOREST_FEW 32u
-
-// For CPUs. One work-item per problem. Sorts its keys and values by the key, below 2^64, stably: by insertion, or by
-// digits of 8 bits, from one pair of arrays to the other and back.
-// Reads, writes: keys, values, other_keys, other_values, from first_input on; the other ones are void afterwards.
-// A word belongs to one problem.
-// After this kernel the keys of each problem ascend.
-kernel void forest_sort(uint problems, global const uint* first_input, global ulong* keys, global uint* values,
-                        global ulong* other_keys, global uint* other_values) {
-  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
-    const uint begin = first_input[p], end = first_input[p + 1u];
-    if (end - begin <= FOREST_FEW) {
-      for (uint i = begin + 1u; i < end; ++i) {
-        const ulong key = keys[i];
-        const uint value = values[i];
-        uint at = i;
-        for (; at > begin && keys[at - 1u] > key; --at) {
-          keys[at] = keys[at - 1u];
-          values[at] = values[at - 1u];
-        }
-        keys[at] = key;
-        values[at] = value;
-      }
-      continue;
-    }
-    global ulong *from_keys = keys, *to_keys = other_keys;
-    global uint *from_values = values, *to_values = other_values;
-    for (uint shift = 0; shift < 64u; shift += 8u) {  // an even number of times
-      uint next[256];
-      for (uint d = 0; d < 256u; ++d) next[d] = 0;
-      for (uint i = begin; i < end; ++i) ++next[(uint)(from_keys[i] >> shift) & 255u];
-      for (uint d = 0, sum = begin; d < 256u; ++d) {
-        const uint keys_of_digit = next[d];
-        next[d] = sum;
-        sum += keys_of_digit;
-      }
-      for (uint i = begin; i < end; ++i) {
-        const ulong key = from_keys[i];
-        const uint to = next[(uint)(key >> shift) & 255u]++;
-        to_keys[to] = key;
-        to_values[to] = from_values[i];
-      }
-      global ulong* sorted_keys = to_keys;
-      global uint* sorted_values = to_values;
-      to_keys = from_keys, to_values = from_values;
-      from_keys = sorted_keys, from_values = sorted_values;
-    }
-  }
-}
-
 // ---- Numbering --------------------------------------------------------------------------------------
 
 // One work-item per place in an order of the input vertices.

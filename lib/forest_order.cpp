@@ -93,7 +93,7 @@ class ForestOrdering {
     if (problem_by_problem(runtime_, problems_, largest(), n)) {
       const auto other_keys = runtime_.allocate<cl_ulong>("other half of the keys", n);
       const auto other_values = runtime_.allocate<cl_uint>("other half of the values", n);
-      runtime_.launch("forest", "forest_sort", runtime::over_large(problems_), problems_, ranges_.first_input_buffer,
+      runtime_.launch("arrange", "arrange_keys", runtime::over_large(problems_), problems_, ranges_.first_input_buffer,
                       keys_, values_, other_keys, other_values);
       return;  // each stays within the places of its problem
     }
