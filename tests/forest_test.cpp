@@ -139,6 +139,10 @@ TEST_CASE("many problems of one size, with constraints of all kinds") {
   CHECK(check_same_as_alone(problems, options) == check_same_as_alone(problems));
 }
 
+TEST_CASE("problems that are inserted by one work-item each, and too large for their constraints to be") {
+  check_same_as_alone({workload("fan", 17000), workload("letters", 17000), workload("star", 17000), uniform(17000)});
+}
+
 TEST_CASE("crossing constraints in one of many problems") {
   std::vector<Workload> problems(20, randomPslg(200, 1000, 60, 7));
   problems.insert(problems.begin() + 3, randomCrossing(200, 1000, 60, 5));
