@@ -17,6 +17,9 @@
 
 // A constraint that cannot be enforced.
 #define ENFORCE_FAILED GCDT_NONE
+// One that had better begin at its other end: its first vertex has more faces than ENFORCE_STAR.
+#define ENFORCE_TURN (GCDT_NONE - 1u)
+#define ENFORCE_STAR 64u
 
 // What the work-item of a problem has.
 typedef struct Problem {
@@ -174,13 +177,15 @@ static uint cross(private Problem* p, uint a, uint b, uint t, uint k) {
   return end;
 }
 
-// Makes the constraint from a towards b edges up to the first vertex on it, which is returned, or ENFORCE_FAILED. Ends:
-// it goes once around a, twice at most, whose star is closed.
-static uint enforce(private Problem* p, uint a, uint b) {
+// Makes the constraint from a towards b edges up to the first vertex on it, which is returned, or ENFORCE_FAILED; or
+// ENFORCE_TURN, if a has more than `most` faces and b is not among the first. Ends: it goes once around a, twice at
+// most, whose star is closed.
+static uint enforce(private Problem* p, uint a, uint b, uint most) {
   const Mesh mesh = p->mesh;
   const uint begin = p->vertex_face[a];
-  uint t = begin;
+  uint t = begin, faces = 0;
   do {  // most constraints are edges already
+    if (faces++ == most) return ENFORCE_TURN;
     const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
     const uint k = c.x == a ? 0u : c.y == a ? 1u : 2u;
     if (element(c, next_corner(k)) == b) {
@@ -239,11 +244,17 @@ kernel void enforce_problems(uint problems, GCDT_MESH_PARAMETERS, global const u
     p.capacity = gcdt_forest_faces(end - begin, 1u);
     if (first_constraint[i] != first_constraint[i + 1u]) know_faces(&p, i, begin, end);
     for (uint c = first_constraint[i]; c < first_constraint[i + 1u] && !failed; ++c) {
-      uint a = input_vertex[constraints[c].x], pieces = 0;
-      const uint b = input_vertex[constraints[c].y];
-      while (a != b && a != ENFORCE_FAILED) {  // ends: each piece lies further along
-        a = enforce(&p, a, b);
-        ++pieces;
+      uint a = input_vertex[constraints[c].x], b = input_vertex[constraints[c].y], most = ENFORCE_STAR, pieces = 0;
+      while (a != b && a != ENFORCE_FAILED) {  // ends: it turns once, and each piece lies further along
+        const uint next = enforce(&p, a, b, most);
+        if (next == ENFORCE_TURN) {
+          const uint end = a;
+          a = b, b = end;
+          most = GCDT_NONE;
+        } else {
+          a = next;
+          ++pieces;
+        }
       }
       failed = a == ENFORCE_FAILED;
       if (pieces == 0u) ++p.zero_length;
