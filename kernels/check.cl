@@ -96,6 +96,42 @@ GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint 
     note(report, gcdt_incircle_finite(va, vb, vp, vq) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
 }
 
+// For CPUs: where check_edges finds the pieces of a vertex.
+// One work-item per share of the ranks.
+// Reads levels and pieces. Writes first[r], r = 0 .. n: the first piece whose lower end has rank r or more.
+// A word has one work-item. Ends: the range halves; the pieces are run through.
+// After this kernel the pieces whose lower end has rank r are first[r] up to first[r + 1].
+kernel void check_first_pieces(const uint n, global const Levels* levels, const uint pieces, global const uint2* ends,
+                               global uint* first) {
+  const uint begin = share_begin(n + 1u, get_global_id(0), get_global_size(0));
+  const uint end = share_begin(n + 1u, get_global_id(0) + 1u, get_global_size(0));
+  uint low = 0, high = pieces;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if (gcdt_rank_of_vertex(levels, ends[middle].x) < begin)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  for (uint r = begin; r < end; ++r) {
+    while (low < pieces && gcdt_rank_of_vertex(levels, ends[low].x) < r) ++low;
+    first[r] = low;
+  }
+}
+
+// Whether there is a piece ab. On CPUs `first` tells where, if there are any; elsewhere it is not read.
+GCDT_INLINE bool is_piece(global const Levels* levels, uint pieces, global const uint* first, global const uint2* ends,
+                          uint a, uint b) {
+  const uint ra = gcdt_rank_of_vertex(levels, a), rb = gcdt_rank_of_vertex(levels, b), lower = min(ra, rb);
+#ifdef GCDT_CONTIGUOUS
+  if (pieces == 0u) return false;
+  const uint low = first[lower], high = first[lower + 1u];
+#else
+  const uint low = 0, high = pieces;
+#endif
+  return find_piece_among(levels, low, high, ends, lower, max(ra, rb)) != GCDT_NONE;
+}
+
 // One work-item per triangle t.
 // Reads levels, points, corners, neighbours, flags and pieces. An edge between two triangles is linked
 // from both, but tested and counted by the one with the smaller number only.
@@ -105,8 +141,8 @@ GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint 
 // After this kernel, if neither link nor fork is noted, the boundary is a set of chains.
 kernel void check_edges(const uint count, global const Levels* levels, global const int2* points,
                         global const uint* corners, global const int* neighbours, global const uchar* constrained,
-                        const uint pieces, global const uint2* ends, global uint* next, global uint* previous,
-                        global CheckReport* report) {
+                        const uint pieces, global const uint* first_pieces, global const uint2* ends, global uint* next,
+                        global uint* previous, global CheckReport* report) {
   if (noted(report, GCDT_CHECK_ORIENT)) return;
   uint constrained_edges = 0;
   FOR_EACH(t, count) {
@@ -132,7 +168,7 @@ kernel void check_edges(const uint count, global const Levels* levels, global co
       }
       if (flagged) {
         ++constrained_edges;
-        if (find_piece(levels, pieces, ends, a, b) == GCDT_NONE) note(report, GCDT_CHECK_EXTRA, h);
+        if (!is_piece(levels, pieces, first_pieces, ends, a, b)) note(report, GCDT_CHECK_EXTRA, h);
       } else if (u >= 0) {
         check_delaunay(h, points, p, a, corners[3u * (uint)u + j], b, report);
       }

@@ -387,9 +387,14 @@ GCDT_INLINE i32 gcdt_decimals_needed(u64 bits, i32 from, i32 limit) {
 
 // S(v): the numerator of v with the fewest decimals, in units of 10^-digits; v can be written with `digits`
 // decimals. GCDT_NUMERATOR_OVERFLOW (the least i64) if it is not below 2^63.
+//
+// An N < 2^51 that reads as v with `digits` decimals is the only one that does, hence that numerator already: with
+// w = 2^q 10^digits, numbers that read as v lie at most w / 2 from |v| 10^digits. If m >= 2^52, that is at least 2^52
+// w, so w <= N / (2^52 - 1/2) < 1; if m is less, q = -1074 and w < 1. Two of them would be less than 1 apart.
 GCDT_INLINE i64 gcdt_decimal_numerator(u64 bits, i32 digits) {
   u64 numerator, fewer;
   gcdt_decimal(bits, digits, &numerator);
+  if (numerator < GCDT_HIDDEN_BIT / 2) return (bits & GCDT_SIGN_BIT) ? -(i64)numerator : (i64)numerator;
   i32 d = digits;
   while (d > 0 && gcdt_decimal(bits, d - 1, &fewer)) {
     numerator = fewer;

@@ -87,7 +87,8 @@ typedef struct Counters {
   u32 crossed_faces, crossed_edges;  // lengths of their lists (constrain.cl)
   u32 owned_left, owned_right;       // vertices of all chains
   u32 hits;                          // vertices inside constraints (clean.cl)
-  u32 reserved[5];
+  u32 zero_length;                   // constraints without a length (enforce.cl)
+  u32 reserved[4];
 } Counters;
 
 // ---- Layers of minima over the chains (kernels/constrain.cl) ------------------------------------------

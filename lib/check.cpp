@@ -109,9 +109,14 @@ class Checker {
     runtime_.fill<cl_uint>(next, GCDT_NONE, n);
     runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
     runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
+    const bool lists = runtime_.contiguous() && pieces_.count > 0;
+    auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
+    if (lists)
+      runtime_.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices_.levels_buffer,
+                      cl_uint{pieces_.count}, pieces_.ends, first_pieces);
     runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points,
-                    ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, pieces_.ends,
-                    next, previous, report_);
+                    ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
+                    pieces_.ends, next, previous, report_);
     runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
     judge(0, GCDT_CHECK_UNUSED);
     cover(next, previous);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "arrange.hpp"
 #include "crossings.hpp"
+#include "enforce.hpp"
 
 namespace gcdt {
 
@@ -102,6 +104,21 @@ class ForestPipeline final : public Pipeline {
     throw invalid;
   }
 
+  bool enforce_by_problem() override {
+    EnforceResult r = enforce_problems(runtime_, primitives_, vertices_, mesh_, ranges_, constraints_, counters_);
+    if (r.crossing) return false;
+    statistics_.constraints_zero = r.zero_length;
+    auto& cases = statistics_.cases;
+    cases.constraint_hits = r.hits;
+    cases.existing_edges = r.existing_edges;
+    cases.pieces_walked = r.pieces.count - r.existing_edges;
+    cases.chain_vertices = r.chain_vertices;
+    statistics_.crossed_pairs = r.crossed_pairs;
+    statistics_.flips += r.flips;
+    pieces_ = std::move(r.pieces);
+    return true;
+  }
+
   // Added vertices would have to be numbered problem by problem: such problems are run alone.
   bool splits() const override { return false; }
 
@@ -112,9 +129,15 @@ class ForestPipeline final : public Pipeline {
       ticker_.tick("output", 0);
       history_ = {};
       lists_ = {};
-      ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, true);
+      if (by_problem_) {
+        ArrangedForest arranged = arrange_problems(runtime_, primitives_, mesh_, vertices_);
+        ordered = std::move(arranged.mesh);
+        first_triangle = std::move(arranged.first_triangle);
+      } else {
+        ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, true);
+        first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
+      }
       mesh_ = {};
-      first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
       first_piece = begins("first pieces", pieces_.count, 2, pieces_.ends);
     });
     if (options_.check)

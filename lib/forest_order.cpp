@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "grid.hpp"
+#include "grow.hpp"
 #include "phase.hpp"
 #include "problems.h"
 
@@ -89,6 +90,13 @@ class ForestOrdering {
   // By key, then by problem: least significant first, both stable. One problem is sorted by its key.
   void sort(Primitives& primitives, cl_uint n) {
     if (problems_ == 1) return primitives.sort(keys_, values_, n, morton_bits);
+    if (problem_by_problem(runtime_, problems_, largest(), n)) {
+      const auto other_keys = runtime_.allocate<cl_ulong>("other half of the keys", n);
+      const auto other_values = runtime_.allocate<cl_uint>("other half of the values", n);
+      runtime_.launch("arrange", "arrange_keys", runtime::over_large(problems_), problems_, ranges_.first_input_buffer,
+                      keys_, values_, other_keys, other_values);
+      return;  // each stays within the places of its problem
+    }
     auto key_of_input = runtime_.allocate<cl_ulong>("Morton codes of inputs", n);
     runtime_.copy(keys_, key_of_input, n);
     primitives.sort(keys_, values_, n, morton_bits);
@@ -136,8 +144,11 @@ class ForestOrdering {
     return most;
   }
 
-  // As many levels as the largest problem would have alone: the others then have their vertices in the finest ones.
+  // One level where nobody needs more: numbers are ranks then, and each problem's are consecutive, as is all that they
+  // bring. Else as many levels as the largest problem would have alone: the others then have their vertices in the
+  // finest ones.
   std::uint32_t coarsest(cl_uint distinct, std::uint32_t coarsest_level) const {
+    if (problem_by_problem(runtime_, problems_, largest(), distinct)) return std::max(distinct, 1u);
     const std::uint64_t alone = std::max<cl_uint>(largest(), coarsest_level);
     return static_cast<std::uint32_t>((std::uint64_t{distinct} * coarsest_level + alone - 1) / alone);
   }

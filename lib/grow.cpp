@@ -104,12 +104,16 @@ class Growth {
 
 }  // namespace
 
+bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
+                        std::uint32_t n) {
+  return runtime.contiguous() && problems > 1 && std::uint64_t{largest} * runtime.info().compute_units <= n;
+}
+
 GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
                 PhaseCounters& counters, std::uint32_t end, Ticker& ticker) {
   Growth growth(runtime, vertices, mesh, lists, counters, ticker);
   mesh.claims_below = 1;
-  // Problems are enough to share out.
-  if (vertices.roots > 1 && std::uint64_t{vertices.largest} * runtime.info().compute_units <= mesh.n) {
+  if (problem_by_problem(runtime, vertices.roots, vertices.largest, mesh.n)) {
     growth.insert_problems();
     return growth.result;
   }

@@ -13,6 +13,11 @@ struct GrowResult {
   FlipResult flips;
 };
 
+/// Whether each problem of a forest is one work-item's business: work-items are threads' loops, and problems enough to
+/// share out. `largest`: vertices of the largest; n: of all.
+bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
+                        std::uint32_t n);
+
 /// Inserts all vertices below `end`, the first of a level, into a mesh that holds the symbolic triangles alone.
 /// After: the mesh is Delaunay. Throws round_limit.
 GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,

@@ -3,6 +3,7 @@
 
 #include "check.hpp"
 #include "crossings.hpp"
+#include "enforce.hpp"
 
 namespace gcdt {
 
@@ -64,6 +65,7 @@ void Pipeline::run_steps() {
     statistics_.vertices_merged = ordered.merged;
     sort_ms_ = ordered.sort_ms;
     primitives_.release();
+    by_problem_ = enforces_by_problem(runtime_, vertices_);
   });
   ticker_.enter(order_share, insert_share);
   timed("insert", ms.insert, [&] { insert(); });
@@ -96,7 +98,7 @@ void Pipeline::insert() {
     statistics_.cases.edge_splits += grown.edge_splits;
     statistics_.location_steps += grown.steps;
     count_flips(grown.flips);
-    if (source_.m > 0) history_ = freeze_all(runtime_, vertices_, mesh_);
+    if (source_.m > 0 && !by_problem_) history_ = freeze_all(runtime_, vertices_, mesh_);
     return;
   }
   if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
@@ -132,6 +134,16 @@ void Pipeline::constrain_all() {
     return;
   }
   ticker_.tick("constrain", 0);
+  if (by_problem_ && !enforce_by_problem()) {  // crossings are found with all constraints at once
+    by_problem_ = false;
+    insert();
+  }
+  if (!by_problem_) clean_and_enforce();
+  if (wants_regions()) turns_ = count_turns(runtime_, vertices_, pieces_, constraints_);
+  constraints_ = {};
+}
+
+void Pipeline::clean_and_enforce() {
   cleaner_ = std::make_unique<Cleaner>(runtime_, primitives_, vertices_, constraints_, std::uint32_t(source_.n));
   timed("clean", statistics_.ms.clean, [&] { clean({}); });
   ticker_.tick("constrain", 0.3);
@@ -139,8 +151,6 @@ void Pipeline::constrain_all() {
   if (first.failed) resolve_crossings(first);
   cleaner_.reset();
   pieces_.weights = {};
-  if (wants_regions()) turns_ = count_turns(runtime_, vertices_, pieces_, constraints_);
-  constraints_ = {};
 }
 
 void Pipeline::clean(const std::vector<cl_uint>& wanted) {
@@ -247,7 +257,8 @@ void Pipeline::reject(const std::vector<Constraint>& crossings) {
 }
 
 void Pipeline::flip_all() {
-  if (runtime_.contiguous() && source_.m == 0) return;  // grown Delaunay, and unchanged
+  // Grown Delaunay, and unchanged, or kept so.
+  if (runtime_.contiguous() && (source_.m == 0 || by_problem_)) return;
   need_lists();
   count_flips(runtime_.contiguous() ? grow_flip(runtime_, vertices_, mesh_, lists_, counters_, ticker_)
                                     : flip(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_));

@@ -53,6 +53,9 @@ class Pipeline {
   virtual OrderResult order_points(InputPoints points);
   [[noreturn]] virtual void reject(const std::vector<Constraint>& crossings);
   virtual void output();
+  /// Where enforces_by_problem() holds: cleans and enforces all constraints, sets pieces_, and leaves a constrained
+  /// Delaunay mesh; or returns false, the mesh void.
+  virtual bool enforce_by_problem() { return false; }
   /// Whether Crossing::split can be followed; if not, crossings are rejected.
   virtual bool splits() const { return true; }
 
@@ -63,6 +66,7 @@ class Pipeline {
  private:
   void insert();
   void constrain_all();
+  void clean_and_enforce();
   void resolve_crossings(const ConstrainResult& first);
   void drop_crossings(const std::vector<Constraint>& crossings);
   void split_crossings();
@@ -98,6 +102,7 @@ class Pipeline {
   std::unique_ptr<Cleaner> cleaner_;
   Pieces pieces_;
   runtime::Buffer<cl_int> turns_;  ///< by piece; for domains
+  bool by_problem_ = false;        ///< vertices and constraints go in problem by problem
   double sort_ms_ = 0;
 };
 

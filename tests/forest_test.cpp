@@ -121,6 +121,37 @@ TEST_CASE("generated problems of all kinds and sizes in one forest, in several l
   check_same_as_alone(generated_problems());
 }
 
+// On CPUs with few cores each problem's constraints are enforced by one work-item (kernels/enforce.cl).
+TEST_CASE("many problems of one size, with constraints of all kinds") {
+  std::vector<Workload> problems;
+  for (const std::size_t n : {60, 500})
+    for (const std::string& name : workloadNames()) {
+      problems.push_back(workload(name, n));
+      if (problems.back().points.size() > 1000) problems.pop_back();  // some have a least size
+    }
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    problems.push_back(randomPslg(150, 9, 150, seed));          // overlaps, vertices on constraints, none of length 0
+    problems.push_back(randomPslg(400, 4000, 120, seed + 20));  // across many edges
+  }
+  Options options;
+  options.regions = true;
+  options.domain = Domain::even_odd;
+  CHECK(check_same_as_alone(problems, options) == check_same_as_alone(problems));
+}
+
+TEST_CASE("problems that are inserted by one work-item each, and too large for their constraints to be") {
+  check_same_as_alone({workload("fan", 17000), workload("letters", 17000), workload("star", 17000), uniform(17000)});
+}
+
+TEST_CASE("crossing constraints in one of many problems") {
+  std::vector<Workload> problems(20, randomPslg(200, 1000, 60, 7));
+  problems.insert(problems.begin() + 3, randomCrossing(200, 1000, 60, 5));
+  CHECK(check_same_as_alone(problems) == 1);
+  Options drop;
+  drop.crossing = Crossing::drop;
+  CHECK(check_same_as_alone(problems, drop) == 0);
+}
+
 TEST_CASE("equal problems have equal parts") {
   check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
 }
