@@ -793,6 +793,50 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   CHECK(contains(session.gcdt("batch many/a.poly many/b.poly").out, "inputs        2 (0 failed)"));
 }
 
+TEST_CASE("a batch splits crossings, with the files and attributes that triangulate writes") {
+  Session session;
+  session.shell("mkdir many");
+  session.write("many/crossed.poly",
+                "4 2 1 1\n0 0 0 10 5\n1 4 4 30 5\n2 0 4 100 6\n3 4 0 140 6\n2 1\n0 0 1 7\n1 2 3 8\n0\n");
+  session.write("many/plain.poly", square);
+  session.write("many/rounded.poly", "4 2 0 0\n1 0 0\n2 1e9 1\n3 0 1\n4 1e9 0\n2 0\n1 1 2\n2 3 4\n0\n");
+  session.write("many/wrong.poly", "1 2 0 0\n0 0 0\n1 0\n0 0 7\n0\n");
+  const Outcome run = session.gcdt(
+      "batch many -o out --crossing split --format ele --format poly --format edge --format vtu --format jsonl "
+      "--verify "
+      "--stats s.json");
+  CHECK(run.status == 3);
+  CHECK(contains(run.err, "many/wrong.poly"));
+  CHECK(contains(run.err, "1 of 4 inputs failed"));
+  for (const std::string name : {"crossed", "plain", "rounded"}) {
+    CAPTURE(name);
+    session.good("triangulate many/" + name + ".poly --crossing split -o " + name + ".ele -o " + name + ".poly -o " +
+                 name + ".edge -o " + name + ".vtu --quiet");
+    CHECK(session.shell("for f in " + name + ".*; do cmp $f out/$f || exit 9; done").status == 0);
+  }
+  // The .node has the added vertex: numbers 20 and 120 are those of the two constraints in their middles.
+  CHECK(contains(session.read("out/crossed.node"), "\n4 2 2 70 "));
+  CHECK(session.shell("ls out/plain.node").status != 0);
+  session.good("verify many/crossed.poly out/crossed.ele --crossing split");
+  const auto statistics = nlohmann::json::parse(session.read("s.json"));
+  CHECK(statistics.at("crossings") == 2);
+  CHECK(statistics.at("vertices_added") == 2);
+  CHECK(statistics.at("constraints_split") == 4);
+  const auto line = nlohmann::json::parse(session.read("out/crossed.jsonl"));
+  CHECK(line.at("added") == nlohmann::json{{2.0, 2.0}});
+  CHECK(contains(session.gcdt("batch many/crossed.poly --crossing split").out,
+                 "crossings     1 (1 vertices added, 2 constraints split, moved by 0 at most)"));
+  // Where the .ele needs a .node that is the input's, that input fails alone.
+  session.write("p.node", "4 2 0 0\n0 0 0\n1 4 4\n2 0 4\n3 4 0\n");
+  session.write("p.poly", "0 2 0 0\n2 0\n0 0 1\n1 2 3\n0\n");
+  session.write("q.poly", square);
+  const Outcome clash = session.gcdt("batch p.poly q.poly -o . --crossing split");
+  CHECK(clash.status == 2);
+  CHECK(contains(clash.err, "p.node"));
+  CHECK(contains(clash.err, "1 of 2 inputs failed"));
+  CHECK(session.shell("ls q.ele && ! ls p.ele").status == 0);
+}
+
 TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all results in one file") {
   Session session;
   // Lines 1, 3 and 5 are problems; 4 is none, and 6 has constraints that cross.

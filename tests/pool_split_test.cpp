@@ -3,7 +3,8 @@
 #include "pool_cases.hpp"
 #include "split_graphs.hpp"
 
-#include <gcdt/verify.hpp>
+#include <cstddef>
+#include <cstring>
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -102,6 +103,13 @@ TEST_CASE("routes that cross others are among the problems, and what is said of 
     }
     again += report.constraints_split > cross.size();
   }
+  // As a caller that knows nothing of these numbers asks.
+  gcdt_problem earlier;
+  std::memset(&earlier, 77, sizeof earlier);
+  earlier.struct_size = offsetof(gcdt_problem, crossings);
+  REQUIRE(gcdt_batch_problem(result.handle(), 0, &earlier) == GCDT_OK);
+  CHECK(earlier.triangles == result.triangles(0).size);
+  CHECK(earlier.crossings == 0x4D4D4D4D4D4D4D4Du);
   CHECK(split > problems.size() / 2);
   CHECK(again > 0);
 }
