@@ -783,6 +783,11 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
                  ") && for e in ele neigh vtu; do cmp one.$e out/${name%.*}.$e || exit 9; done");
   session.write("many/bad.poly", "nonsense\n");
   session.write("many/crossed.poly", crossed);
+  // Hole and region points are not read.
+  session.write("points.poly", "3 2 0 0\n0 0 0\n1 9 0\n2 0 9\n0 0\n1\n0 1 1\n1\n0 2 2 7\n");
+  session.good("batch points.poly -o out --regions --verify --format ele --format vtu --format poly --format svg");
+  CHECK(session.read("out/points.ele").find("1 3 0\n0 0 1 2\n") == 0);
+  CHECK(!contains(session.read("out/points.vtu"), "region_attribute"));
   session.shell("rm -r out");
   const Outcome mixed = session.gcdt("batch many -o out");
   CHECK(mixed.status == 3);
