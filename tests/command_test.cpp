@@ -884,8 +884,11 @@ TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   session.shell("mkdir empty other && cp in.poly other/");
   for (const char* arguments :
        {"batch", "batch in.poly --format xyz -o out", "batch in.poly other -o out", "batch in.poly -o . --format poly",
-        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out"})
+        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out",
+        "batch in.poly --stats in.poly", "batch in.poly --trace ./in.poly", "batch in.poly -o out --stats out/in.ele",
+        "batch in.poly --stats same.json --trace ./same.json"})
     session.bad(2, arguments);
+  CHECK(session.read("in.poly") == square);
   session.bad(3, "batch empty -o out");
   CHECK(session.gcdt("batch in.poly --device cpu,99 -o out").status == 4);
   CHECK(session.names() == std::vector<std::string>{"empty", "in.poly", "other"});

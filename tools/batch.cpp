@@ -111,21 +111,34 @@ std::vector<std::string> formats_of(const BatchArguments& arguments) {
   return formats;
 }
 
-void check_overwrites_no_input(const std::vector<Problem>& problems, const BatchArguments& arguments,
-                               const std::vector<std::string>& formats) {
-  std::set<fs::path> inputs;
+/// No file is an input and an output, nor two outputs, but for the files of one problem, which have different formats.
+void check_outputs(const std::vector<Problem>& problems, const BatchArguments& arguments,
+                   const std::vector<std::string>& formats) {
   std::error_code unknown;
+  const auto file = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path), unknown); };
+  std::set<fs::path> inputs, outputs;
   for (const Problem& problem : problems) {
-    inputs.insert(fs::weakly_canonical(problem.path, unknown));
-    for (const std::string& file : problem.input.files) inputs.insert(fs::weakly_canonical(file, unknown));
+    inputs.insert(file(problem.path));
+    for (const std::string& path : problem.input.files) inputs.insert(file(path));
   }
-  for (const Problem& problem : problems)
-    for (const std::string& format : formats) {
-      const fs::path output =
-          format == collected ? problem.collection(arguments.folder) : problem.output(arguments.folder, format);
-      if (inputs.count(fs::weakly_canonical(output, unknown)) > 0)
-        throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", output.string()));
-    }
+  const auto check = [&](const fs::path& output) {
+    if (inputs.count(file(output)) > 0)
+      throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", output.string()));
+  };
+  if (!arguments.folder.empty())
+    for (const Problem& problem : problems)
+      for (const std::string& format : formats) {
+        const fs::path output =
+            format == collected ? problem.collection(arguments.folder) : problem.output(arguments.folder, format);
+        check(output);
+        outputs.insert(file(output));
+      }
+  for (const std::string& other : {arguments.statistics, arguments.trace}) {
+    if (other.empty()) continue;
+    check(other);
+    if (!outputs.insert(file(other)).second)
+      throw Failure(Exit::usage, fmt::format("{}: given twice as an output", other));
+  }
 }
 
 Batch read(std::vector<Problem>& problems) {
@@ -336,7 +349,7 @@ void triangulate_batch(const BatchArguments& arguments) {
   const Stopwatch reading;
   const Batch batch = read(problems);
   told.read = reading.milliseconds();
-  if (!arguments.folder.empty()) check_overwrites_no_input(problems, arguments, formats);
+  check_outputs(problems, arguments, formats);
   TraceRecord trace;
   Pool pool(arguments.device, {}, arguments.trace.empty() ? Trace() : trace.sink());
   ProgressLine line(!arguments.quiet);
