@@ -378,6 +378,7 @@ TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collect
       {"[]", "an object is due"},
       {R"({"type": "Polygon"})", "\"coordinates\" is missing"},
       {R"({"type": "Circle", "coordinates": []})", "there is no type \"Circle\""},
+      {R"({"type": "Topology", "objects": {}, "arcs": []})", "there is no type \"Topology\""},
       {R"({"type": "Polygon", "coordinates": [[[0, 0], [1]]]})",
        "ring 0, position 1: a position of two numbers is due"},
       {R"({"type": "LineString", "coordinates": [[0, "x"]]})", "position 0: a position of two numbers"},
