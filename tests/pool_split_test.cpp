@@ -245,9 +245,9 @@ TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes n
     CAPTURE(k);
     *calls = 0;
     const cl_int code = tried % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
-    DevicePool pool({{cl::Context(), app_device(), failing(calls, k, tried % 2 == 0, code)},
-                     {cl::Context(), app_device(), healthy}},
-                    {}, {});
+    runtime::CallHook broken = failing(calls, k, tried % 2 == 0, code);
+    broken.tuning.lanes = 1 + tried / 2 % 2;
+    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy}}, {}, {});
     CHECK(right(pool));
     CHECK(!pool.report(1).lost);
     lost += pool.report(0).lost.has_value();
