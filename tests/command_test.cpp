@@ -879,6 +879,19 @@ TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all
   session.bad(3, "batch none.geojsonl -o out");
 }
 
+TEST_CASE("a batch has more output files than a process can have open") {
+  Session session;
+  session.write("in.poly", square);
+  session.shell(
+      "mkdir many && for i in 1 2 3 4 5 6 7 8 9; do for j in 1 2 3 4 5 6 7 8 9; do cp in.poly many/$i$j.poly; "
+      "done; done");
+  const Outcome run =
+      session.shell("ulimit -n 60; \"$gcdt\" batch many -o out --format jsonl --quiet && ls out | wc -l");
+  CHECK(run.status == 0);
+  CHECK(run.out == "81\n");
+  CHECK(nlohmann::json::parse(session.read("out/99.jsonl")).at("triangles").size() == 2);
+}
+
 TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   Session session;
   session.write("in.poly", square);
