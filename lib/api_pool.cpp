@@ -60,16 +60,21 @@ struct View {
   std::uint64_t count = 0;
 };
 
+/// Of a problem without an error.
+std::pair<const ForestResult*, std::size_t> place_of(const gcdt_batch& batch, std::uint64_t problem) {
+  const Schedule::Place place = batch.made.places[problem];
+  return batch.made.results[place.result].at(place.place);
+}
+
 View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
   const std::size_t bytes = gcdt_element_bytes(array);
   if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
   const auto kind = static_cast<std::size_t>(array);
   if (batch.made.errors[problem] || kind >= ForestResult::array_count) return {};
-  const Schedule::Place place = batch.made.places[problem];
-  const ForestResult& result = batch.made.results[place.result];
-  if (result.begins[kind].empty()) return {};
-  const std::uint64_t begin = result.begins[kind][place.place], end = result.begins[kind][place.place + 1];
-  return {result.arrays[kind].bytes.get() + begin * bytes, end - begin};
+  const auto [result, place] = place_of(batch, problem);
+  if (result->begins[kind].empty()) return {};
+  const std::uint64_t begin = result->begins[kind][place], end = result->begins[kind][place + 1];
+  return {result->arrays[kind].bytes.get() + begin * bytes, end - begin};
 }
 
 void require_problem(const gcdt_batch* batch, std::uint64_t problem) {
@@ -190,11 +195,16 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
       c.pair_count = error->pair_count();
       c.grid = write_grid(Grid());
     } else {
-      const Schedule::Place place = batch->made.places[problem];
-      c.grid = write_grid(batch->made.results[place.result].grids[place.place]);
+      const auto [result, place] = place_of(*batch, problem);
+      c.grid = write_grid(result->grids[place]);
       c.triangles = view(*batch, problem, GCDT_TRIANGLES).count;
+      if (!result->begins[GCDT_ADDED].empty()) {  // a result of one
+        const Statistics& s = result->statistics;
+        c.crossings = s.crossings, c.vertices_added = s.vertices_added, c.constraints_split = s.constraints_split;
+        c.constraint_move = s.constraint_move;
+      }
     }
-    write_struct(c, info, "gcdt_problem");
+    write_struct(c, info, "gcdt_problem", offsetof(gcdt_problem, crossings));
   });
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "alone.hpp"
 #include "grid.hpp"
 
 namespace gcdt {
@@ -224,13 +225,15 @@ void DevicePool::settle(Lane& lane) {
   lane.primitives->release();
 }
 
-// Problems with errors of their own are taken out and the rest is run again, which ends: there are fewer each time.
+// Problems with errors of their own, and those to be run alone, are taken out and the rest is run again, which ends:
+// there are fewer each time.
 void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
                      const Options& options) {
   Lane& lane = lanes_[number];
   Options own = options;
   own.progress = [&](const char*, double) { return !schedule.needless(pack); };
   std::vector<std::uint32_t> numbers = pack->problems;
+  std::vector<std::uint32_t> crossing;
   std::vector<std::pair<std::uint32_t, Error>> errors;
   const auto start = Clock::now();
   const double built = lane.runtime->build_ms();
@@ -246,10 +249,25 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
         errors.emplace_back(numbers[place], error);
         out[place] = true;
       }
+      for (const std::uint32_t place : invalid.crossing) {
+        crossing.push_back(numbers[place]);
+        out[place] = true;
+      }
       std::size_t kept = 0;
       for (std::size_t i = 0; i < numbers.size(); ++i)
         if (!out[i]) numbers[kept++] = numbers[i];
       numbers.resize(kept);
+    }
+  }
+  for (const std::uint32_t p : crossing) {
+    try {
+      result.add(triangulate_alone(*lane.runtime, *lane.primitives, batch, p, own));
+    } catch (const Error& error) {
+      if (error.status() != Status::out_of_memory) throw;
+      settle(lane);
+      lane.runtime->memory().trim();
+      schedule.too_large(number, pack, error, p);
+      return;
     }
   }
   const double ms = milliseconds_since(start) - (lane.runtime->build_ms() - built);

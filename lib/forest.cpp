@@ -119,8 +119,22 @@ class ForestPipeline final : public Pipeline {
     return true;
   }
 
-  // Added vertices would have to be numbered problem by problem: such problems are run alone.
-  bool splits() const override { return false; }
+  // Added vertices would be numbered through all problems, and are ordered by their place on one grid: what crosses is
+  // to be run alone.
+  [[noreturn]] void split_crossings() override {
+    Splitter splitter(runtime_, primitives_, constraints_, static_cast<std::uint32_t>(source_.n));
+    const auto& marked = splitter.mark_crossing(WalkedMesh{vertices_, mesh_, history_}, pieces_, counters_);
+    if (splitter.marked() == 0) fail_without_crossings({});
+    std::vector<cl_uint> crosses(ranges_.first_constraint.back());
+    runtime_.read(marked, crosses.data(), crosses.size());
+    InvalidProblems invalid;
+    for (std::uint32_t p = 0; p < ranges_.count(); ++p) {
+      const auto first = crosses.begin() + ranges_.first_constraint[p];
+      const auto end = crosses.begin() + ranges_.first_constraint[p + 1];
+      if (std::find(first, end, 1u) != end) invalid.crossing.push_back(p);
+    }
+    throw invalid;
+  }
 
   void output() override {
     auto& ms = statistics_.ms;

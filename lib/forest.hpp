@@ -29,16 +29,27 @@ struct BatchInput {
 /// What one run made of some problems of a batch: every problem's arrays are what it would have alone.
 struct ForestResult {
   static constexpr std::size_t array_count = GCDT_REGION_SEEDS + 1;
-  std::vector<std::uint32_t> problems;  ///< their numbers in the batch
+  std::vector<std::uint32_t> problems;  ///< their numbers in the batch; those of `alone` last
   std::vector<Grid> grids;              ///< of each
   std::array<HostArray, array_count> arrays;
   std::array<std::vector<std::uint64_t>, array_count> begins;  ///< elements; P + 1, or none if there is no such array
   Statistics statistics;
+  std::vector<ForestResult> alone;  ///< results of one problem each (alone.hpp)
+
+  void add(ForestResult one) {
+    problems.push_back(one.problems.at(0));
+    alone.push_back(std::move(one));
+  }
+  /// Where the problem at that place is: in this result or one of `alone`, and its place there.
+  std::pair<const ForestResult*, std::size_t> at(std::size_t place) const {
+    const std::size_t together = problems.size() - alone.size();
+    return place < together ? std::make_pair(this, place) : std::make_pair(&alone[place - together], std::size_t{0});
+  }
 };
 
 /// Triangulates problems `numbers` of the batch, together at most max_vertices vertices (with 3 more per problem), in
 /// one run. `runtime` builds for forests. Throws InvalidProblems (numbers count in `numbers`), if any has an error of
-/// its own, and Error if something is wrong with the run.
+/// its own or crosses under Crossing::split, and Error if something is wrong with the run.
 ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
                                 std::vector<std::uint32_t> numbers, const Options& options);
 

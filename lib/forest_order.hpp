@@ -9,10 +9,12 @@
 
 namespace gcdt {
 
-/// Problems of one run that are invalid, by number in the run, each with its own error. They were found before any
-/// result was made; the others may be right.
+/// Problems of one run that no forest can have, by number in the run: invalid ones, each with its own error, and those
+/// that cross under Crossing::split, which are to be run alone (alone.hpp). They were found before any result was
+/// made; the others may be right.
 struct InvalidProblems {
   std::vector<std::pair<std::uint32_t, Error>> errors;
+  std::vector<std::uint32_t> crossing;  ///< ascending
 };
 
 /// Where the problems of a run begin among all input vertices and constraints, on host and device: P + 1 elements.

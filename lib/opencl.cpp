@@ -74,10 +74,11 @@ void Runtime::fail(const char* name, const char* detail, cl_int code) const {
 }
 
 cl::Program& Runtime::find_program(const char* program) {
-  auto found = programs_.find(program);
-  if (found == programs_.end()) {
+  auto& programs = built_[for_forests_].programs;
+  auto found = programs.find(program);
+  if (found == programs.end()) {
     const auto start = std::chrono::steady_clock::now();
-    found = programs_.emplace(program, build_program(*this, program)).first;
+    found = programs.emplace(program, build_program(*this, program)).first;
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     build_ms_ += ms;
     log(GCDT_LOG_INFORMATION, "built " + std::string(program) + " in " + std::to_string(ms) + " ms");
@@ -87,8 +88,9 @@ cl::Program& Runtime::find_program(const char* program) {
 
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   const auto key = std::make_pair(std::string(program), std::string(kernel));
-  auto found = kernels_.find(key);
-  if (found != kernels_.end()) return found->second;
+  auto& kernels = built_[for_forests_].kernels;
+  auto found = kernels.find(key);
+  if (found != kernels.end()) return found->second;
   cl::Program& built = find_program(contiguous_ ? bundle_of(program) : program);
   Kernel k;
   k.name = kernel;
@@ -100,7 +102,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   call("clGetKernelInfo", kernel, [&] { return k.handle.getInfo(CL_KERNEL_NUM_ARGS, &k.arguments); });
   call("clGetKernelWorkGroupInfo", kernel,
        [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
-  return kernels_.emplace(key, std::move(k)).first->second;
+  return kernels.emplace(key, std::move(k)).first->second;
 }
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {

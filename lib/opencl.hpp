@@ -189,13 +189,9 @@ class Runtime {
   Tracer& tracer() { return tracer_; }
   /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/loops.h).
   bool contiguous() const { return contiguous_; }
-  /// From now on programs are built for meshes of many triangulations (kernels/forest.h). What the self-test has built
-  /// goes: where programs are bundled, it holds kernels that forests need too.
-  void build_for_forests() {
-    for_forests_ = true;
-    kernels_.clear();
-    programs_.clear();
-  }
+  /// From now on programs are those for meshes of many triangulations (kernels/forest.h), or of one, as at first. Those
+  /// of both kinds that have been built are kept.
+  void build_for_forests(bool forests = true) { for_forests_ = forests; }
   /// Whether built programs go into the library's cache.
   bool keeps_programs() const;
   /// Options that every program is built with; part of the cache key.
@@ -258,8 +254,11 @@ class Runtime {
   std::size_t alignment_ = 0;
   std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});
   Geometry geometry_;
-  std::map<std::string, cl::Program> programs_;
-  std::map<std::pair<std::string, std::string>, Kernel> kernels_;
+  struct Built {
+    std::map<std::string, cl::Program> programs;
+    std::map<std::pair<std::string, std::string>, Kernel> kernels;
+  };
+  Built built_[2];  ///< for one triangulation, for many
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   bool contiguous_ = false;

@@ -184,7 +184,7 @@ ConstrainResult Pipeline::enforce() {
 // Enforcement failed: either constraints cross, and their pairs are named, or something is wrong.
 void Pipeline::resolve_crossings(const ConstrainResult& first) {
   if (first.mesh_changed) insert();
-  if (options_.crossing == Crossing::split && splits()) return split_crossings();
+  if (options_.crossing == Crossing::split) return split_crossings();
   const std::vector<Constraint> crossings =
       find_crossings(runtime_, primitives_, WalkedMesh{vertices_, mesh_, history_}, pieces_, counters_);
   if (crossings.empty()) fail_without_crossings(first);

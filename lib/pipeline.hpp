@@ -56,8 +56,9 @@ class Pipeline {
   /// Where enforces_by_problem() holds: cleans and enforces all constraints, sets pieces_, and leaves a constrained
   /// Delaunay mesh; or returns false, the mesh void.
   virtual bool enforce_by_problem() { return false; }
-  /// Whether Crossing::split can be followed; if not, crossings are rejected.
-  virtual bool splits() const { return true; }
+  /// Follows Crossing::split, in a mesh in which constraints could not be enforced and which has been restored.
+  virtual void split_crossings();
+  [[noreturn]] void fail_without_crossings(const ConstrainResult& failed) const;
 
   /// Runs a step and adds its wall time, without building programs, to `ms`. `phase` is its name in a trace.
   template <class Step>
@@ -69,8 +70,6 @@ class Pipeline {
   void clean_and_enforce();
   void resolve_crossings(const ConstrainResult& first);
   void drop_crossings(const std::vector<Constraint>& crossings);
-  void split_crossings();
-  [[noreturn]] void fail_without_crossings(const ConstrainResult& failed) const;
   void flip_all();
   void select(OrderedMesh& ordered);
   bool wants_regions() const { return options_.regions || options_.domain != Domain::hull; }

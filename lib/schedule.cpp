@@ -60,7 +60,7 @@ std::uint64_t Schedule::bytes(const Pack& pack) const {
 std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
   Lock lock(mutex_);
   // Ends: a lane waits only while another runs or ends, and every run ends; each settles problems, shrinks a capacity,
-  // or makes lanes end.
+  // has a lane refuse a problem, or makes lanes end.
   for (;;) {
     if (cancelled_ || lanes_[lane].lost || unsettled_ == 0) return nullptr;
     if (!must_wait(lane)) {
@@ -103,8 +103,9 @@ bool Schedule::must_wait(std::size_t lane) const {
 // From the largest that fits on.
 std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   const LaneShare& share = lanes_[lane];
-  const auto begin = std::partition_point(waiting_.begin(), waiting_.end(),
-                                          [&](std::uint32_t p) { return bytes(p) > share.capacity; });
+  const auto fits = std::partition_point(waiting_.begin(), waiting_.end(),
+                                         [&](std::uint32_t p) { return bytes(p) > share.capacity; });
+  const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return share.refused.count(p) == 0; });
   if (begin == waiting_.end()) return nullptr;
   const double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
   auto pack = std::make_shared<Pack>();
@@ -114,8 +115,9 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   for (; end != waiting_.end(); ++end) {
     const std::uint64_t more_n = n + batch_.n(*end), more_m = m + batch_.m(*end);
     const std::uint64_t problems = pack->problems.size() + 1;
-    if (problems > 1 && (static_cast<double>(pack->weight + weight(*end)) > wanted ||
-                         more_n + problems > most_vertices || forest_bytes(problems, more_n, more_m) > most_bytes))
+    if (problems > 1 &&
+        (outgrown(pack->problems[0]) || outgrown(*end) || static_cast<double>(pack->weight + weight(*end)) > wanted ||
+         more_n + problems > most_vertices || forest_bytes(problems, more_n, more_m) > most_bytes))
       break;
     pack->problems.push_back(*end);
     pack->weight += weight(*end);
@@ -138,6 +140,8 @@ std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
       latest = pack;
   if (!latest) return nullptr;
   if (bytes(*latest) > share.capacity) return nullptr;
+  for (const std::uint32_t p : share.refused)
+    if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
   const double own = static_cast<double>(latest->weight) / share.speed;
   if (Clock::now() + nanoseconds(own * theft_margin) >= latest->due) return nullptr;
   start(lane, latest, false);
@@ -197,9 +201,17 @@ void Schedule::put_back(const std::shared_ptr<Pack>& pack) {
   waiting_weight_ += pack->weight;
 }
 
-void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error) {
+void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error,
+                         std::optional<std::uint32_t> problem) {
   const Lock lock(mutex_);
   if (crowd_out_others(lane)) {
+    put_back(pack);
+    return;
+  }
+  shortage_ = error;
+  if (problem) {
+    lanes_[lane].refused.insert(*problem);
+    outgrown_.insert(*problem);
     put_back(pack);
     return;
   }
@@ -207,7 +219,6 @@ void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, co
   // Half of it, or less than its only problem.
   lanes_[lane].capacity = std::min(
       lanes_[lane].capacity, pack->problems.size() > 1 ? std::max(needed / 2, bytes(pack->problems[0])) : needed - 1);
-  shortage_ = error;
   put_back(pack);
 }
 
@@ -260,13 +271,26 @@ void Schedule::refuse_what_is_too_large() {
   std::uint64_t most = 0;
   for (const LaneShare& share : lanes_)
     if (!share.lost) most = std::max(most, share.capacity);
-  while (!waiting_.empty() && bytes(waiting_.front()) > most) {
-    const std::uint32_t p = waiting_.front();
-    waiting_.erase(waiting_.begin());
+  const auto refuse = [&](std::uint32_t p) {
     waiting_weight_ -= weight(p);
-    std::string message = "the problem needs about " + std::to_string(bytes(p)) + " bytes of device memory; ";
+    std::string message = "the problem needs ";
+    message += outgrown(p) ? "more than its size says" : "about " + std::to_string(bytes(p)) + " bytes";
+    message += " of device memory; ";
     message += shortage_ ? shortage_->what() : "the devices have " + std::to_string(most) + " at most";
     settle(p, Error(Status::out_of_memory, message));
+  };
+  while (!waiting_.empty() && bytes(waiting_.front()) > most) {
+    refuse(waiting_.front());
+    waiting_.erase(waiting_.begin());
+  }
+  for (const std::uint32_t p : outgrown_) {
+    const auto found = std::find(waiting_.begin(), waiting_.end(), p);
+    if (found == waiting_.end() || std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& share) {
+          return !share.lost && share.refused.count(p) == 0 && bytes(p) <= share.capacity;
+        }))
+      continue;
+    refuse(p);
+    waiting_.erase(found);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "forest.hpp"
 
@@ -26,14 +27,15 @@ struct Pack {
 
 /// What a lane, one stream of runs on a device, is to the schedule.
 struct LaneShare {
-  std::size_t device = 0;         ///< lanes of one device are alike, share its memory and are lost together
-  std::uint64_t capacity = 0;     ///< bytes; a problem that needs more is not taken
-  std::uint64_t most_bytes = 0;   ///< of a pack of several problems
-  std::uint64_t most_weight = 0;  ///< likewise
-  double speed = 0;               ///< weight a millisecond; 0: not measured yet
-  bool lost = false;              ///< takes nothing any more
-  bool crowded_out = false;       ///< since another lane of the device needs its memory
-  bool ended = false;             ///< is gone, and so is its memory if it was crowded out
+  std::size_t device = 0;           ///< lanes of one device are alike, share its memory and are lost together
+  std::uint64_t capacity = 0;       ///< bytes; a problem that needs more is not taken
+  std::uint64_t most_bytes = 0;     ///< of a pack of several problems
+  std::uint64_t most_weight = 0;    ///< likewise
+  double speed = 0;                 ///< weight a millisecond; 0: not measured yet
+  bool lost = false;                ///< takes nothing any more
+  bool crowded_out = false;         ///< since another lane of the device needs its memory
+  bool ended = false;               ///< is gone, and so is its memory if it was crowded out
+  std::set<std::uint32_t> refused;  ///< problems that turned out to need more
 };
 
 /// One batch on its way. All members may be called by all workers.
@@ -55,7 +57,9 @@ class Schedule {
               std::vector<std::pair<std::uint32_t, Error>> errors, double milliseconds);
   /// The device has too little memory for it. If other lanes share that, they take nothing any more, and this one goes
   /// on when they have ended; else it takes only smaller ones from now on.
-  void too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error);
+  /// `problem`: the one of the pack that needs so much, whatever its size says; then only that is not taken again.
+  void too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error,
+                 std::optional<std::uint32_t> problem = {});
   /// The device of the lane is lost; the lane may have a pack, and others of the device may end theirs.
   void lose(std::size_t lane, const std::shared_ptr<Pack>& pack);
   /// Given up, since the pack is done or all is cancelled.
@@ -85,6 +89,7 @@ class Schedule {
   using Lock = std::unique_lock<std::mutex>;
   std::uint64_t bytes(std::uint32_t p) const { return bytes_[p]; }
   std::uint64_t bytes(const Pack& pack) const;
+  bool outgrown(std::uint32_t p) const { return outgrown_.count(p) > 0; }
   std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + 1; }
   bool before(std::uint32_t p, std::uint32_t q) const;
   double wanted_weight(std::size_t lane) const;
@@ -103,6 +108,7 @@ class Schedule {
   std::condition_variable changed_;
   std::vector<LaneShare> lanes_;
   std::vector<std::uint64_t> bytes_;    ///< that each problem needs alone
+  std::set<std::uint32_t> outgrown_;    ///< those that need more than their sizes say: they go by themselves
   std::vector<std::uint32_t> waiting_;  ///< largest first
   std::uint64_t waiting_weight_ = 0, weight_ = 0, settled_weight_ = 0, unsettled_ = 0;
   std::list<std::shared_ptr<Pack>> running_;

@@ -41,6 +41,13 @@ std::uint32_t Splitter::mark(const WalkedMesh& walked, const Pieces& pieces, Pha
   return mark(crossing, pieces, true);
 }
 
+const Buffer<cl_uint>& Splitter::mark_crossing(const WalkedMesh& walked, const Pieces& pieces,
+                                               PhaseCounters& counters) {
+  CrossingPieces crossing(runtime_, primitives_, walked, pieces, counters);
+  mark(crossing, pieces, false);
+  return touched_;
+}
+
 std::uint32_t Splitter::mark(CrossingPieces& crossing, const Pieces& pieces, bool linked) {
   auto newly = runtime_.allocate<cl_uint>("newly marked", 1);
   runtime_.fill<cl_uint>(newly, 0, 1);

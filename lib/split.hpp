@@ -35,6 +35,11 @@ class Splitter {
   /// Marks the constraints that own crossing pieces of links. Returns how many were not marked before.
   std::uint32_t mark(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters);
 
+  /// Instead of all the above: marks the constraints that cross, without a look at where. Returns what is marked, one
+  /// word a constraint, 0 or 1.
+  const runtime::Buffer<cl_uint>& mark_crossing(const WalkedMesh& walked, const Pieces& pieces,
+                                                PhaseCounters& counters);
+
   /// Turns the sources of pieces of links into constraints.
   void name_sources(Pieces& pieces);
 

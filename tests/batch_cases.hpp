@@ -41,7 +41,9 @@ std::vector<T> array_of(const ForestResult& forest, std::size_t place, int array
 }
 
 /// The part of the problem at that place of a run.
-inline Triangulation part_of(const ForestResult& forest, std::size_t place) {
+inline Triangulation part_of(const ForestResult& run, std::size_t place_in_run) {
+  const auto [found, place] = run.at(place_in_run);
+  const ForestResult& forest = *found;
   Triangulation part;
   part.triangles = array_of<std::array<std::uint32_t, 3>>(forest, place, GCDT_TRIANGLES);
   part.neighbours = array_of<std::array<std::int32_t, 3>>(forest, place, GCDT_NEIGHBOURS);
@@ -55,6 +57,10 @@ inline Triangulation part_of(const ForestResult& forest, std::size_t place) {
     part.region = array_of<std::uint32_t>(forest, place, GCDT_REGIONS);
     part.depth = array_of<std::uint32_t>(forest, place, GCDT_DEPTHS);
     part.winding = array_of<std::int32_t>(forest, place, GCDT_WINDINGS);
+  }
+  if (!forest.begins[GCDT_ADDED].empty()) {
+    part.added_on_grid = array_of<std::array<std::int32_t, 2>>(forest, place, GCDT_ADDED);
+    part.added_crossing = array_of<Constraint>(forest, place, GCDT_ADDED_CROSSINGS);
   }
   part.statistics.grid = forest.grids[place];
   return part;
@@ -79,6 +85,8 @@ inline std::string difference(const Triangulation& a, const Triangulation& b) {
   if (a.region != b.region) return "region";
   if (a.depth != b.depth) return "depth";
   if (a.winding != b.winding) return "winding";
+  if (a.added_on_grid != b.added_on_grid) return "added_on_grid";
+  if (a.added_crossing != b.added_crossing) return "added_crossing";
   return {};
 }
 

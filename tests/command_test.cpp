@@ -378,6 +378,7 @@ TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collect
       {"[]", "an object is due"},
       {R"({"type": "Polygon"})", "\"coordinates\" is missing"},
       {R"({"type": "Circle", "coordinates": []})", "there is no type \"Circle\""},
+      {R"({"type": "Topology", "objects": {}, "arcs": []})", "there is no type \"Topology\""},
       {R"({"type": "Polygon", "coordinates": [[[0, 0], [1]]]})",
        "ring 0, position 1: a position of two numbers is due"},
       {R"({"type": "LineString", "coordinates": [[0, "x"]]})", "position 0: a position of two numbers"},
@@ -783,6 +784,11 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
                  ") && for e in ele neigh vtu; do cmp one.$e out/${name%.*}.$e || exit 9; done");
   session.write("many/bad.poly", "nonsense\n");
   session.write("many/crossed.poly", crossed);
+  // Hole and region points are not read.
+  session.write("points.poly", "3 2 0 0\n0 0 0\n1 9 0\n2 0 9\n0 0\n1\n0 1 1\n1\n0 2 2 7\n");
+  session.good("batch points.poly -o out --regions --verify --format ele --format vtu --format poly --format svg");
+  CHECK(session.read("out/points.ele").find("1 3 0\n0 0 1 2\n") == 0);
+  CHECK(!contains(session.read("out/points.vtu"), "region_attribute"));
   session.shell("rm -r out");
   const Outcome mixed = session.gcdt("batch many -o out");
   CHECK(mixed.status == 3);
@@ -791,6 +797,50 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   CHECK(contains(mixed.err, "2 of 7 inputs failed"));
   CHECK(session.shell("ls out").out == "a.ele\nb.ele\nc.ele\nd.ele\nempty.ele\n");
   CHECK(contains(session.gcdt("batch many/a.poly many/b.poly").out, "inputs        2 (0 failed)"));
+}
+
+TEST_CASE("a batch splits crossings, with the files and attributes that triangulate writes") {
+  Session session;
+  session.shell("mkdir many");
+  session.write("many/crossed.poly",
+                "4 2 1 1\n0 0 0 10 5\n1 4 4 30 5\n2 0 4 100 6\n3 4 0 140 6\n2 1\n0 0 1 7\n1 2 3 8\n0\n");
+  session.write("many/plain.poly", square);
+  session.write("many/rounded.poly", "4 2 0 0\n1 0 0\n2 1e9 1\n3 0 1\n4 1e9 0\n2 0\n1 1 2\n2 3 4\n0\n");
+  session.write("many/wrong.poly", "1 2 0 0\n0 0 0\n1 0\n0 0 7\n0\n");
+  const Outcome run = session.gcdt(
+      "batch many -o out --crossing split --format ele --format poly --format edge --format vtu --format jsonl "
+      "--verify "
+      "--stats s.json");
+  CHECK(run.status == 3);
+  CHECK(contains(run.err, "many/wrong.poly"));
+  CHECK(contains(run.err, "1 of 4 inputs failed"));
+  for (const std::string name : {"crossed", "plain", "rounded"}) {
+    CAPTURE(name);
+    session.good("triangulate many/" + name + ".poly --crossing split -o " + name + ".ele -o " + name + ".poly -o " +
+                 name + ".edge -o " + name + ".vtu --quiet");
+    CHECK(session.shell("for f in " + name + ".*; do cmp $f out/$f || exit 9; done").status == 0);
+  }
+  // The .node has the added vertex: numbers 20 and 120 are those of the two constraints in their middles.
+  CHECK(contains(session.read("out/crossed.node"), "\n4 2 2 70 "));
+  CHECK(session.shell("ls out/plain.node").status != 0);
+  session.good("verify many/crossed.poly out/crossed.ele --crossing split");
+  const auto statistics = nlohmann::json::parse(session.read("s.json"));
+  CHECK(statistics.at("crossings") == 2);
+  CHECK(statistics.at("vertices_added") == 2);
+  CHECK(statistics.at("constraints_split") == 4);
+  const auto line = nlohmann::json::parse(session.read("out/crossed.jsonl"));
+  CHECK(line.at("added") == nlohmann::json{{2.0, 2.0}});
+  CHECK(contains(session.gcdt("batch many/crossed.poly --crossing split").out,
+                 "crossings     1 (1 vertices added, 2 constraints split, moved by 0 at most)"));
+  // Where the .ele needs a .node that is the input's, that input fails alone.
+  session.write("p.node", "4 2 0 0\n0 0 0\n1 4 4\n2 0 4\n3 4 0\n");
+  session.write("p.poly", "0 2 0 0\n2 0\n0 0 1\n1 2 3\n0\n");
+  session.write("q.poly", square);
+  const Outcome clash = session.gcdt("batch p.poly q.poly -o . --crossing split");
+  CHECK(clash.status == 2);
+  CHECK(contains(clash.err, "p.node"));
+  CHECK(contains(clash.err, "1 of 2 inputs failed"));
+  CHECK(session.shell("ls q.ele && ! ls p.ele").status == 0);
 }
 
 TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all results in one file") {
@@ -829,14 +879,30 @@ TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all
   session.bad(3, "batch none.geojsonl -o out");
 }
 
+TEST_CASE("a batch has more output files than a process can have open") {
+  Session session;
+  session.write("in.poly", square);
+  session.shell(
+      "mkdir many && for i in 1 2 3 4 5 6 7 8 9; do for j in 1 2 3 4 5 6 7 8 9; do cp in.poly many/$i$j.poly; "
+      "done; done");
+  const Outcome run =
+      session.shell("ulimit -n 60; \"$gcdt\" batch many -o out --format jsonl --quiet && ls out | wc -l");
+  CHECK(run.status == 0);
+  CHECK(run.out == "81\n");
+  CHECK(nlohmann::json::parse(session.read("out/99.jsonl")).at("triangles").size() == 2);
+}
+
 TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   Session session;
   session.write("in.poly", square);
   session.shell("mkdir empty other && cp in.poly other/");
   for (const char* arguments :
        {"batch", "batch in.poly --format xyz -o out", "batch in.poly other -o out", "batch in.poly -o . --format poly",
-        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out"})
+        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out",
+        "batch in.poly --stats in.poly", "batch in.poly --trace ./in.poly", "batch in.poly -o out --stats out/in.ele",
+        "batch in.poly --stats same.json --trace ./same.json"})
     session.bad(2, arguments);
+  CHECK(session.read("in.poly") == square);
   session.bad(3, "batch empty -o out");
   CHECK(session.gcdt("batch in.poly --device cpu,99 -o out").status == 4);
   CHECK(session.names() == std::vector<std::string>{"empty", "in.poly", "other"});

@@ -94,6 +94,26 @@ TEST_CASE("the corpus in one forest: invalid and crossing problems have their ow
   CHECK(check_same_as_alone(all, drop) == invalid);
 }
 
+TEST_CASE("under split, a forest names the problems that cross, and has the others") {
+  std::vector<Workload> all = corpus({"crossing"});
+  std::vector<std::uint32_t> crossing(all.size());
+  std::iota(crossing.begin(), crossing.end(), 0);
+  for (const Workload& problem : corpus({"ok"})) all.push_back(problem);
+  std::vector<std::uint32_t> numbers(all.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  Options options;
+  options.crossing = Crossing::split;
+  const RaggedBatch batch(all);
+  try {
+    run(batch, numbers, options);
+    FAIL("a forest with crossings");
+  } catch (const InvalidProblems& found) {
+    CHECK(found.errors.empty());
+    CHECK(found.crossing == crossing);
+  }
+  CHECK(check_same_as_alone(corpus({"ok"}), options) == 0);
+}
+
 TEST_CASE("a grid that is given holds for every problem, and those outside say so") {
   Options options;
   options.grid = FixedGrid{-1000, -1000, "0.001"};

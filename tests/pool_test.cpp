@@ -2,16 +2,11 @@
 // Batches on pools of devices: the bytes of one device whatever the devices are, whichever fails, and when.
 #include <doctest/doctest.h>
 
-#include <atomic>
 #include <fstream>
 #include <thread>
 
-#include "batch_cases.hpp"
 #include "device_list.hpp"
-#include "device_pool.hpp"
-#include "opencl_app.hpp"
-
-#include <gcdt/gcdt_pool.hpp>
+#include "pool_cases.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -21,82 +16,11 @@ namespace {
 // Before any test lists devices.
 const std::size_t device_count = every_device().size();
 
-Batch batch_of(const std::vector<Workload>& problems) {
-  Batch batch;
-  for (const Workload& problem : problems) batch.add(problem.points, problem.constraints);
-  return batch;
-}
-
-template <class T>
-std::vector<T> copied(Span<T> span) {
-  return {span.begin(), span.end()};
-}
-
-Triangulation part_of(const BatchResult& result, std::size_t p) {
-  Triangulation part;
-  part.triangles = copied(result.triangles(p));
-  part.neighbours = copied(result.neighbours(p));
-  part.constrained = copied(result.constrained(p));
-  part.representative = copied(result.representative(p));
-  part.pieces = copied(result.pieces(p));
-  part.source_offsets = copied(result.source_offsets(p));
-  part.sources = copied(result.sources(p));
-  part.dropped = copied(result.dropped(p));
-  part.region = copied(result.region(p));
-  part.depth = copied(result.depth(p));
-  part.winding = copied(result.winding(p));
-  part.statistics.grid = result.grid(p);
-  return part;
-}
-
-/// What problems have alone: a mesh or an error.
-struct Alone {
-  std::vector<Triangulation> meshes;
-  std::vector<std::string> errors;
-
-  explicit Alone(const std::vector<Workload>& problems, const Options& options = {}) {
-    for (const Workload& problem : problems) {
-      meshes.emplace_back();
-      errors.emplace_back();
-      try {
-        meshes.back() = solver().triangulate(problem.points, problem.constraints, options);
-      } catch (const Error& error) {
-        errors.back() = error.what();
-      }
-    }
-  }
-
-  void check(const BatchResult& result) const {
-    REQUIRE(result.size() == meshes.size());
-    std::uint64_t failed = 0;
-    for (std::size_t p = 0; p < meshes.size(); ++p) {
-      CAPTURE(p);
-      const std::optional<Error> error = result.error(p);
-      CHECK((error ? error->what() : std::string()) == errors[p]);
-      if (error) ++failed;
-      if (errors[p].empty()) CHECK(difference(part_of(result, p), meshes[p]) == "");
-    }
-    CHECK(result.statistics().failed == failed);
-  }
-};
-
 std::vector<Workload> mixed_problems() {
   std::vector<Workload> all = corpus({"ok", "crossing", "invalid"});
   for (const Workload& problem : generated_problems()) all.push_back(problem);
   for (const Workload& problem : smallest_problems()) all.push_back(problem);
   return all;
-}
-
-/// Two halves of PoCL's CPU. A device that cannot be divided is taken twice.
-std::vector<cl::CommandQueue> half_devices() {
-  cl::Device whole = app_device();
-  static std::vector<cl::Device> halves;  // for good: PoCL's contexts do not keep their sub-devices
-  const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
-                                                CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-  if (halves.empty() && whole.createSubDevices(parts, &halves) != CL_SUCCESS) halves = {whole, whole};
-  std::vector<cl::CommandQueue> queues;
-  for (const cl::Device& half : halves) queues.emplace_back(cl::Context(half), half);
-  return queues;
 }
 
 }  // namespace
@@ -269,20 +193,6 @@ TEST_CASE("100 batches in one process take no more memory than the first ten") {
 
 namespace {
 
-cl::Device test_device() { return runtime::all_devices().at(select_device(testDevice())); }
-
-/// Fails the k-th OpenCL call of a device, and, as a lost one would, all that follow if `for_good`.
-runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
-                          cl_int code) {
-  runtime::CallHook hook;
-  hook.keep_programs = true;  // hundreds of runtimes, each of which would compile
-  hook.before = [=](const char*, const char*) {
-    const std::uint64_t call = ++*calls;
-    return call == k || (for_good && call > k) ? code : CL_SUCCESS;
-  };
-  return hook;
-}
-
 struct Outcome {
   bool right = false;    ///< every byte
   bool refused = false;  ///< some problem has an error, all others are right
@@ -314,7 +224,7 @@ bool fails_alone(const std::shared_ptr<std::atomic<std::uint64_t>>& calls, std::
                  const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
   *calls = 0;
   try {
-    DevicePool alone({{cl::Context(), test_device(), failing(calls, k, for_good, code)}}, {}, {});
+    DevicePool alone({{cl::Context(), app_device(), failing(calls, k, for_good, code)}}, {}, {});
     const Outcome outcome = outcome_of(alone, batch, expected);
     CHECK((outcome.right || !outcome.message.empty() || outcome.refused));
     return !outcome.right;
@@ -334,7 +244,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
   const std::vector<Triangulation> expected = Alone(problems).meshes;
   const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
   {
-    DevicePool pool({{cl::Context(), test_device(), failing(calls, 0, false, 0)}}, {}, {});
+    DevicePool pool({{cl::Context(), app_device(), failing(calls, 0, false, 0)}}, {}, {});
     REQUIRE(outcome_of(pool, batch, expected).right);
   }
   const std::uint64_t all = *calls;
@@ -350,8 +260,8 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
     if (k % 5 == 0) failed += fails_alone(calls, k, for_good, code, batch, expected);
     *calls = 0;
     DevicePool pool(
-        {{cl::Context(), test_device(), failing(calls, k, for_good, code)}, {cl::Context(), test_device(), healthy}},
-        {}, {});
+        {{cl::Context(), app_device(), failing(calls, k, for_good, code)}, {cl::Context(), app_device(), healthy}}, {},
+        {});
     const Outcome outcome = outcome_of(pool, batch, expected);
     CAPTURE(outcome.message);
     CHECK(outcome.right);
@@ -369,7 +279,7 @@ TEST_CASE("when all devices fail, the error has every device's reason") {
   const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
   const runtime::CallHook broken = failing(calls, 1, true, CL_OUT_OF_RESOURCES);
   try {
-    DevicePool pool({{cl::Context(), test_device(), broken}, {cl::Context(), test_device(), broken}}, {}, {});
+    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), broken}}, {}, {});
     FAIL("a pool of broken devices");
   } catch (const Error& error) {
     const std::string message = error.what();
@@ -402,7 +312,7 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
     return hook;
   };
   *calls = 0;
-  DevicePool pool({{cl::Context(), test_device(), two_lanes(0, false, 0)}}, {}, {});
+  DevicePool pool({{cl::Context(), app_device(), two_lanes(0, false, 0)}}, {}, {});
   REQUIRE(pool.size() == 1);
   for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
     CHECK(outcome_of(pool, batch, expected).right);
@@ -419,8 +329,7 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
     runtime::CallHook healthy;
     healthy.keep_programs = true;
     DevicePool both(
-        {{cl::Context(), test_device(), two_lanes(k, for_good, code)}, {cl::Context(), test_device(), healthy}}, {},
-        {});
+        {{cl::Context(), app_device(), two_lanes(k, for_good, code)}, {cl::Context(), app_device(), healthy}}, {}, {});
     const Outcome outcome = outcome_of(both, batch, expected);
     CAPTURE(outcome.message);
     CHECK(outcome.right);
@@ -429,7 +338,7 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
 }
 
 TEST_CASE("a device may be used but for some of its compute units") {
-  const cl::Device whole = test_device();
+  const cl::Device whole = app_device();
   const cl_uint units = whole.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
   const cl::Device part = runtime::part_of(whole, 1);
   cl::Device other = whole;

@@ -165,6 +165,41 @@ TEST_CASE("a lost device's lanes end, and its work goes to others") {
   check_settled(schedule, 10);
 }
 
+TEST_CASE("a problem that needs more than its size says goes to another device, by itself, or is refused") {
+  const Sizes sizes({900, 500, 20, 10});
+  const BatchInput batch = sizes.view();
+  const std::uint64_t little = std::uint64_t{1} << 30;
+  SUBCASE("another device") {
+    Schedule schedule(batch, {lane(0, 0, little), lane(1, 0, little)});
+    const auto pack = schedule.take(0);
+    const std::uint32_t outgrown = pack->problems.back();
+    schedule.too_large(0, pack, shortage(), outgrown);
+    for (auto more = schedule.take(1); more; more = schedule.take(1)) {
+      if (std::count(more->problems.begin(), more->problems.end(), outgrown) > 0) CHECK(more->problems.size() == 1);
+      finish(schedule, 1, more);
+    }
+    CHECK(bool(schedule.take(0)) == false);
+    check_settled(schedule, 4);
+    for (const auto& error : schedule.errors) CHECK(!error);
+  }
+  SUBCASE("no other device") {
+    Schedule schedule(batch, {lane(0, 0, little)});
+    const auto pack = schedule.take(0);
+    REQUIRE(pack->problems.size() == 4);
+    schedule.too_large(0, pack, shortage(), 2);
+    // Larger ones are not refused for its sake.
+    for (const auto& expected : {std::vector<std::uint32_t>{0, 1}, std::vector<std::uint32_t>{3}}) {
+      const auto rest = schedule.take(0);
+      CHECK(rest->problems == expected);
+      finish(schedule, 0, rest);
+    }
+    CHECK(bool(schedule.take(0)) == false);
+    check_settled(schedule, 4);
+    REQUIRE(schedule.errors[2]);
+    CHECK(schedule.errors[2]->status() == Status::out_of_memory);
+  }
+}
+
 TEST_CASE("whatever lanes do, in any order, everything is settled once") {
   std::mt19937 seeds(11);
   for (int round = 0; round < 60; ++round) {
@@ -189,6 +224,8 @@ TEST_CASE("whatever lanes do, in any order, everything is settled once") {
             schedule.lose(number, pack);
           } else if (chance < 4) {
             schedule.too_large(number, pack, shortage());
+          } else if (chance == 4) {
+            schedule.too_large(number, pack, shortage(), pack->problems[random() % pack->problems.size()]);
           } else if (chance < 6 && schedule.needless(pack)) {
             schedule.drop(pack);
           } else {

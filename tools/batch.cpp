@@ -111,21 +111,34 @@ std::vector<std::string> formats_of(const BatchArguments& arguments) {
   return formats;
 }
 
-void check_overwrites_no_input(const std::vector<Problem>& problems, const BatchArguments& arguments,
-                               const std::vector<std::string>& formats) {
-  std::set<fs::path> inputs;
+/// No file is an input and an output, nor two outputs, but for the files of one problem, which have different formats.
+void check_outputs(const std::vector<Problem>& problems, const BatchArguments& arguments,
+                   const std::vector<std::string>& formats) {
   std::error_code unknown;
+  const auto file = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path), unknown); };
+  std::set<fs::path> inputs, outputs;
   for (const Problem& problem : problems) {
-    inputs.insert(fs::weakly_canonical(problem.path, unknown));
-    for (const std::string& file : problem.input.files) inputs.insert(fs::weakly_canonical(file, unknown));
+    inputs.insert(file(problem.path));
+    for (const std::string& path : problem.input.files) inputs.insert(file(path));
   }
-  for (const Problem& problem : problems)
-    for (const std::string& format : formats) {
-      const fs::path output =
-          format == collected ? problem.collection(arguments.folder) : problem.output(arguments.folder, format);
-      if (inputs.count(fs::weakly_canonical(output, unknown)) > 0)
-        throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", output.string()));
-    }
+  const auto check = [&](const fs::path& output) {
+    if (inputs.count(file(output)) > 0)
+      throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", output.string()));
+  };
+  if (!arguments.folder.empty())
+    for (const Problem& problem : problems)
+      for (const std::string& format : formats) {
+        const fs::path output =
+            format == collected ? problem.collection(arguments.folder) : problem.output(arguments.folder, format);
+        check(output);
+        outputs.insert(file(output));
+      }
+  for (const std::string& other : {arguments.statistics, arguments.trace}) {
+    if (other.empty()) continue;
+    check(other);
+    if (!outputs.insert(file(other)).second)
+      throw Failure(Exit::usage, fmt::format("{}: given twice as an output", other));
+  }
 }
 
 Batch read(std::vector<Problem>& problems) {
@@ -163,6 +176,9 @@ Triangulation mesh_of(const BatchResult& result, std::size_t p) {
   mesh.depth = copied(result.depth(p));
   mesh.winding = copied(result.winding(p));
   mesh.statistics.grid = result.grid(p);
+  mesh.added_on_grid = copied(result.added_on_grid(p));
+  mesh.added_crossing = copied(result.added_crossing(p));
+  mesh.added = grid_coordinates(mesh.statistics.grid, mesh.added_on_grid);
   mesh.statistics.triangles = mesh.triangles.size();
   return mesh;
 }
@@ -172,6 +188,7 @@ void prove(Problem& problem, const Triangulation& mesh, const Options& options) 
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
+  view.added = mesh.added_on_grid;
   const io::Input& input = problem.input;
   const Grid& grid = mesh.statistics.grid;
   const bool regions = options.regions || options.domain != Domain::hull;
@@ -196,6 +213,7 @@ class Collections {
     if (mesh) {
       line["triangles"] = mesh->triangles;
       line["constrained"] = mesh->constrained;
+      if (!mesh->added.empty()) line["added"] = mesh->added;
     } else {
       line["error"] = problem.failure->what();
     }
@@ -216,6 +234,26 @@ void triangulated(Problem& problem, const BatchResult& result, const Options& op
   problem.failure = Failure(said.exit(), named ? said.what() : fmt::format("{}: {}", problem.name, said.what()));
 }
 
+/// The files of a problem's own: an .ele with added vertices gets the .node that has them. That fails the problem if it
+/// is an input of its own; no other can be, since no other has the name.
+std::vector<std::pair<std::string, io::Write>> files_of(Problem& problem, const Triangulation& mesh,
+                                                        const std::string& folder, std::vector<std::string> formats) {
+  const auto has = [&](const char* format) { return std::count(formats.begin(), formats.end(), format) > 0; };
+  if (!mesh.added.empty() && has(".ele") && !has(".node")) {
+    formats.push_back(".node");
+    const std::string node = problem.output(folder, ".node").string();
+    for (const std::string& input : problem.input.files)
+      if (io::same_file(node, input))
+        problem.failure = Failure(
+            Exit::usage,
+            fmt::format("{}: is an input, but the .ele needs it for the added vertices: name another folder", node));
+  }
+  std::vector<std::pair<std::string, io::Write>> files;
+  for (const std::string& format : formats)
+    if (format != collected) files.emplace_back(problem.output(folder, format).string(), io::writer_for(format));
+  return files;
+}
+
 /// The outputs of one problem that are its own appear together.
 void finish(Problem& problem, const BatchResult& result, const BatchArguments& arguments,
             const std::vector<std::string>& formats, const Options& options, Collections& collections) {
@@ -225,20 +263,30 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
   if (!problem.failure && (arguments.verify || writes)) mesh = mesh_of(result, problem.number);
   if (mesh && arguments.verify) prove(problem, *mesh, options);
   if (!writes) return;
+  std::vector<std::pair<std::string, io::Write>> own;
+  if (!problem.failure) own = files_of(problem, *mesh, arguments.folder, formats);
   if (std::count(formats.begin(), formats.end(), collected) > 0)
     collections.add(problem, arguments.folder, problem.failure ? nullptr : &*mesh);
   if (problem.failure) return;
   io::OutputFiles files(stop_if_interrupted);
-  for (const std::string& format : formats)
-    if (format != collected)
-      io::writer_for(format)(files.add(problem.output(arguments.folder, format).string()), {problem.input, *mesh});
+  for (const auto& [path, write] : own) write(files.add(path), {problem.input, *mesh});
   files.commit();
+  if (const std::string rounding = rounding_note(*mesh); !rounding.empty() && !arguments.quiet)
+    note(fmt::format("{}: {}", problem.name, rounding));
 }
 
 struct Told {
   std::size_t inputs = 0, failed = 0;
+  SplitReport split;  ///< of all inputs; the largest move
   double read = 0, write = 0;
 };
+
+void add(const SplitReport& one, SplitReport& all) {
+  all.crossings += one.crossings;
+  all.vertices_added += one.vertices_added;
+  all.constraints_split += one.constraints_split;
+  all.constraint_move = std::max(all.constraint_move, one.constraint_move);
+}
 
 std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, const Pool& pool) {
   nlohmann::ordered_json devices = nlohmann::ordered_json::array();
@@ -256,6 +304,10 @@ std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, co
                                        {"n", s.vertices},
                                        {"m", s.constraints},
                                        {"triangles", s.triangles},
+                                       {"crossings", told.split.crossings},
+                                       {"vertices_added", told.split.vertices_added},
+                                       {"constraints_split", told.split.constraints_split},
+                                       {"constraint_move", told.split.constraint_move},
                                        {"ms", {{"read", told.read}, {"full", s.ms_full}, {"write", told.write}}},
                                        {"devices", std::move(devices)},
                                        {"version", version()}};
@@ -267,6 +319,10 @@ std::string statistics_table(const Told& told, const gcdt_batch_statistics& s, c
       "inputs        {} ({} failed)\nvertices      {}\nconstraints   {}\ntriangles     {}\n"
       "time          {:.1f} ms, read {:.1f}, write {:.1f}\n",
       told.inputs, told.failed, s.vertices, s.constraints, s.triangles, s.ms_full, told.read, told.write);
+  if (told.split.crossings > 0)
+    table += fmt::format("crossings     {} ({} vertices added, {} constraints split, moved by {} at most)\n",
+                         told.split.crossings, told.split.vertices_added, told.split.constraints_split,
+                         told.split.constraint_move);
   for (const PoolDevice& device : pool.devices())
     table += fmt::format("device        {} ({}): {}\n", device.info.name, device.info.platform,
                          device.lost ? "taken out: " + std::string(device.lost->what())
@@ -293,7 +349,7 @@ void triangulate_batch(const BatchArguments& arguments) {
   const Stopwatch reading;
   const Batch batch = read(problems);
   told.read = reading.milliseconds();
-  if (!arguments.folder.empty()) check_overwrites_no_input(problems, arguments, formats);
+  check_outputs(problems, arguments, formats);
   TraceRecord trace;
   Pool pool(arguments.device, {}, arguments.trace.empty() ? Trace() : trace.sink());
   ProgressLine line(!arguments.quiet);
@@ -312,6 +368,7 @@ void triangulate_batch(const BatchArguments& arguments) {
   Collections collections;
   for (Problem& problem : problems) {
     stop_if_interrupted();
+    if (!problem.failure) add(result.split(problem.number), told.split);
     finish(problem, result, arguments, formats, options, collections);
     if (!problem.failure) continue;
     ++told.failed;

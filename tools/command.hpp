@@ -73,6 +73,9 @@ std::optional<FixedGrid> grid_from_option(const std::string& text);
 /// numbers, with the status to leave with.
 io::Failure explained(const Error& error, const io::Input& input, const Options& options);
 
+/// What is to be said of added vertices that files cannot hold; empty if they can.
+std::string rounding_note(const Triangulation& mesh);
+
 /// The status for an error that is not about one input.
 io::Exit exit_for(Status status);
 

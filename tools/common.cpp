@@ -133,6 +133,18 @@ io::Failure explained(const Error& error, const io::Input& input, const Options&
   return io::Failure(exit_for(error.status()), text);
 }
 
+// Files hold doubles, and where those are farther apart than the grid's lines, not all grid points are one.
+std::string rounding_note(const Triangulation& mesh) {
+  const auto back = grid_points(mesh.statistics.grid, mesh.added);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < back.size(); ++i) moved += back[i] != mesh.added_on_grid[i];
+  if (moved == 0) return {};
+  return fmt::format(
+      "{} of {} added vertices lie between doubles: files hold the nearest, and cannot be verified (--grid X,Y,CELL "
+      "sets a coarser grid)",
+      moved, back.size());
+}
+
 void complain(const std::string& text) { std::fputs(fmt::format("gcdt: {}\n", text).c_str(), stderr); }
 
 void note(const std::string& text) { std::fputs(fmt::format("gcdt: note: {}\n", text).c_str(), stderr); }

@@ -87,18 +87,6 @@ std::vector<std::string> with_nodes(const TriangulateArguments& arguments, const
   return paths;
 }
 
-/// Files hold doubles, and where those are farther apart than the grid's lines, not all grid points are one.
-void note_rounding(Triangulation& mesh) {
-  const auto back = grid_points(mesh.statistics.grid, mesh.added);
-  std::size_t moved = 0;
-  for (std::size_t i = 0; i < back.size(); ++i) moved += back[i] != mesh.added_on_grid[i];
-  if (moved > 0)
-    mesh.statistics.notes.push_back(
-        fmt::format("{} of {} added vertices lie between doubles: files hold the nearest, and cannot be verified "
-                    "(--grid X,Y,CELL sets a coarser grid)",
-                    moved, back.size()));
-}
-
 MeshView view_of(const Triangulation& mesh) {
   MeshView view;
   view.triangles = mesh.triangles;
@@ -169,7 +157,7 @@ void triangulate(const TriangulateArguments& arguments) {
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
   note_unused(input, options, mesh.statistics);
-  note_rounding(mesh);
+  if (const std::string rounding = rounding_note(mesh); !rounding.empty()) mesh.statistics.notes.push_back(rounding);
   if (arguments.verify) prove(input, mesh, options);
   if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();

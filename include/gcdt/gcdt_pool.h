@@ -81,8 +81,8 @@ typedef struct gcdt_batch_input {
  * with the phase "batch". A device that fails is taken out and its work goes to others, nothing is lost or done twice;
  * if none is left the call fails with every device's reason: the status that all failed with, else
  * GCDT_ERROR_DEVICE_FAILED. Problems that are invalid, or too large for every device, fail alone
- * (gcdt_batch_problem). Crossings are not split: under GCDT_CROSSING_SPLIT a problem that has some fails as under
- * GCDT_CROSSING_REJECT, and is to be given to a solver. Domains and regions are each problem's own; hole and region
+ * (gcdt_batch_problem). Under GCDT_CROSSING_SPLIT problems that cross are run one by one, after the others of their
+ * run: they take as long as they would take a solver. Domains and regions are each problem's own; hole and region
  * seeds, which would be of one problem, are GCDT_ERROR_INVALID_ARGUMENT. Blocks. */
 GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
                                        gcdt_batch** batch);
@@ -97,6 +97,9 @@ typedef struct gcdt_problem {
   uint64_t pair_count;
   uint64_t triangles; /* 0 with an error */
   gcdt_grid grid;     /* its struct_size is set by the library */
+  /* Under GCDT_CROSSING_SPLIT, as in gcdt_statistics; else 0. */
+  uint64_t crossings, vertices_added, constraints_split;
+  double constraint_move;
 } gcdt_problem;
 
 GCDT_API int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_problem* info);

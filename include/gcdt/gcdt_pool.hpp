@@ -38,6 +38,12 @@ class Batch {
   std::vector<std::uint64_t> vertex_offsets_ = {0}, constraint_offsets_ = {0};
 };
 
+/// What Crossing::split has done to a problem; see the members of Statistics.
+struct SplitReport {
+  std::uint64_t crossings = 0, vertices_added = 0, constraints_split = 0;
+  double constraint_move = 0;
+};
+
 /// The results of a batch, in host memory until the object is gone; views are into it. Move-only.
 class BatchResult {
  public:
@@ -62,6 +68,12 @@ class BatchResult {
   }
   Grid grid(std::size_t problem) const { return detail::grid(info(problem).grid); }
 
+  /// All 0 for a problem without crossings, or with an error.
+  SplitReport split(std::size_t problem) const {
+    const gcdt_problem c = info(problem);
+    return {c.crossings, c.vertices_added, c.constraints_split, c.constraint_move};
+  }
+
   /// The problem's arrays; see the members of Triangulation. Empty if it has an error.
   Span<std::array<std::uint32_t, 3>> triangles(std::size_t problem) const {
     return array<std::array<std::uint32_t, 3>>(problem, GCDT_TRIANGLES);
@@ -83,6 +95,13 @@ class BatchResult {
   Span<std::uint32_t> depth(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DEPTHS); }
   Span<std::int32_t> winding(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_WINDINGS); }
   Span<std::uint32_t> dropped(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DROPPED); }
+  /// Empty unless constraints were split (Crossing::split); grid_coordinates has the coordinates.
+  Span<std::array<std::int32_t, 2>> added_on_grid(std::size_t problem) const {
+    return array<std::array<std::int32_t, 2>>(problem, GCDT_ADDED);
+  }
+  Span<Constraint> added_crossing(std::size_t problem) const {
+    return array<Constraint>(problem, GCDT_ADDED_CROSSINGS);
+  }
 
  private:
   gcdt_problem info(std::size_t problem) const {

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <random>
-#include <utility>
 
 namespace gcdt::io {
 
@@ -42,13 +41,13 @@ OutputFile::OutputFile(const std::string& path, const std::function<void()>& bet
     std::fclose(writable);
   }
   temporary_ = unused_name(target_.parent_path(), ".tmp");
-  file_ = std::fopen(temporary_.c_str(), "wbx");
-  if (!file_) fail(std::strerror(errno));
-  if (fs::exists(status)) fs::permissions(temporary_, status.permissions(), ignored);
+  append("wbx");
+  if (!fs::exists(status)) return;
+  permissions_ = status.permissions();
+  fs::permissions(temporary_, *permissions_ | fs::perms::owner_write, ignored);
 }
 
 OutputFile::~OutputFile() {
-  if (file_) std::fclose(file_);
   std::error_code ignored;
   if (!replaced_) fs::remove(temporary_, ignored);
 }
@@ -57,15 +56,26 @@ void OutputFile::fail(const std::string& why) const {
   throw Failure(Exit::output, fmt::format("{}: cannot be written: {}", name_, why));
 }
 
+// Open only as long as that: there may be more output files than a process can have open.
+void OutputFile::append(const char* mode) {
+  std::FILE* file = std::fopen(temporary_.c_str(), mode);
+  if (!file) fail(std::strerror(errno));
+  const bool written = std::fwrite(buffer_.data(), 1, buffer_.size(), file) == buffer_.size();
+  const int why = errno;
+  if (std::fclose(file) != 0) fail(std::strerror(errno));
+  if (!written) fail(std::strerror(why));
+  buffer_.clear();
+}
+
 void OutputFile::flush() {
   between_blocks_();
-  if (std::fwrite(buffer_.data(), 1, buffer_.size(), file_) != buffer_.size()) fail(std::strerror(errno));
-  buffer_.clear();
+  append("ab");
 }
 
 void OutputFile::close() {
   flush();
-  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail(std::strerror(errno));
+  std::error_code ignored;
+  if (permissions_) fs::permissions(temporary_, *permissions_, ignored);
 }
 
 void OutputFile::replace_target() {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -38,6 +39,7 @@ class OutputFile {
  private:
   friend class OutputFiles;
   static constexpr std::size_t block = 1 << 20;
+  void append(const char* mode);
   void flush();
   void close();
   void replace_target();
@@ -47,7 +49,7 @@ class OutputFile {
 
   std::string name_;  ///< as the user wrote it
   std::filesystem::path target_, temporary_, backup_;
-  std::FILE* file_ = nullptr;
+  std::optional<std::filesystem::perms> permissions_;  ///< of what stands there
   fmt::memory_buffer buffer_;
   bool replaced_ = false;
   const std::function<void()>& between_blocks_;

@@ -91,22 +91,23 @@ class Reader {
     if (name == "GeometryCollection")
       return for_each(member(value, "geometries", where), where, "geometry",
                       [&](const Json& g, const std::string& at) { object(g, at, depth + 1); });
-    geometry(name, member(value, "coordinates", where), where);
+    geometry(name, value, where);
   }
 
-  void geometry(const std::string& type, const Json& at, const std::string& where) {
+  void geometry(const std::string& type, const Json& value, const std::string& where) {
+    const auto at = [&]() -> const Json& { return member(value, "coordinates", where); };
     const auto line = [&](const Json& l, const std::string& place) { positions(l, place, false); };
     const auto polygon = [&](const Json& p, const std::string& place) {
       for_each(p, place, "ring", [&](const Json& r, const std::string& inner) { positions(r, inner, true); });
       polygon_offsets_.push_back(rings_.size());
     };
-    if (type == "Point") return position(at, where);
+    if (type == "Point") return position(at(), where);
     if (type == "MultiPoint")
-      return for_each(at, where, "point", [&](const Json& p, const std::string& place) { position(p, place); });
-    if (type == "LineString") return line(at, where);
-    if (type == "MultiLineString") return for_each(at, where, "line", line);
-    if (type == "Polygon") return polygon(at, where);
-    if (type == "MultiPolygon") return for_each(at, where, "polygon", polygon);
+      return for_each(at(), where, "point", [&](const Json& p, const std::string& place) { position(p, place); });
+    if (type == "LineString") return line(at(), where);
+    if (type == "MultiLineString") return for_each(at(), where, "line", line);
+    if (type == "Polygon") return polygon(at(), where);
+    if (type == "MultiPolygon") return for_each(at(), where, "polygon", polygon);
     fail(where, fmt::format("there is no type \"{}\"", type));
   }
 

@@ -58,7 +58,7 @@ void write_regions(OutputFile& file, const Result& result) {
   write_array<std::uint32_t>(file, "Name=\"region\"", count, [&](std::uint64_t i) { return mesh.region[i]; });
   write_array<std::uint32_t>(file, "Name=\"depth\"", count, [&](std::uint64_t i) { return mesh.depth[i]; });
   write_array<std::int32_t>(file, "Name=\"winding\"", count, [&](std::uint64_t i) { return mesh.winding[i]; });
-  if (result.input.regions.empty()) return;
+  if (result.input.regions.empty() || mesh.region_seed.empty()) return;  // batches have no seeds
   write_array<double>(file, "Name=\"region_attribute\"", count, [&](std::uint64_t i) {
     return mesh.region_seed[i] < 0 ? 0.0 : result.input.regions[mesh.region_seed[i]].attribute;
   });

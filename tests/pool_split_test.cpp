@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Crossings split in batches: problems that cross have the bytes that they would have alone, beside those that do not.
+#include "pool_cases.hpp"
+#include "split_graphs.hpp"
+
+#include <cstddef>
+#include <cstring>
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+Workload work_of(const graphs::Graph& graph) {
+  Workload work;
+  for (const auto& [x, y] : graph.points) work.points.push_back({double(x), double(y)});
+  work.constraints = graph.constraints;
+  return work;
+}
+
+/// With crossings of all kinds: few, many, many in one pixel, and such that routes cross others anew.
+std::vector<Workload> crossing_problems() {
+  std::vector<Workload> all = {problem({{0, 0}, {4, 4}, {0, 4}, {4, 0}}, {{0, 1}, {2, 3}}),
+                               work_of(graphs::lattice(20, 7)), work_of(graphs::star(60, 900)),
+                               work_of(graphs::strip(3, 25, 4000, 40))};
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    all.push_back(work_of(graphs::random_graph(seed, 12 + 3 * seed, 10 + 4 * seed, seed % 2 == 0 ? 14 : 900)));
+  return all;
+}
+
+/// Beside those: problems without crossings, the smallest ones, an invalid one.
+std::vector<Workload> all_problems() {
+  std::vector<Workload> all = smallest_problems();
+  for (const Workload& problem : crossing_problems()) {
+    all.push_back(problem);
+    all.push_back(workload("random_pslg", 3 + all.size() % 7));
+  }
+  all.insert(all.begin() + 15, problem({{0, 0}, {9, 9}, {9, 0}, {0, 9}}, {{0, 1}, {2, 3}, {1, 4}}));
+  return all;
+}
+
+Options splitting_on_any_grid() {
+  Options options;
+  options.crossing = Crossing::split;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("problems that cross are split as alone: one device, and two sub-devices, on any grid and on a given one") {
+  const std::vector<Workload> problems = all_problems();
+  const Batch batch = batch_of(problems);
+  Pool one(testDevice()), two = make_pool(half_devices());
+  for (const Options& options : {splitting_on_any_grid(), graphs::splitting()}) {
+    const Alone alone(problems, options);
+    std::size_t split = 0, failed = 0;
+    for (std::size_t p = 0; p < problems.size(); ++p) {
+      split += alone.meshes[p].statistics.vertices_added > 0;
+      failed += !alone.errors[p].empty();
+    }
+    CHECK(split >= 10);
+    CHECK(failed >= 1);  // and those that are not on the given grid
+    CHECK(failed < problems.size() / 2);
+    alone.check(one.triangulate(batch, options));
+    for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
+      alone.check(two.triangulate(batch, options));
+      std::uint64_t done = 0;
+      for (const PoolDevice& device : two.devices()) {
+        CHECK(!device.lost);
+        done += device.problems;
+      }
+      CHECK(done == problems.size());
+    }
+  }
+}
+
+TEST_CASE("routes that cross others are among the problems, and what is said of moves is what is said alone") {
+  std::vector<Workload> problems = crossing_problems();
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    problems.push_back(work_of(graphs::random_graph(seed, 12, 10, 12)));
+    problems.push_back(work_of(graphs::random_graph(100 + seed, 40, 24, 60)));
+  }
+  Pool pool(testDevice());
+  const BatchResult result = pool.triangulate(batch_of(problems), graphs::splitting());
+  std::size_t again = 0, split = 0;  // of the latter, those with a route that another constraint would cross
+  for (std::size_t p = 0; p < problems.size(); ++p) {
+    CAPTURE(p);
+    const Workload& problem = problems[p];
+    const Statistics alone = solver().triangulate(problem.points, problem.constraints, graphs::splitting()).statistics;
+    const SplitReport report = result.split(p);
+    CHECK(report.crossings == alone.crossings);
+    CHECK(report.vertices_added == alone.vertices_added);
+    CHECK(report.constraints_split == alone.constraints_split);
+    CHECK(report.constraint_move == alone.constraint_move);
+    split += report.crossings > 0;
+    std::set<std::uint64_t> cross;
+    try {
+      Options rejecting;
+      rejecting.grid = FixedGrid{};
+      solver().triangulate(problem.points, problem.constraints, rejecting);
+    } catch (const Error& error) {
+      cross.insert(error.indices().begin(), error.indices().end());
+    }
+    again += report.constraints_split > cross.size();
+  }
+  // As a caller that knows nothing of these numbers asks.
+  gcdt_problem earlier;
+  std::memset(&earlier, 77, sizeof earlier);
+  earlier.struct_size = offsetof(gcdt_problem, crossings);
+  REQUIRE(gcdt_batch_problem(result.handle(), 0, &earlier) == GCDT_OK);
+  CHECK(earlier.triangles == result.triangles(0).size);
+  CHECK(earlier.crossings == 0x4D4D4D4D4D4D4D4Du);
+  CHECK(split > problems.size() / 2);
+  CHECK(again > 0);
+}
+
+TEST_CASE("the corpus with its crossings split, as one batch") {
+  const std::vector<Workload> problems = corpus({"ok", "crossing", "invalid"});
+  Pool pool(testDevice());
+  const Options options = splitting_on_any_grid();
+  const Alone alone(problems, options);
+  const BatchResult result = pool.triangulate(batch_of(problems), options);
+  alone.check(result);
+  CHECK(result.statistics().failed == corpus({"invalid"}).size());
+}
+
+TEST_CASE("domains and regions of problems that are split") {
+  const std::vector<Workload> problems = all_problems();
+  Pool two = make_pool(half_devices());
+  for (const Domain domain : {Domain::hull, Domain::even_odd, Domain::nonzero, Domain::outer}) {
+    Options options = splitting_on_any_grid();
+    options.domain = domain;
+    options.regions = true;
+    options.canonical = false;  // batches are in canonical order all the same
+    const BatchResult result = two.triangulate(batch_of(problems), options);
+    options.canonical = true;
+    Alone(problems, options).check(result);
+  }
+}
+
+TEST_CASE("all types of coordinates are read where a problem begins") {
+  const graphs::Graph graph = graphs::random_graph(9, 20, 30, 400);
+  const Triangulation expected = graphs::split(graph);
+  REQUIRE(expected.statistics.vertices_added > 0);
+  Pool pool(testDevice());
+  const auto check = [&](auto number) {
+    using Number = decltype(number);
+    std::vector<std::array<Number, 2>> points = {{7, 7}, {1, 2}, {3, 3}};  // of nobody, and of the first
+    for (const auto& [x, y] : graph.points) points.push_back({Number(x), Number(y)});
+    std::vector<Constraint> constraints = {{5, 5}, {0, 1}};
+    constraints.insert(constraints.end(), graph.constraints.begin(), graph.constraints.end());
+    const std::vector<std::uint64_t> offsets = {1, 3, points.size()}, constraint_offsets = {1, 2, constraints.size()};
+    const BatchResult result =
+        pool.triangulate({points, offsets, constraints, constraint_offsets}, graphs::splitting());
+    CHECK(difference(part_of(result, 1), expected) == "");
+    CHECK(!result.error(0));
+  };
+  check(double{});
+  check(float{});
+  check(std::int32_t{});
+  check(std::int64_t{});
+}
+
+TEST_CASE("from and to device memory") {
+  const App app;
+  Pool pool(testDevice());
+  const std::vector<Workload> problems = all_problems();
+  const RaggedBatch batch(problems);
+  const DeviceBatch given = {Points::Type::float64,         problems.size(),
+                             app.buffer(batch.vertices),    app.buffer(batch.vertex_offsets),
+                             app.buffer(batch.constraints), app.buffer(batch.constraint_offsets)};
+  const Options options = splitting_on_any_grid();
+  const BatchResult result = triangulate(pool, app.queue, given, options);
+  const Alone alone(problems, options);
+  alone.check(result);
+  std::vector<Constraint> expected;
+  for (const Triangulation& mesh : alone.meshes)
+    expected.insert(expected.end(), mesh.added_crossing.begin(), mesh.added_crossing.end());
+  const cl::Buffer to = app.buffer(8 * expected.size());
+  copy(result, GCDT_ADDED_CROSSINGS, app.queue, to, expected.size());
+  CHECK(app.read<Constraint>(to, expected.size()) == expected);
+}
+
+TEST_CASE("a run of a problem that is split can be stopped, and the pool works on") {
+  Pool pool(testDevice());
+  const std::vector<Workload> problems = {work_of(graphs::lattice(300, 5))};
+  Options options = graphs::splitting();
+  int calls = 0;
+  options.progress = [&](const char*, double) { return ++calls < 2; };
+  try {
+    pool.triangulate(batch_of(problems), options);
+    FAIL("not stopped");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::cancelled);
+  }
+  options.progress = {};
+  Alone(problems, options).check(pool.triangulate(batch_of(problems), options));
+}
+
+TEST_CASE(
+    "what a problem needs to be split, and the device has not, is its own error, whatever larger ones are there") {
+  const std::vector<Workload> problems = {uniform(500), problem({{0, 0}, {4, 4}, {0, 4}, {4, 0}}, {{0, 1}, {2, 3}}),
+                                          uniform(6)};
+  runtime::CallHook hook;
+  hook.before = [](const char*, const char* detail) {
+    return std::string(detail) == "split_join" ? CL_MEM_OBJECT_ALLOCATION_FAILURE : CL_SUCCESS;
+  };
+  DevicePool pool({{cl::Context(), app_device(), hook}}, {}, {});
+  const PoolResult result = pool.triangulate(RaggedBatch(problems).view(), splitting_on_any_grid());
+  REQUIRE(result.errors[1]);
+  CHECK(result.errors[1]->status() == Status::out_of_memory);
+  CHECK(!result.errors[0]);
+  CHECK(!result.errors[2]);
+  CHECK(!pool.report(0).lost);
+  CHECK(pool.report(0).problems == 2);
+}
+
+TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes no byte") {
+  const std::vector<Workload> problems = {problem({{0, 0}, {4, 4}, {0, 4}, {4, 0}}, {{0, 1}, {2, 3}}), uniform(6),
+                                          problem({{0, 0}, {9, 1}, {0, 1}, {9, 0}, {3, 3}}, {{0, 1}, {2, 3}, {0, 4}})};
+  const RaggedBatch batch(problems);
+  const Options options = splitting_on_any_grid();
+  const Alone alone(problems, options);
+  REQUIRE(alone.meshes[0].statistics.vertices_added + alone.meshes[2].statistics.vertices_added == 3);
+  const auto right = [&](DevicePool& pool) {
+    const PoolResult result = pool.triangulate(batch.view(), options);
+    for (std::size_t p = 0; p < problems.size(); ++p) {
+      const Schedule::Place place = result.places[p];
+      if (result.errors[p] ||
+          difference(test::part_of(result.results[place.result], place.place), alone.meshes[p]) != "")
+        return false;
+    }
+    return true;
+  };
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  {
+    DevicePool pool({{cl::Context(), app_device(), failing(calls, 0, false, 0)}}, {}, {});
+    REQUIRE(right(pool));
+  }
+  const std::uint64_t all = *calls;
+  runtime::CallHook healthy;
+  healthy.keep_programs = true;
+  std::uint64_t lost = 0, tried = 0;
+  for (std::uint64_t k = 1; k <= all; k += 1 + all / 40, ++tried) {
+    CAPTURE(k);
+    *calls = 0;
+    const cl_int code = tried % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
+    runtime::CallHook broken = failing(calls, k, tried % 2 == 0, code);
+    broken.tuning.lanes = 1 + tried / 2 % 2;
+    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy}}, {}, {});
+    CHECK(right(pool));
+    CHECK(!pool.report(1).lost);
+    lost += pool.report(0).lost.has_value();
+    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
+  }
+  CHECK(lost > tried / 4);
+}
