@@ -104,6 +104,21 @@ TEST_CASE("a lane takes over a pack of a slow device, but none of its own device
   check_settled(schedule, 3);
 }
 
+TEST_CASE("the lanes of a device do not take over from one another, however slow one was") {
+  const Sizes sizes({500000, 400000});
+  const BatchInput batch = sizes.view();
+  Schedule schedule(batch, {lane(0, 1), lane(0, 1000)});
+  const auto slow = schedule.take(0), second = schedule.take(1);
+  finish(schedule, 1, second, 400);
+  std::shared_ptr<Pack> taken;
+  std::thread other([&] { taken = schedule.take(1); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  finish(schedule, 0, slow);
+  other.join();
+  CHECK(bool(taken) == false);
+  check_settled(schedule, 2);
+}
+
 TEST_CASE("a lane without memory has its neighbour end first, and is refused only when it is alone") {
   const Sizes sizes({1000000, 10});
   const BatchInput batch = sizes.view();
