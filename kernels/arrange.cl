@@ -10,6 +10,7 @@
 #define GCDT_FOREST
 #endif
 #include "mesh.h"
+#include "runs.h"
 
 // ---- Vertices ---------------------------------------------------------------------------------------
 
@@ -26,17 +27,7 @@ kernel void arrange_keys(uint problems, global const uint* first_input, global u
   for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
     const uint begin = first_input[p], end = first_input[p + 1u];
     if (end - begin <= ARRANGE_FEW) {
-      for (uint i = begin + 1u; i < end; ++i) {
-        const ulong key = keys[i];
-        const uint value = values[i];
-        uint at = i;
-        for (; at > begin && keys[at - 1u] > key; --at) {
-          keys[at] = keys[at - 1u];
-          values[at] = values[at - 1u];
-        }
-        keys[at] = key;
-        values[at] = value;
-      }
+      sort_run(keys, values, begin, end);
       continue;
     }
     global ulong *from_keys = keys, *to_keys = other_keys;

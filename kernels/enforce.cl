@@ -14,6 +14,7 @@
 #define GCDT_FOREST
 #endif
 #include "flip.h"
+#include "runs.h"
 
 // A constraint that cannot be enforced.
 #define ENFORCE_FAILED GCDT_NONE
@@ -323,24 +324,8 @@ kernel void enforce_pieces(uint problems, GCDT_MESH_PARAMETERS, global const uin
       keys[to] = key;
       sources[to] = unsorted_sources[at];
     }
-    for (uint at = first + 1u; at < last; ++at) {
-      const ulong key = keys[at];
-      const uint source = sources[at];
-      uint to = at;
-      for (; to > first && keys[to - 1u] > key; --to) {
-        keys[to] = keys[to - 1u];
-        sources[to] = sources[to - 1u];
-      }
-      keys[to] = key;
-      sources[to] = source;
-    }
+    sort_run(keys, sources, first, last);
   }
-}
-
-// One work-item per sorted piece. Flags the first of each run of equal keys. No race: its own word.
-kernel void enforce_first(uint count, global const ulong* keys, global uint* flags) {
-  FOR_EACH(i, count)
-  flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
 }
 
 // One work-item per distinct piece. Writes its ends, lower rank first. No race: its own words.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the radix sort of 64-bit keys leaves to simpler ways: few keys, sorted by one work-group, and keys that a
 // sort by their high bits has left nearly in order.
-#include "shared.h"
+#include "runs.h"
 
 // Keys that one work-group sorts in local memory: 24 KiB of the 32 that every device has.
 #define SORT_SMALL 2048u
@@ -89,17 +89,7 @@ kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global 
     u32 end = begin + 1u;
     while (end < count && end - begin <= longest && keys[end] >> low == high) ++end;
     if (end - begin > longest) continue;
-    for (u32 i = begin + 1u; i < end; ++i) {
-      const u64 key = keys[i];
-      const u32 value = values[i];
-      u32 at = i;
-      for (; at > begin && keys[at - 1u] > key; --at) {
-        keys[at] = keys[at - 1u];
-        values[at] = values[at - 1u];
-      }
-      keys[at] = key;
-      values[at] = value;
-    }
+    sort_run(keys, values, begin, end);
   }
 }
 

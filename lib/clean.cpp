@@ -21,6 +21,18 @@ Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t ver
                {constraint, end});
 }
 
+Pieces merge_runs(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& firsts,
+                  cl_uint count) {
+  primitives.exclusive_scan(firsts, firsts, count);
+  Pieces pieces;
+  pieces.source_count = count;
+  pieces.count = runtime.read_one(firsts, count);
+  pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t(pieces.count) + 1);
+  primitives.compact_indices(firsts, pieces.source_offsets, count);
+  runtime.fill<cl_uint>(pieces.source_offsets, count, 1, pieces.count);
+  return pieces;
+}
+
 Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
                  const runtime::Buffer<cl_uint2>& constraints, std::uint32_t inputs)
     : runtime_(runtime),
@@ -124,13 +136,7 @@ Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, 
   primitives_.sort_by_prefix(keys, sources, count, 2 * bits, bits);
   auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
   runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
-  primitives_.exclusive_scan(firsts, firsts, count);
-  Pieces pieces;
-  pieces.source_count = count;
-  pieces.count = runtime_.read_one(firsts, count);
-  pieces.source_offsets = runtime_.allocate<cl_uint>("source offsets", std::size_t(pieces.count) + 1);
-  primitives_.compact_indices(firsts, pieces.source_offsets, count);
-  runtime_.fill<cl_uint>(pieces.source_offsets, count, 1, pieces.count);
+  Pieces pieces = merge_runs(runtime_, primitives_, firsts, count);
   pieces.ends = runtime_.allocate<cl_uint2>("pieces", pieces.count);
   pieces.weights = runtime_.allocate<cl_uint>("weights of pieces", pieces.count);
   runtime_.launch("clean", "clean_ends", over(pieces.count), pieces.count, cl_uint(bits), vertices.levels_buffer, keys,

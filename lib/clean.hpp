@@ -18,6 +18,11 @@ runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constrain
 /// Constraint `constraint` has an end (0 or 1) that is none of the `vertices`.
 Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t vertices);
 
+/// Pieces without ends: `firsts` flags the first of each run of equal ones among `count` that are sorted, and has
+/// count + 1 elements. Blocks.
+Pieces merge_runs(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& firsts,
+                  cl_uint count);
+
 /// clean() may be called several times with different selections of the same constraints.
 class Cleaner {
  public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "enforce.hpp"
 
+#include "clean.hpp"
 #include "grow.hpp"
 
 namespace gcdt {
@@ -55,14 +56,9 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
                    offsets, places, unsorted_keys, unsorted_sources, keys, sources);
   }
   auto firsts = runtime.allocate<cl_uint>("first pieces", std::size_t{count} + 1);
-  runtime.launch("enforce", "enforce_first", over(count), count, keys, firsts);
-  primitives.exclusive_scan(firsts, firsts, count);
+  runtime.launch("order", "mark_first", over(count), count, keys, firsts);
   Pieces& pieces = result.pieces;
-  pieces.source_count = count;
-  pieces.count = runtime.read_one(firsts, count);
-  pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t{pieces.count} + 1);
-  primitives.compact_indices(firsts, pieces.source_offsets, count);
-  runtime.fill<cl_uint>(pieces.source_offsets, count, 1, pieces.count);
+  pieces = merge_runs(runtime, primitives, firsts, count);
   pieces.ends = runtime.allocate<cl_uint2>("pieces", pieces.count);
   runtime.launch("enforce", "enforce_ends", over(pieces.count), pieces.count, keys, pieces.source_offsets, pieces.ends);
   pieces.sources = std::move(sources);
