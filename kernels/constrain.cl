@@ -177,7 +177,8 @@ static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, uint
 }
 
 // The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
-// the edge where the walk came in, or it is the piece's end. Marks it.
+// the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
+// last face, at the edge where the walk came in) has one owner, and one part of that piece comes there.
 static inline uint chain_side(volatile global uint* near, uint along, bool from_end, uint word, uint c) {
   if (!(from_end || near[word] == c) || near[along] != GCDT_NONE) return GCDT_NONE;
   near[along] = NEAR_CHAIN;
