@@ -66,9 +66,10 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
     if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
       const uint c = piece_of_part(begins, pieces, part);
       const uint2 e = ends[c];
+      const int4 line = line_of(points, e);
       Walk w;
       const uint k = part - begins[c], all = begins[c + 1u] - begins[c];
-      uint event = emit ? walk_begin_in(&w, mesh, part_face[part], e.x, e.y, k, all)
+      uint event = emit ? walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), k, all)
                         : walk_begin(&w, levels, level, mesh, h, e.x, e.y, k, all, &steps);
       if (!emit) part_face[part] = w.face;
       // Ends: every event lies further along the piece.

@@ -1,40 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phase 2: all constraints at once (paper, section 6; rules in kernels/README.md).
 //
-// Two walks over the same parts: constrain_near finds the nearest piece at each end of every crossed
-// edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the farthest
-// cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl and stitch.cl.
-// Claim words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed,
-// claim + 1 + h = crossed, hexagon h.
+// Two walks over the same parts, whose first faces constrain_first finds: constrain_near finds the nearest piece at
+// each end of every crossed edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the
+// farthest cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl and stitch.cl. Claim
+// words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed, claim + 1 + h =
+// crossed, hexagon h.
 #include "append.h"
 #include "near.h"
+
+// One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
+// words. Apart from the walks, since here a GPU waits for many loads one after the other and has registers for more
+// work-items.
+kernel void constrain_first(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
+                            global const uint* begins, global int4* lines, global uint* part_piece,
+                            global uint* part_face, volatile global Counters* counters) {
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const uint parts = begins[pieces];
+  uint steps = 0;
+  FOR_EACH(part, min(parts, capacity)) {
+    const uint c = piece_of_part(begins, pieces, part), k = part - begins[c];
+    const uint2 e = walk_ends(ends[c]);
+    const int4 line = line_of(points, e);
+    part_piece[part] = c;
+    part_face[part] = locate_division_point(levels, level, mesh, h, e.x, line_begin(line), line_end(line), k,
+                                            begins[c + 1u] - begins[c], &steps);
+    if (k == 0u) lines[c] = line;
+  }
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
+}
 
 // One work-item per part. Writes near words by compare-and-exchange (reduce_piece: order cannot
 // matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
 // an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by
 // atomic_or). After: near and crossed faces are complete, or failure bits are set.
-kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, volatile global uint* edge_marks,
+kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* edge_marks,
                            volatile global uint* near, global const uint2* ends, global const uint* begins,
-                           global uint* piece_edge, global uint* part_face, uint claim,
-                           volatile global Counters* counters) {
+                           global const int4* lines, global const uint* part_piece, global const uint* part_face,
+                           global uint* piece_edge, uint claim, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces];
-  uint steps = 0, pairs = 0, existing = 0;
+  uint pairs = 0, existing = 0;
   FOR_EACH(part, min(parts, capacity)) {
-    const uint c = piece_of_part(begins, pieces, part);
+    const uint c = part_piece[part];
     const uint2 e = walk_ends(ends[c]);
+    const int4 line = lines[c];
     Walk w;
-    uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
-    part_face[part] = w.face;
+    uint event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), part - begins[c],
+                               begins[c + 1u] - begins[c]);
     if (w.k == 0u) {
       const bool is_edge = event == WALK_END && w.hit == w.b;
       piece_edge[c] = is_edge ? GCDT_SIDE_EDGE(w.code) : GCDT_NONE;
       if (is_edge) {
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
         ++existing;
-      } else {
+      } else if (event != WALK_FAILED) {
         *claim_word(mesh.face_data, w.face) = claim;
         ++pairs;
       }
@@ -45,8 +68,8 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
       volatile global uint *left = near_left(near, w.code), *right = near_right(near, w.code);
       const uint at_left = *left, at_right = *right;
       const Behind behind = look_behind(&w, mesh);
-      reduce_piece(left, at_left, c, &w, w.left, 0u, &seen_left, mesh, ends, counters);
-      reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, ends, counters);
+      reduce_piece(left, at_left, c, &w, w.left, 0u, &seen_left, mesh, lines, counters);
+      reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, lines, counters);
       event = walk_cross(&w, mesh, behind);
       // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
       if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
@@ -55,7 +78,6 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, vol
     if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);
     if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }
-  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
   add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
   existing = sum_of_group(&sum, existing);
   if (get_local_id(0) == 0 && existing > 0u) atomic_add(&counters->existing_edges, existing);
@@ -124,8 +146,9 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 // All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
 // walk order, b. See left_begin; a and b have distance 0.
 //
-// How long each part's share is, is known after its walk. So the walk writes what it owns to chunks, taken from a
-// pool by an atomic counter, and each chunk knows its place within the part.
+// How long each part's share is, is known after its walk. So the walk writes what it owns to chunks: the part's own
+// first one, then others from a pool, taken by an atomic counter (most parts need none). Each knows its place within
+// the part.
 //
 // Where the edge from a vertex of a chain to the one before it is an edge of the mesh already, not crossed, the walk
 // has it at hand: a side of the face in which it comes to the later vertex, if it left the earlier one there, and both
@@ -134,42 +157,55 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 // chain finds the same side: who owns both ends there is unique. All other edges between neighbours in chains are left
 // to stitch.cl.
 #define CHUNK_LENGTH 8u
+#define CHUNK_LENGTH_BITS 4u
 
-// A chunk: its part, the vertices that the part owns left and right before it, its length.
+// A chunk: its part, the vertices that the part owns left and right before it; its length, and above that a bit for
+// each of its vertices, which says right.
 typedef uint4 ChunkHead;
 
 typedef struct Chunks {
   global ChunkHead* heads;
-  global uint2* entries;  // (vertex << 1) | right; the side along the chain before it, or GCDT_NONE
-  uint capacity;
+  global uint2* entries;  // a vertex; the side along the chain before it, or GCDT_NONE
+  uint pool, capacity;    // the pool begins behind the parts' own
 } Chunks;
 
 // One part's stream of owned vertices.
 typedef struct Owned {
-  uint part, chunk, length;  // the current chunk, or GCDT_NONE
-  uint left, right;          // so far
+  ChunkHead head;    // of the current chunk
+  uint chunk;        // or GCDT_NONE
+  uint left, right;  // so far
 } Owned;
 
+static Owned own_nothing(uint part) {
+  Owned o;
+  o.chunk = part;
+  o.left = 0u, o.right = 0u;
+  o.head = (ChunkHead)(part, 0u, 0u, 0u);
+  return o;
+}
+
 static void end_chunk(Chunks chunks, const private Owned* o) {
-  if (o->chunk != GCDT_NONE) chunks.heads[o->chunk].w = o->length;
+  if (o->chunk != GCDT_NONE) chunks.heads[o->chunk] = o->head;
 }
 
 // No race: chunks taken are distinct. There are enough for as many vertices as faces are crossed, and more are owned
 // only if pieces cross.
 static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, uint before,
                        volatile global Counters* counters) {
-  if (o->chunk == GCDT_NONE || o->length == CHUNK_LENGTH) {
+  uint length = o->head.w & ((1u << CHUNK_LENGTH_BITS) - 1u);
+  if (o->chunk == GCDT_NONE || length == CHUNK_LENGTH) {
     end_chunk(chunks, o);
-    o->chunk = atomic_inc(&counters->chunks);
-    o->length = 0u;
+    o->chunk = chunks.pool + atomic_inc(&counters->chunks);
     if (o->chunk >= chunks.capacity) {
       atomic_or(&counters->failed, GCDT_FAILED_COUNT);
       o->chunk = GCDT_NONE;
       return;
     }
-    chunks.heads[o->chunk] = (ChunkHead)(o->part, o->left, o->right, 0u);
+    o->head = (ChunkHead)(o->head.x, o->left, o->right, 0u);
+    length = 0u;
   }
-  chunks.entries[CHUNK_LENGTH * o->chunk + o->length++] = (uint2)(v << 1 | right, before);
+  chunks.entries[CHUNK_LENGTH * o->chunk + length] = (uint2)(v, before);
+  o->head.w += 1u + (right << (CHUNK_LENGTH_BITS + length));
   if (right)
     ++o->right;
   else
@@ -193,33 +229,37 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
                  chain_side(near, element(sides, next_corner(k)), false, in ^ 1u, c));
 }
 
-// One work-item per part. Writes the vertices that the part owns to chunks, and how many are left and right (its own
-// words, the right ones `capacity` behind), marks known sides along chains with NEAR_CHAIN, and reduces the farthest
-// cut at each corner of a hexagon (reduce_piece). A piece that is an edge already crosses nothing. After: counts, 0
-// beyond the last part; far[3 h + k] is complete; last[c] of each piece that was walked.
+// One work-item per part. Writes the vertices that the part owns to chunks, the first of which all parts have, and how
+// many are left and right (its own words, the right ones `capacity` behind), marks known sides along chains with
+// NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon (reduce_piece). A piece that is an edge already
+// crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each piece that was
+// walked.
 kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS,
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
-                          global const uint* piece_edge, global const uint* part_face, global uint* counts,
-                          volatile global uint* far, global ChunkHead* heads, global uint2* entries, global uint2* last,
-                          uint claim, volatile global Counters* counters) {
+                          global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
+                          global const uint* part_face, global uint* counts, volatile global uint* far,
+                          global ChunkHead* heads, global uint2* entries, global uint2* last, uint claim,
+                          volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Chunks chunks;
   chunks.heads = heads;
   chunks.entries = entries;
+  chunks.pool = capacity;
   chunks.capacity = chunk_capacity;
   const uint parts = begins[pieces];
   uint all_left = 0, all_right = 0;
   FOR_EACH(part, capacity) {
-    Owned o;
-    o.part = part, o.chunk = GCDT_NONE, o.length = 0u, o.left = 0u, o.right = 0u;
+    Owned o = own_nothing(part);
     if (part < parts) {
-      const uint c = piece_of_part(begins, pieces, part);
+      const uint c = part_piece[part];
       const uint2 e = walk_ends(ends[c]);
+      const int4 line = lines[c];
       Walk w;
       uint event = WALK_END;
       if (piece_edge[c] == GCDT_NONE)
-        event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, part - begins[c], begins[c + 1u] - begins[c]);
+        event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), part - begins[c],
+                              begins[c + 1u] - begins[c]);
       uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
@@ -233,7 +273,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
         if (w.third_side != 0 && word > claim) {
           volatile global uint* at = far + 3u * (word - claim - 1u) + cut_corner(&w);
           Compared seen = nothing_compared();
-          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, ends, counters);
+          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, lines, counters);
         }
         word = behind.corners.w;
         event = walk_cross(&w, mesh, behind);
@@ -283,31 +323,33 @@ static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, 
   chains.side[at] = side;
 }
 
-// One work-item per chunk, and one per piece. Writes the chunk's vertices to its own range of the chains, the
-// piece's ends around its chains. After: the chains are complete.
-kernel void constrain_chain(uint pieces, uint chunk_count, uint capacity, uint n, global const int2* points,
+// One work-item per place in a chunk, of the parts' own and of `taken` from the pool behind them, and one per piece.
+// Writes the chunk's vertices to its own range of the chains, the piece's ends around its chains. After: the chains are
+// complete.
+kernel void constrain_chain(uint pieces, uint taken, uint capacity, uint n, global const int2* points,
                             global const uint2* ends, global const uint* begins, global const uint* piece_edge,
-                            global const uint2* last_of_piece, global const uint* starts, global const ChunkHead* heads,
-                            global const uint2* entries, global uint* chain_vertex, global ulong* chain_distances,
-                            global uint* chain_piece, global uint* chain_side, volatile global Counters* counters) {
+                            global const int4* lines, global const uint* part_piece, global const uint2* last_of_piece,
+                            global const uint* starts, global const ChunkHead* heads, global const uint2* entries,
+                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
+                            global uint* chain_side, volatile global Counters* counters) {
   Chains chains;
   chains.vertex = chain_vertex;
-  chains.distance = chain_distances;
   chains.piece = chain_piece;
+  chains.distance = chain_distances;
   chains.side = chain_side;
-  FOR_EACH(i, chunk_count) {
-    const ChunkHead head = heads[i];
-    const uint c = piece_of_part(begins, pieces, head.x);
-    const Vertex a = load_vertex(points, n, ends[c].x), b = load_vertex(points, n, ends[c].y);
-    uint left = left_begin(starts, head.x, c) + 1u + head.y;
-    uint right = right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z;
-    for (uint j = 0; j < head.w; ++j) {
-      const uint2 entry = entries[CHUNK_LENGTH * i + j];
-      const uint v = entry.x >> 1;
-      write_chain(chains, entry.x & 1u ? right++ : left++, v, c, chain_distance(a, b, load_vertex(points, n, v)),
-                  entry.y);
-      if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
-    }
+  const uint parts = begins[pieces];
+  FOR_EACH(i, CHUNK_LENGTH * (parts + taken)) {
+    const uint j = i % CHUNK_LENGTH, own = i / CHUNK_LENGTH, chunk = own < parts ? own : capacity + (own - parts);
+    const ChunkHead head = heads[chunk];
+    const uint length = head.w & ((1u << CHUNK_LENGTH_BITS) - 1u), rights = head.w >> CHUNK_LENGTH_BITS;
+    if (j >= length) continue;
+    const uint2 entry = entries[CHUNK_LENGTH * chunk + j];
+    const uint v = entry.x, c = part_piece[head.x], right_before = popcount(rights & ((1u << j) - 1u));
+    const uint at = (rights >> j) & 1u ? right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z + right_before
+                                       : left_begin(starts, head.x, c) + 1u + head.y + (j - right_before);
+    const int4 line = lines[c];
+    write_chain(chains, at, v, c, chain_distance(line_begin(line), line_end(line), load_vertex(points, n, v)), entry.y);
+    if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
   }
   FOR_EACH(c, pieces) {
     const uint2 e = walk_ends(ends[c]);
@@ -339,9 +381,10 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
 // just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
 // left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
 kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
-                            global const uint2* ends, global const uint* begins, global const uint* part_face,
-                            global const uint* starts, global const uint* far, global const uint* hexagon_face,
-                            global uint* hole_place, volatile global Counters* counters) {
+                            global const uint2* ends, global const uint* begins, global const int4* lines,
+                            global const uint* part_face, global const uint* starts, global const uint* far,
+                            global const uint* hexagon_face, global uint* hole_place,
+                            volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(i, 3u * hexagons) {
     const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
@@ -352,7 +395,7 @@ kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH
     }
     const uint4 corners = mesh.face_data[GCDT_CORNERS(t)];
     const uint2 e = walk_ends(ends[c]);
-    const Vertex a = load_vertex(mesh.points, mesh.n, e.x), b = load_vertex(mesh.points, mesh.n, e.y);
+    const Vertex a = line_begin(lines[c]), b = line_end(lines[c]);
     const bool cut_right = gcdt_orient2d(a, b, load_vertex(mesh.points, mesh.n, element(corners, k))) < 0;
     const uint third = cut_right ? previous_corner(k) : next_corner(k), parts = begins[c + 1u] - begins[c];
     const uint part = part_that_crosses(mesh, a, b, element(corners, next_corner(third)),
@@ -360,7 +403,7 @@ kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH
     uint left = left_begin(starts, begins[c] + part, c) + 1u;
     uint right = right_begin(starts, capacity, pieces, begins[c] + part, c) + 1u;
     Walk w;
-    uint event = walk_begin_in(&w, mesh, part_face[begins[c] + part], e.x, e.y, part, parts);
+    uint event = walk_begin_in(&w, mesh, part_face[begins[c] + part], e.x, e.y, a, b, part, parts);
     // Ends: every edge crossed lies further along the piece.
     while (event == WALK_CROSS && w.face != t) {
       left += owns_left(&w, near, c) ? 1u : 0u;

@@ -53,13 +53,12 @@ static inline Compared nothing_compared(void) {
 
 // Compares `piece` with the walk's own, c, from u.
 static int compare_with_walk(private Compared* seen, uint piece, const private Walk* w, uint u, Mesh mesh,
-                             global const uint2* ends) {
+                             global const int4* lines) {
   if (seen->u != u || seen->piece != piece) {
-    const uint2 e = ends[piece];
+    const int4 line = lines[piece];
     seen->u = u;
     seen->piece = piece;
-    seen->order = compare_pieces(load_vertex(mesh.points, mesh.n, e.x), load_vertex(mesh.points, mesh.n, e.y), w->va,
-                                 w->vb, load_vertex(mesh.points, mesh.n, u));
+    seen->order = compare_pieces(line_begin(line), line_end(line), w->va, w->vb, load_vertex(mesh.points, mesh.n, u));
   }
   return seen->order;
 }
@@ -69,12 +68,12 @@ static int compare_with_walk(private Compared* seen, uint piece, const private W
 // work-items cannot matter; crossing ones set the failure bit. Ends: the word changes only to nearer
 // (farther) pieces, so each exchange that fails does so for another of finitely many.
 static void reduce_piece(volatile global uint* word, uint current, uint c, const private Walk* w, uint u, uint farthest,
-                         private Compared* seen, Mesh mesh, global const uint2* ends,
+                         private Compared* seen, Mesh mesh, global const int4* lines,
                          volatile global Counters* counters) {
   for (;;) {
     if (current == c) return;
     if (current != GCDT_NONE) {
-      const int order = compare_with_walk(seen, current, w, u, mesh, ends);
+      const int order = compare_with_walk(seen, current, w, u, mesh, lines);
       if (order == PIECES_CROSS) {
         atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
         return;

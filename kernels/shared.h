@@ -72,7 +72,7 @@ typedef struct Counters {
   u32 failed;
   u32 history_depth;
   u32 edge_splits;
-  u32 chunks;        // of owned vertices, taken by walks (constrain.cl)
+  u32 chunks;        // of owned vertices, taken from the pool by walks (constrain.cl)
   u32 list_test[3];  // lengths of the flip phase's lists, by round modulo 3 and 2
   u32 list_flip[2];
   u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2

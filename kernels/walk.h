@@ -129,11 +129,12 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
 
 // Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
 // GCDT_NONE.
-static uint walk_begin_in(private Walk* w, Mesh mesh, uint face, uint a, uint b, uint k, uint parts) {
+static uint walk_begin_in(private Walk* w, Mesh mesh, uint face, uint a, uint b, Vertex va, Vertex vb, uint k,
+                          uint parts) {
   w->a = a;
   w->b = b;
-  w->va = load_vertex(mesh.points, mesh.n, a);
-  w->vb = load_vertex(mesh.points, mesh.n, b);
+  w->va = va;
+  w->vb = vb;
   w->k = k;
   w->parts = parts;
   w->hit = GCDT_NONE;
@@ -145,8 +146,8 @@ static uint walk_begin_in(private Walk* w, Mesh mesh, uint face, uint a, uint b,
 static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, uint b,
                        uint k, uint parts, private uint* steps) {
   const Vertex va = load_vertex(mesh.points, mesh.n, a), vb = load_vertex(mesh.points, mesh.n, b);
-  return walk_begin_in(w, mesh, locate_division_point(levels, level, mesh, h, a, va, vb, k, parts, steps), a, b, k,
-                       parts);
+  return walk_begin_in(w, mesh, locate_division_point(levels, level, mesh, h, a, va, vb, k, parts, steps), a, b, va, vb,
+                       k, parts);
 }
 
 // What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for both at once.
@@ -215,5 +216,10 @@ static inline uint piece_of_part(global const uint* begins, uint pieces, uint pa
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without
 // turning around a vertex of high degree.
 static inline uint2 walk_ends(uint2 ends) { return ends.x > ends.y ? ends : ends.yx; }
+
+// A piece's ends as points, from where it is walked to where: at hand in one load instead of two that wait for a third.
+static inline int4 line_of(global const int2* points, uint2 ends) { return (int4)(points[ends.x], points[ends.y]); }
+static inline Vertex line_begin(int4 line) { return gcdt_finite_vertex(line.x, line.y); }
+static inline Vertex line_end(int4 line) { return gcdt_finite_vertex(line.z, line.w); }
 
 #endif

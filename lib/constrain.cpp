@@ -63,11 +63,20 @@ class Constraining {
     near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
     runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
     parts_ = parts_by_crossings(runtime_, primitives_, pieces_);
+    find_first_faces();
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
+    runtime_.launch("constrain", "constrain_near", over(parts_.capacity), pieces_.count, parts_.capacity, mesh_.n,
+                    walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, near_, pieces_.ends,
+                    parts_.begins, lines_, part_piece_, part_face_, piece_edge_, claim_, counters_.buffer());
+  }
+
+  void find_first_faces() {
+    lines_ = runtime_.allocate<cl_int4>("lines of pieces", pieces_.count);
+    part_piece_ = runtime_.allocate<cl_uint>("pieces of parts", parts_.capacity);
     part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
-    walked_.launch(runtime_, "constrain", "constrain_near", over(parts_.capacity),
-                   std::make_tuple(pieces_.count, parts_.capacity), mesh_.edge_marks, near_, pieces_.ends,
-                   parts_.begins, piece_edge_, part_face_, claim_, counters_.buffer());
+    walked_.launch(runtime_, "constrain", "constrain_first", over(parts_.capacity),
+                   std::make_tuple(pieces_.count, parts_.capacity), pieces_.ends, parts_.begins, lines_, part_piece_,
+                   part_face_, counters_.buffer());
   }
 
   // One claim for crossed faces, and one for each hexagon.
@@ -89,7 +98,7 @@ class Constraining {
                     counters_.buffer());
   }
 
-  // A part's last chunk may be nearly empty.
+  // Beside the parts' own chunks: one for each time that another is full.
   void own_vertices() {
     crossed_faces_ = counters_.last().crossed_faces;
     hexagons_ = counters_.last().hexagons;
@@ -97,7 +106,7 @@ class Constraining {
     if (hexagons_ > 0)
       runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, claim_, crossed_,
                       mesh_.face_data, hexagon_face_);
-    chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity + 1;
+    chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity;
     chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
     chunk_entries_ =
         runtime_.allocate<cl_uint2>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
@@ -107,8 +116,8 @@ class Constraining {
     last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
                     chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                    pieces_.ends, parts_.begins, piece_edge_, part_face_, starts_, far_, chunk_heads_, chunk_entries_,
-                    last_sides_, claim_, counters_.buffer());
+                    pieces_.ends, parts_.begins, piece_edge_, lines_, part_piece_, part_face_, starts_, far_,
+                    chunk_heads_, chunk_entries_, last_sides_, claim_, counters_.buffer());
     primitives_.exclusive_scan(starts_, starts_, 2 * std::size_t{parts_.capacity});
   }
 
@@ -127,7 +136,7 @@ class Constraining {
     if (hexagons_ > 0)
       runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
                       parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                      pieces_.ends, parts_.begins, part_face_, starts_, far_, hexagon_face_, hole_place_,
+                      pieces_.ends, parts_.begins, lines_, part_face_, starts_, far_, hexagon_face_, hole_place_,
                       counters_.buffer());
   }
 
@@ -137,11 +146,11 @@ class Constraining {
     chain_distances_ = runtime_.allocate<cl_ulong>("chain distances", length_);
     chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
     chain_side_ = runtime_.allocate<cl_uint>("sides along chains", length_);
-    const cl_uint chunks = counters_.last().chunks;
-    runtime_.launch("constrain", "constrain_chain", over(std::max(chunks, pieces_.count)), pieces_.count, chunks,
-                    parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends, parts_.begins, piece_edge_,
-                    last_sides_, starts_, chunk_heads_, chunk_entries_, chain_vertex_, chain_distances_, chain_piece_,
-                    chain_side_, counters_.buffer());
+    const cl_uint taken = counters_.last().chunks;
+    runtime_.launch("constrain", "constrain_chain", over(chunk_length * (std::size_t{parts_.capacity} + taken)),
+                    pieces_.count, taken, parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends,
+                    parts_.begins, piece_edge_, lines_, part_piece_, last_sides_, starts_, chunk_heads_, chunk_entries_,
+                    chain_vertex_, chain_distances_, chain_piece_, chain_side_, counters_.buffer());
     chunk_heads_ = {};
     chunk_entries_ = {};
     make_minima();
@@ -211,7 +220,9 @@ class Constraining {
   const Pieces& pieces_;
   PhaseCounters& counters_;
   Parts parts_;
-  runtime::Buffer<cl_uint> near_, piece_edge_, part_face_, crossed_, crossed_edges_, starts_, far_, hexagon_face_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, part_piece_, part_face_, crossed_, crossed_edges_, starts_, far_,
+      hexagon_face_;
+  runtime::Buffer<cl_int4> lines_;
   runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_;
   runtime::Buffer<cl_uint2> chunk_entries_;
