@@ -2,6 +2,7 @@
 // What each idea is worth: core with one of them changed at a time (paper, figure 15; bench/README.md, "Ablation").
 // Reaches the internals through the static library. Every variant must give the same triangles.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -137,7 +138,7 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
   return same;
 }
 
-/// A batch with several runs at once on the device: as lanes, which share a context, or as if there were more devices.
+/// A batch with several runs at once on the device, each in a context of its own, or all in one.
 void run_lanes(const cl::Device& device, int runs) {
   const bench::SketchBatch batch = bench::sketches(100000);
   const BatchInput input = {batch.size(),
@@ -146,40 +147,47 @@ void run_lanes(const cl::Device& device, int runs) {
                             batch.vertex_offsets.data(),
                             batch.constraints.data(),
                             batch.constraint_offsets.data()};
-  std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs |\n|---|---|---|---|\n",
+  std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs | first call ms |\n",
               batch.size(), batch.vertices.size());
-  const auto measure_lanes = [&](std::uint32_t lanes, std::size_t contexts) {
-    runtime::CallHook hook;
-    hook.tuning.lanes = lanes;
-    DevicePool pool(std::vector<DevicePool::Member>(contexts, {cl::Context(), device, hook}), {}, {});
+  std::printf("|---|---|---|---|---|\n");
+  const auto measure_lanes = [&](std::uint32_t lanes, bool shared) {
+    DevicePool::Member member{shared ? cl::Context(device) : cl::Context(), device, {}};
+    member.hook.tuning.lanes = lanes;
+    const auto start = std::chrono::steady_clock::now();
+    DevicePool pool({member}, {}, {});
+    double first = 0;
     std::vector<double> times;
     for (int i = -1; i < runs; ++i) {
       const double ms = pool.triangulate(input, {}).milliseconds;
-      if (i >= 0) times.push_back(ms);
+      if (i >= 0)
+        times.push_back(ms);
+      else
+        first = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     }
     std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
-    std::uint64_t packs = 0;
-    for (std::size_t i = 0; i < contexts; ++i) packs += pool.report(i).runs;
-    std::printf("| %u | %zu | %.1f | %llu |\n", lanes * static_cast<std::uint32_t>(contexts), contexts,
-                times[static_cast<std::size_t>(runs) / 2], static_cast<unsigned long long>(packs));
+    std::printf("| %u | %u | %.1f | %llu | %.1f |\n", lanes, shared ? 1 : lanes,
+                times[static_cast<std::size_t>(runs) / 2], static_cast<unsigned long long>(pool.report(0).runs), first);
     std::fflush(stdout);
   };
-  for (std::uint32_t lanes = 1; lanes <= 4; ++lanes) measure_lanes(lanes, 1);
-  for (std::size_t contexts = 2; contexts <= 3; ++contexts) measure_lanes(1, contexts);
+  for (std::uint32_t lanes = 1; lanes <= 6; ++lanes) measure_lanes(lanes, false);
+  for (std::uint32_t lanes = 2; lanes <= 3; ++lanes) measure_lanes(lanes, true);
 }
 
 }  // namespace
 
 int main(int count, char** arguments) try {
+  const bool batches = count > 1 && std::strcmp(arguments[1], "--batches") == 0;
+  if (batches) --count, ++arguments;
   if (count > 3) {
-    std::fprintf(stderr, "usage: gcdt_bench_ablation [DEVICE [RUNS]]\n");
+    std::fprintf(stderr, "usage: gcdt_bench_ablation [--batches] [DEVICE [RUNS]]\n");
     return 2;
   }
   const cl::Device device = runtime::all_devices().at(select_device(count > 1 ? arguments[1] : "auto"));
   const int runs = count > 2 ? std::atoi(arguments[2]) : 11;
   bool same = true;
-  for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
-    same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
+  if (!batches)
+    for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
+      same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
   run_lanes(device, std::max(1, std::min(runs, 5)));
   return same ? 0 : 1;
 } catch (const std::exception& error) {

@@ -22,8 +22,9 @@ double milliseconds_since(Clock::time_point start) {
 // pack are not so many that copies of them pile up on the host.
 constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 
-// A GPU stands still while results go to the host, which takes longer than to make them.
-constexpr std::uint32_t gpu_lanes = 2;
+// A GPU stands still while results go to the host, which takes longer than to make them. Each lane has a context of its
+// own: NVIDIA's driver has one lock for a context, and lanes that share it wait for one another (bench/NOTES.md).
+constexpr std::uint32_t gpu_lanes = 3;
 
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
@@ -80,7 +81,6 @@ void DevicePool::open(Member member, std::size_t device) {
     lane.runtime->build_for_forests();
     lane.runtime->tracer().set_lane(first + number * devices, number);
     lane.primitives = std::make_unique<Primitives>(*lane.runtime);
-    member.context = lane.runtime->context();  // one for all
     lanes_.push_back(std::move(lane));
   }
 }

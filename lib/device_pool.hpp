@@ -26,7 +26,7 @@ struct PoolResult {
 class DevicePool {
  public:
   struct Member {
-    cl::Context context;  ///< null: one of its own
+    cl::Context context;  ///< null: one of its own for each lane
     cl::Device device;
     runtime::CallHook hook;
   };
