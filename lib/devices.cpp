@@ -40,6 +40,12 @@ cl::Device part_of(const cl::Device& device, std::uint32_t left) {
   return parts[0];
 }
 
+cl_uint compute_units_of_root(const cl::Device& device) {
+  cl::Device root = device, parent;
+  while (root.getInfo(CL_DEVICE_PARENT_DEVICE, &parent) == CL_SUCCESS && parent()) root = parent;
+  return std::max<cl_uint>(1, root.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
+}
+
 std::vector<cl::Device> all_devices() {
   // These calls return codes, they do not throw: no driver at all, or a platform that fails, only
   // leaves its list empty.

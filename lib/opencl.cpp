@@ -2,7 +2,9 @@
 #include "opencl.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 
 #include "kernel_sources.hpp"
@@ -21,6 +23,15 @@ constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 constexpr std::size_t least_alignment = 128;
+
+// PoCL before 6 loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last
+// 128, and when a launch ends counts down whichever of the kernel's was used last. Two runs at once with launches of
+// different widths (lanes, sub-devices, solvers) end the process that way, by an assertion. So launches are of one
+// width while there are several runtimes, and the first one of each kernel is always, since others may come.
+bool loads_code_by_width(const DeviceInfo& info) {
+  return info.platform == pocl_platform && std::atoi(info.driver.c_str()) < 6;
+}
+std::atomic<int> loaded_by_width{0};  // runtimes
 
 // The program to build for the kernels of `program` where shares are contiguous: one for all that every call needs.
 const char* bundle_of(const char* program) {
@@ -59,6 +70,11 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
               : contiguous_ ? Geometry{1, units * shares_per_unit, 1, least_share}
                             : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
+  if (contiguous_ && loads_code_by_width(info_)) {
+    widest_ = compute_units_of_root(device_) * shares_per_unit;
+    ++loaded_by_width;
+    present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });
+  }
   // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
   alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
   self_test();
@@ -144,7 +160,9 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   const std::size_t local = std::min(group, kernel.largest_group);
   const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
   const std::size_t wanted = (range.items + each - 1) / each;
-  const std::size_t groups = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
+  const std::size_t usual = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
+  const bool widest = !range.one_group && (!kernel.launched || loaded_by_width > 1);
+  const std::size_t groups = widest ? std::max(usual, widest_) : usual;
   const std::size_t global = groups * local;
   ++launches_;
   call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
@@ -152,6 +170,7 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
       return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, event);
     });
   });
+  kernel.launched = true;
 }
 
 void Runtime::finish() {

@@ -54,6 +54,8 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
+constexpr char pocl_platform[] = "Portable Computing Language";
+
 /// How many work-items a launch wants. Kernels loop with the global size as stride, so any launch
 /// is right for any count; this only chooses the parallelism.
 struct Range {
@@ -223,6 +225,7 @@ class Runtime {
     cl::Kernel handle;
     cl_uint arguments = 0;
     std::size_t largest_group = 0;
+    bool launched = false;
   };
 
   void self_test();
@@ -254,6 +257,9 @@ class Runtime {
   std::size_t alignment_ = 0;
   std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});
   Geometry geometry_;
+  /// Groups that launches have where the driver needs them to be of one width; 0: nowhere.
+  std::size_t widest_ = 0;
+  std::shared_ptr<void> present_;  ///< among the runtimes that need it
   struct Built {
     std::map<std::string, cl::Program> programs;
     std::map<std::pair<std::string, std::string>, Kernel> kernels;
@@ -281,6 +287,9 @@ std::vector<cl::Device> all_devices();
 /// A sub-device of `device` with all but `left` of its compute units, at least one; `device` itself if it has one or
 /// cannot be divided.
 cl::Device part_of(const cl::Device& device, std::uint32_t left);
+
+/// Compute units of the device that `device` is a part of, or of itself.
+cl_uint compute_units_of_root(const cl::Device& device);
 
 /// See gcdt_device_select; `ambiguous` may be null.
 std::size_t choose_device(const std::string& spec, bool* ambiguous);

@@ -28,7 +28,7 @@ std::vector<std::string> Runtime::cache_parts(const char* program) const {
 
 // PoCL compiles kernels as they are launched, and keeps them in a cache of its own. Its binary of a program would have
 // every kernel compiled once more, in a form that launches do not use (bench/NOTES.md).
-bool Runtime::keeps_programs() const { return hook_.keep_programs || info_.platform != "Portable Computing Language"; }
+bool Runtime::keeps_programs() const { return hook_.keep_programs || info_.platform != pocl_platform; }
 
 std::string Runtime::source(const char* program) const {
   for (std::size_t i = 0; i < kernel_source_count; ++i)

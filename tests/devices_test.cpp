@@ -4,7 +4,9 @@
 #include <gcdt/gcdt.hpp>
 
 #include <algorithm>
+#include <future>
 #include <numeric>
+#include <stdexcept>
 
 #include "cache_folder.hpp"
 #include "device_list.hpp"
@@ -159,6 +161,19 @@ void small_work(runtime::Runtime& runtime) {
   runtime.finish();
 }
 
+/// Launches of all widths, each wider than those before, so that a driver that loads code for each has it to do.
+void widening_work(const cl::Device& device) {
+  runtime::Runtime runtime(device);
+  Primitives primitives(runtime);
+  for (std::size_t n = 64; n <= 64 * 64; n += 64) {
+    const auto values = runtime.allocate<cl_uint>("values", n + 1);
+    const std::vector<cl_uint> ones(n + 1, 1);
+    runtime.write(values, ones.data(), n + 1);
+    primitives.exclusive_scan(values, values, n);
+    if (runtime.read_one(values, n) != n) throw std::runtime_error("wrong sum");
+  }
+}
+
 struct Outcome {
   bool error = false;
   std::uint64_t calls = 0;       // up to the end or the error
@@ -202,6 +217,15 @@ Outcome run_with_failure(const cl::Device& device, std::uint64_t broken, cl_int 
 }
 
 }  // namespace
+
+TEST_CASE("two at once on a device, each with launches wider than all before, do not end the process") {
+  const cl::Device device = test::every_device().at(select_device("cpu"));
+  for (int i = 0; i < 20; ++i) {
+    std::future<void> other = std::async(std::launch::async, [&] { widening_work(device); });
+    CHECK_NOTHROW(widening_work(device));
+    CHECK_NOTHROW(other.get());
+  }
+}
 
 TEST_CASE("whichever OpenCL call fails, it is an Error, nothing leaks, and the runtime works again") {
   const cl::Device device = test::every_device().at(select_device("cpu"));
