@@ -105,11 +105,12 @@ static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, ui
 // part writes the pieces that end in its hits, the last part also the final one: piece number = hits
 // before it + constraints before it, among all that are ascending (firsts, at places, where the list is along the
 // curve), so no two write the same word. After: keys = (rank, rank) of the ends, lower first, and the source of every
-// piece, in order of the sources; of a constraint's crossed faces what comes to each of its pieces.
+// piece, in order of the sources; of a constraint's crossed faces what comes to each of its pieces; and for a source
+// that stays whole its parts.
 kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
                          global const uint* begins, global const uint* offsets, global const uint* hits,
                          global const uint* list, global const uint* places, global const uint* firsts,
-                         global ulong* keys, global uint* sources, global uint* crossed) {
+                         global ulong* keys, global uint* sources, global uint* crossed, global uint2* whole) {
   const uint parts = begins[pieces];
   FOR_EACH(part, parts) {
     const uint c = piece_of_part(begins, pieces, part);
@@ -123,6 +124,7 @@ kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_P
     if (part + 1u != begins[c + 1u]) continue;
     write_piece(levels, bits, before, ends[c].y, list[c], at + (last - first), keys, sources);
     crossed[list[c]] = crossed[list[c]] / (last - first + 1u);
+    whole[list[c]] = last == first ? (uint2)(begins[c], begins[c + 1u] - begins[c]) : (uint2)(0u, 0u);
   }
 }
 
@@ -132,15 +134,17 @@ kernel void clean_first(uint count, global const ulong* keys, global uint* flags
   flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
 }
 
-// One work-item per distinct piece. Writes its ends, lower rank first, and its weight. No race: its own words.
+// One work-item per distinct piece. Writes its ends, lower rank first, its weight, and its source's parts if it is all
+// of that. No race: its own words.
 kernel void clean_ends(uint count, uint bits, GCDT_LEVELS_POINTER levels, global const ulong* keys,
                        global const uint* firsts, global const uint* sources, global const uint* crossed,
-                       global uint2* ends, global uint* weights) {
+                       global const uint2* whole, global uint2* ends, global uint* weights, global uint2* parts) {
   const uint last = levels->count - 1u;
   FOR_EACH(i, count) {
     const ulong key = keys[firsts[i]];
     ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> bits)),
                       gcdt_vertex_of_rank(levels, last, (uint)(key & (((ulong)1 << bits) - 1u))));
     weights[i] = crossed[sources[firsts[i]]];
+    parts[i] = whole[sources[firsts[i]]];
   }
 }

@@ -10,23 +10,28 @@
 #include "near.h"
 
 // One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
-// words. Apart from the walks, since here a GPU waits for many loads one after the other and has registers for more
-// work-items.
+// words. Cleaning has walked along most pieces from the same point or from the one that their parts are cut at now, and
+// says where it was. Apart from the walks, since else a GPU waits for many loads one after the other, and here it has
+// registers for more work-items.
 kernel void constrain_first(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
-                            global const uint* begins, global int4* lines, global uint* part_piece,
-                            global uint* part_face, volatile global Counters* counters) {
+                            global const uint* begins, global const uint2* walked, global const uint* walked_face,
+                            global int4* lines, global uint* part_piece, global uint* part_face,
+                            volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces];
   uint steps = 0;
   FOR_EACH(part, min(parts, capacity)) {
-    const uint c = piece_of_part(begins, pieces, part), k = part - begins[c];
+    const uint c = piece_of_part(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
+    const uint2 before = walked[c];
+    const uint cut = before.y > 0u ? count / before.y : 0u;  // into so many
     const uint2 e = walk_ends(ends[c]);
     const int4 line = line_of(points, e);
     part_piece[part] = c;
-    part_face[part] = locate_division_point(levels, level, mesh, h, e.x, line_begin(line), line_end(line), k,
-                                            begins[c + 1u] - begins[c], &steps);
+    part_face[part] = cut > 0u && k % cut == 0u ? walked_face[before.x + k / cut]
+                                                : locate_division_point(levels, level, mesh, h, e.x, line_begin(line),
+                                                                        line_end(line), k, count, &steps);
     if (k == 0u) lines[c] = line;
   }
   add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);

@@ -28,15 +28,18 @@ kernel void parts_total(uint pieces, global const uint* weights, volatile global
 
 // One work-item per piece. Reads the total weight; writes the piece's number of parts, at least 1. The
 // pool has one part for about `crossings` crossed faces, `least` to `most`; their number is (total >> shift) * factor,
-// exactly or on an evenly filled mesh. No race: each its own word. After: counts[c] >= 1, their sum is at most pieces +
-// most.
+// exactly or on an evenly filled mesh. A piece that has been walked, if `again`, keeps its parts, or each of them is
+// cut in as many: so where they begin is known. No race: each its own word. After: counts[c] >= 1, their sum is at most
+// pieces + most, and `most` more if `again`.
 kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint factor, uint crossings,
-                        global const uint* weights, global const uint* total, global uint* counts) {
+                        global const uint* weights, global const uint* total, uint again, global const uint2* walked,
+                        global uint* counts) {
   const u64 whole = (u64)total[0] | ((u64)total[1] << 32);
   const u64 expected = (whole >> shift) * factor / crossings + (u64)least;
   const u64 pool = expected < most ? expected : most;
   FOR_EACH(c, pieces) {
     // A weight and the pool are below 2^32.
-    counts[c] = whole == 0 ? 1u : 1u + (uint)(weights[c] * pool / whole);
+    const uint count = whole == 0 ? 1u : 1u + (uint)(weights[c] * pool / whole), had = again ? walked[c].y : 0u;
+    counts[c] = had == 0u ? count : had * max(1u, count / had);
   }
 }

@@ -103,6 +103,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   const Parts parts = parts_by_length(runtime_, primitives_, vertices_, kept.ends, kept.count);
   auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
   auto crossed = runtime_.allocate<cl_uint>("faces crossed by constraints", count_);
+  auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);
   runtime_.fill<cl_uint>(crossed, 0, count_);
   auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
@@ -126,21 +127,25 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   place_pieces(kept, parts, offsets, firsts);
   runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(kept.along_curve), cl_uint(bits),
                   vertices_.levels_buffer, kept.ends, parts.begins, offsets, hit_list, kept.list,
-                  kept.along_curve ? kept.places : kept.list, firsts, keys, sources, crossed);
-  result.pieces = merge(vertices_, std::move(keys), std::move(sources), crossed, count, bits);
+                  kept.along_curve ? kept.places : kept.list, firsts, keys, sources, crossed, whole);
+  result.pieces = merge(vertices_, std::move(keys), std::move(sources), crossed, whole, count, bits);
+  result.pieces.walked.faces = std::move(part_face);
   return result;
 }
 
 Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
-                      const runtime::Buffer<cl_uint>& crossed, cl_uint count, unsigned bits) {
+                      const runtime::Buffer<cl_uint>& crossed, const runtime::Buffer<cl_uint2>& whole, cl_uint count,
+                      unsigned bits) {
   primitives_.sort_by_prefix(keys, sources, count, 2 * bits, bits);
   auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
   runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
   Pieces pieces = merge_runs(runtime_, primitives_, firsts, count);
   pieces.ends = runtime_.allocate<cl_uint2>("pieces", pieces.count);
-  pieces.weights = runtime_.allocate<cl_uint>("weights of pieces", pieces.count);
+  pieces.walked.weights = runtime_.allocate<cl_uint>("weights of pieces", pieces.count);
+  pieces.walked.parts = runtime_.allocate<cl_uint2>("parts of whole pieces", pieces.count);
   runtime_.launch("clean", "clean_ends", over(pieces.count), pieces.count, cl_uint(bits), vertices.levels_buffer, keys,
-                  pieces.source_offsets, sources, crossed, pieces.ends, pieces.weights);
+                  pieces.source_offsets, sources, crossed, whole, pieces.ends, pieces.walked.weights,
+                  pieces.walked.parts);
   pieces.sources = std::move(sources);
   return pieces;
 }

@@ -48,7 +48,8 @@ class Cleaner {
   void place_pieces(const Kept& kept, const Parts& parts, const runtime::Buffer<cl_uint>& offsets,
                     runtime::Buffer<cl_uint>& firsts);
   Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
-               const runtime::Buffer<cl_uint>& crossed, cl_uint count, unsigned bits);
+               const runtime::Buffer<cl_uint>& crossed, const runtime::Buffer<cl_uint2>& whole, cl_uint count,
+               unsigned bits);
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;

@@ -75,8 +75,8 @@ class Constraining {
     part_piece_ = runtime_.allocate<cl_uint>("pieces of parts", parts_.capacity);
     part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
     walked_.launch(runtime_, "constrain", "constrain_first", over(parts_.capacity),
-                   std::make_tuple(pieces_.count, parts_.capacity), pieces_.ends, parts_.begins, lines_, part_piece_,
-                   part_face_, counters_.buffer());
+                   std::make_tuple(pieces_.count, parts_.capacity), pieces_.ends, parts_.begins, pieces_.walked.parts,
+                   pieces_.walked.faces, lines_, part_piece_, part_face_, counters_.buffer());
   }
 
   // One claim for crossed faces, and one for each hexagon.

@@ -42,6 +42,14 @@ struct Vertices {
   std::uint32_t n() const { return levels.n; }
 };
 
+/// What cleaning found on its walks along constraints, as long as the mesh has not changed since.
+struct WalkedPieces {
+  runtime::Buffer<cl_uint> weights;  ///< about as many faces does each piece cross
+  /// By piece, if it is a whole constraint: its first place in `faces`, and the number of its parts. Else (0, 0).
+  runtime::Buffer<cl_uint2> parts;
+  runtime::Buffer<cl_uint> faces;  ///< where parts begin
+};
+
 /// The constraints after cleaning: distinct pieces, none with a vertex inside.
 struct Pieces {
   std::uint32_t count = 0;
@@ -49,7 +57,7 @@ struct Pieces {
   runtime::Buffer<cl_uint> source_offsets;  ///< count + 1
   runtime::Buffer<cl_uint> sources;         ///< input constraints, ascending within a piece
   std::uint32_t source_count = 0;
-  runtime::Buffer<cl_uint> weights;  ///< about as many faces does each piece cross; until the constraints are enforced
+  WalkedPieces walked;  ///< until the constraints are enforced
 };
 
 }  // namespace gcdt

@@ -150,7 +150,7 @@ void Pipeline::clean_and_enforce() {
   const ConstrainResult first = enforce();
   if (first.failed) resolve_crossings(first);
   cleaner_.reset();
-  pieces_.weights = {};
+  pieces_.walked = {};
 }
 
 void Pipeline::clean(const std::vector<cl_uint>& wanted) {
