@@ -88,14 +88,30 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
   if (get_local_id(0) == 0 && existing > 0u) atomic_add(&counters->existing_edges, existing);
 }
 
-// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets.
-kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, global uint* crossed,
-                                    volatile global Counters* counters) {
+// A crossed face whose three corners are each cut off by some piece, nearest to it on both of its edges, is a hexagon:
+// one hole triangle (paper, 6.5).
+static inline bool is_hexagon(volatile global uint* near, uint4 s) {
+  // Edge opposite corner 0 runs from corner 1 (right) to corner 2 (left), and so on.
+  const uint a1 = *near_right(near, s.z), a2 = *near_left(near, s.y);
+  const uint b1 = *near_right(near, s.x), b2 = *near_left(near, s.z);
+  const uint c1 = *near_right(near, s.y), c2 = *near_left(near, s.x);
+  return a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2;
+}
+
+// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. Writes the
+// claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
+// After: counters->hexagons.
+kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, volatile global uint* near,
+                                    global uint* crossed, volatile global Counters* counters) {
   DECLARE_APPENDER(list);
   const Appender list = make_appender(list_items, list_gathered, crossed, &counters->crossed_faces);
   FOR_EACH_TILE(tile, faces) {
     const uint t = tile + get_local_id(0);
-    if (t < faces && *claim_word(face_data, t) >= claim) append(list, t);
+    if (t < faces && *claim_word(face_data, t) >= claim) {
+      append(list, t);
+      if (is_hexagon(near, face_data[GCDT_SIDES(t)]))
+        *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
+    }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);
@@ -116,26 +132,6 @@ kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, g
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);
-}
-
-// One work-item per crossed face. A face whose three corners are each cut off by some piece, nearest to
-// it on both of its edges, is a hexagon: one hole triangle (paper, 6.5). Writes the face's own claim
-// word (hexagons are numbered by an atomic counter: any numbering does). After: counters->hexagons.
-kernel void constrain_hexagons(uint claim, global const uint* crossed, global uint4* face_data,
-                               volatile global uint* near, volatile global Counters* counters) {
-  const uint count = counters->crossed_faces;
-  FOR_EACH(i, count) {
-    const uint t = crossed[i];
-    const uint4 s = face_data[GCDT_SIDES(t)];
-    // Edge opposite corner 0 runs from corner 1 (right) to corner 2 (left), and so on.
-    const uint a1 = *near_right(near, s.z), a2 = *near_left(near, s.y);
-    const uint b1 = *near_right(near, s.x), b2 = *near_left(near, s.z);
-    const uint c1 = *near_right(near, s.y), c2 = *near_left(near, s.x);
-    uint word = claim;
-    if (a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2)
-      word = claim + 1u + atomic_inc(&counters->hexagons);
-    *claim_word(face_data, t) = word;
-  }
 }
 
 // One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.

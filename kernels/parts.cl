@@ -3,6 +3,10 @@
 // crossed faces that cleaning counted.
 #include "mesh.h"
 
+// To find where a part begins takes as long as to cross some faces: those that have been walked are cut only where they
+// are much too long.
+#define LEAST_CUT 4u
+
 static inline u64 piece_length(global const int2* points, uint2 ends) {
   const int2 p = points[ends.x], q = points[ends.y];
   return (u64)max(abs_diff(p.x, q.x), abs_diff(p.y, q.y));
@@ -28,8 +32,8 @@ kernel void parts_total(uint pieces, global const uint* weights, volatile global
 
 // One work-item per piece. Reads the total weight; writes the piece's number of parts, at least 1. The
 // pool has one part for about `crossings` crossed faces, `least` to `most`; their number is (total >> shift) * factor,
-// exactly or on an evenly filled mesh. A piece that has been walked, if `again`, keeps its parts, or each of them is
-// cut in as many: so where they begin is known. No race: each its own word. After: counts[c] >= 1, their sum is at most
+// exactly or on an evenly filled mesh. A piece that has been walked, if `again`, keeps its parts, whose beginnings
+// are known, or each of them is cut in as many. No race: each its own word. After: counts[c] >= 1, their sum is at most
 // pieces + most, and `most` more if `again`.
 kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint factor, uint crossings,
                         global const uint* weights, global const uint* total, uint again, global const uint2* walked,
@@ -40,6 +44,6 @@ kernel void parts_count(uint pieces, uint least, uint most, uint shift, uint fac
   FOR_EACH(c, pieces) {
     // A weight and the pool are below 2^32.
     const uint count = whole == 0 ? 1u : 1u + (uint)(weights[c] * pool / whole), had = again ? walked[c].y : 0u;
-    counts[c] = had == 0u ? count : had * max(1u, count / had);
+    counts[c] = had == 0u ? count : count / had < LEAST_CUT ? had : had * (count / had);
   }
 }

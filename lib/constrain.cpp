@@ -91,11 +91,9 @@ class Constraining {
     crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
     crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
     runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), claim_, mesh_.face_data,
-                    crossed_, counters_.buffer());
+                    near_, crossed_, counters_.buffer());
     runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
                     crossed_edges_, counters_.buffer());
-    runtime_.launch("constrain", "constrain_hexagons", over(mesh_.faces()), claim_, crossed_, mesh_.face_data, near_,
-                    counters_.buffer());
   }
 
   // Beside the parts' own chunks: one for each time that another is full.
