@@ -90,8 +90,6 @@ void Pipeline::run_steps() {
 void Pipeline::insert() {
   if (!mesh_.face_data.allocated()) mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
   need_lists();
-  runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
-  insert_root(runtime_, vertices_, mesh_);
   if (runtime_.contiguous()) {
     const GrowResult grown = grow(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_);
     statistics_.rounds.insert += grown.rounds;
@@ -101,6 +99,7 @@ void Pipeline::insert() {
     if (source_.m > 0 && !by_problem_) history_ = freeze_all(runtime_, vertices_, mesh_);
     return;
   }
+  insert_root(runtime_, vertices_, mesh_);
   if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   for (unsigned level = 0; level < vertices_.levels.count; ++level) {
     statistics_.rounds.insert += insert_level(runtime_, vertices_, mesh_, history_, lists_, counters_, level, ticker_);
