@@ -38,7 +38,7 @@ std::atomic<int> loaded_by_width{0};  // runtimes
 // The program to build for the kernels of `program` where shares are contiguous: one for all that every call needs.
 const char* bundle_of(const char* program) {
   for (const char* part :
-       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check"})
+       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check", "few"})
     if (std::strcmp(part, program) == 0) return "core";
   return program;
 }

@@ -128,7 +128,6 @@ void Pipeline::constrain_all() {
     pieces_.ends = runtime_.allocate<cl_uint2>("pieces", 0);
     pieces_.source_offsets = runtime_.allocate<cl_uint>("source offsets", 1);
     pieces_.sources = runtime_.allocate<cl_uint>("sources of pieces", 0);
-    runtime_.fill<cl_uint>(pieces_.source_offsets, 0, 1);
     turns_ = runtime_.allocate<cl_int>("turns of pieces", 0);
     return;
   }
@@ -276,8 +275,7 @@ void Pipeline::output() {
   if (options_.check) timed("check", ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
   if (wants_regions()) timed("domain", ms.domain, [&] { select(ordered); });
   timed("output", ms.output, [&] {
-    result_.representatives = number_by_input(runtime_, vertices_, ordered);
-    number_by_input(runtime_, vertices_, pieces_);
+    result_.representatives = number_by_input(runtime_, vertices_, ordered, pieces_);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
     if (result_.kept.allocated()) number_corners(runtime_, vertices_, result_.hull);
     if (!result_.added.points.allocated()) {
