@@ -57,6 +57,15 @@ GCDT_INLINE uint corner_across(global const uint* corners, uint u, uint a, uint 
   return c.y == b && c.z == a ? 0u : c.z == b && c.x == a ? 1u : c.x == b && c.y == a ? 2u : 3u;
 }
 
+static void check_corners_of(uint t, uint n, global const int2* points, global const uint* corners,
+                             global CheckReport* report) {
+  const uint3 c = vload3(t, corners);
+  if (max(max(c.x, c.y), c.z) >= n)
+    note(report, GCDT_CHECK_CORNER, t);
+  else if (gcdt_orient2d_finite(vertex_at(points, c.x), vertex_at(points, c.y), vertex_at(points, c.z)) <= 0)
+    note(report, GCDT_CHECK_ORIENT, t);
+}
+
 // One work-item per triangle.
 // Reads points and corners.
 // Writes only notes in report.
@@ -64,13 +73,7 @@ GCDT_INLINE uint corner_across(global const uint* corners, uint u, uint a, uint 
 // After this kernel, if nothing is noted, all corners are vertices and all triangles counter-clockwise.
 kernel void check_corners(const uint count, const uint n, global const int2* points, global const uint* corners,
                           global CheckReport* report) {
-  FOR_EACH(t, count) {
-    const uint3 c = vload3(t, corners);
-    if (max(max(c.x, c.y), c.z) >= n)
-      note(report, GCDT_CHECK_CORNER, t);
-    else if (gcdt_orient2d_finite(vertex_at(points, c.x), vertex_at(points, c.y), vertex_at(points, c.z)) <= 0)
-      note(report, GCDT_CHECK_ORIENT, t);
-  }
+  FOR_EACH(t, count) check_corners_of(t, n, points, corners, report);
 }
 
 // Checks the link of half edge h, from a to b, to triangle u < count. Returns the corner of u across
@@ -96,15 +99,9 @@ GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint 
     note(report, gcdt_incircle_finite(va, vb, vp, vq) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
 }
 
-// For CPUs: where check_edges finds the pieces of a vertex.
-// One work-item per share of the ranks.
-// Reads levels and pieces. Writes first[r], r = 0 .. n: the first piece whose lower end has rank r or more.
-// A word has one work-item. Ends: the range halves; the pieces are run through.
-// After this kernel the pieces whose lower end has rank r are first[r] up to first[r + 1].
-kernel void check_first_pieces(const uint n, global const Levels* levels, const uint pieces, global const uint2* ends,
-                               global uint* first) {
-  const uint begin = share_begin(n + 1u, get_global_id(0), get_global_size(0));
-  const uint end = share_begin(n + 1u, get_global_id(0) + 1u, get_global_size(0));
+// Writes first[r] for r = begin .. end - 1. Ends: the range halves; the pieces are run through.
+static void find_first_pieces(uint begin, uint end, global const Levels* levels, uint pieces, global const uint2* ends,
+                              global uint* first) {
   uint low = 0, high = pieces;
   while (low < high) {
     const uint middle = low + (high - low) / 2u;
@@ -117,6 +114,17 @@ kernel void check_first_pieces(const uint n, global const Levels* levels, const 
     while (low < pieces && gcdt_rank_of_vertex(levels, ends[low].x) < r) ++low;
     first[r] = low;
   }
+}
+
+// For CPUs: where check_edges finds the pieces of a vertex.
+// One work-item per share of the ranks.
+// Reads levels and pieces. Writes first[r], r = 0 .. n: the first piece whose lower end has rank r or more.
+// A word has one work-item.
+// After this kernel the pieces whose lower end has rank r are first[r] up to first[r + 1].
+kernel void check_first_pieces(const uint n, global const Levels* levels, const uint pieces, global const uint2* ends,
+                               global uint* first) {
+  find_first_pieces(share_begin(n + 1u, get_global_id(0), get_global_size(0)),
+                    share_begin(n + 1u, get_global_id(0) + 1u, get_global_size(0)), levels, pieces, ends, first);
 }
 
 // Whether there is a piece ab. On CPUs `first` tells where, if there are any; elsewhere it is not read.
@@ -132,6 +140,42 @@ GCDT_INLINE bool is_piece(global const Levels* levels, uint pieces, global const
   return find_piece_among(levels, low, high, ends, lower, max(ra, rb)) != GCDT_NONE;
 }
 
+// What check_edges does with triangle t. Returns how many constrained edges it counts.
+static uint check_edges_of(uint t, uint count, global const Levels* levels, global const int2* points,
+                           global const uint* corners, global const int* neighbours, global const uchar* constrained,
+                           uint pieces, global const uint* first_pieces, global const uint2* ends, global uint* next,
+                           global uint* previous, global CheckReport* report) {
+  uint constrained_edges = 0;
+  uint3 c = vload3(t, corners);
+  int3 across = vload3(t, neighbours);
+  const uint flags = constrained[t];
+  if (flags > 7u) note(report, GCDT_CHECK_FLAG, 3u * t);
+  for (uint k = 0; k < 3; ++k, c = c.yzx, across = across.yzx) {
+    const uint h = 3u * t + k, flagged = (flags >> k) & 1u;
+    const uint p = c.x, a = c.y, b = c.z;
+    const int u = across.x;
+    if (u < -1 || u >= (int)count) {
+      note(report, GCDT_CHECK_NEIGHBOUR, h);
+      continue;
+    }
+    uint j = 3;
+    if (u >= 0) {
+      j = check_link(h, (uint)u, a, b, flagged, corners, neighbours, constrained, report);
+      if (j == 3u || (uint)u < t) continue;
+    } else {
+      if (atomic_cmpxchg(&next[a], GCDT_NONE, b) != GCDT_NONE) note(report, GCDT_CHECK_FORK, a);
+      if (atomic_cmpxchg(&previous[b], GCDT_NONE, a) != GCDT_NONE) note(report, GCDT_CHECK_FORK, b);
+    }
+    if (flagged) {
+      ++constrained_edges;
+      if (!is_piece(levels, pieces, first_pieces, ends, a, b)) note(report, GCDT_CHECK_EXTRA, h);
+    } else if (u >= 0) {
+      check_delaunay(h, points, p, a, corners[3u * (uint)u + j], b, report);
+    }
+  }
+  return constrained_edges;
+}
+
 // One work-item per triangle t.
 // Reads levels, points, corners, neighbours, flags and pieces. An edge between two triangles is linked
 // from both, but tested and counted by the one with the smaller number only.
@@ -145,36 +189,28 @@ kernel void check_edges(const uint count, global const Levels* levels, global co
                         global uint* previous, global CheckReport* report) {
   if (noted(report, GCDT_CHECK_ORIENT)) return;
   uint constrained_edges = 0;
-  FOR_EACH(t, count) {
-    uint3 c = vload3(t, corners);
-    int3 across = vload3(t, neighbours);
-    const uint flags = constrained[t];
-    if (flags > 7u) note(report, GCDT_CHECK_FLAG, 3u * t);
-    for (uint k = 0; k < 3; ++k, c = c.yzx, across = across.yzx) {
-      const uint h = 3u * t + k, flagged = (flags >> k) & 1u;
-      const uint p = c.x, a = c.y, b = c.z;
-      const int u = across.x;
-      if (u < -1 || u >= (int)count) {
-        note(report, GCDT_CHECK_NEIGHBOUR, h);
-        continue;
-      }
-      uint j = 3;
-      if (u >= 0) {
-        j = check_link(h, (uint)u, a, b, flagged, corners, neighbours, constrained, report);
-        if (j == 3u || (uint)u < t) continue;
-      } else {
-        if (atomic_cmpxchg(&next[a], GCDT_NONE, b) != GCDT_NONE) note(report, GCDT_CHECK_FORK, a);
-        if (atomic_cmpxchg(&previous[b], GCDT_NONE, a) != GCDT_NONE) note(report, GCDT_CHECK_FORK, b);
-      }
-      if (flagged) {
-        ++constrained_edges;
-        if (!is_piece(levels, pieces, first_pieces, ends, a, b)) note(report, GCDT_CHECK_EXTRA, h);
-      } else if (u >= 0) {
-        check_delaunay(h, points, p, a, corners[3u * (uint)u + j], b, report);
-      }
-    }
-  }
+  FOR_EACH(t, count)
+  constrained_edges += check_edges_of(t, count, levels, points, corners, neighbours, constrained, pieces, first_pieces,
+                                      ends, next, previous, report);
   if (constrained_edges != 0) atomic_add(&report->constrained_edges, constrained_edges);
+}
+
+// What check_boundary does with vertex v, which may be inside. Adds 1 to what it counts.
+static void check_boundary_at(uint v, global const int2* points, global const uint* next, global const uint* previous,
+                              private uint* hull_vertices, private uint* least_corners, global CheckReport* report) {
+  const uint before = previous[v], after = next[v];
+  if (before == GCDT_NONE && after == GCDT_NONE) return;
+  ++*hull_vertices;
+  if (before == GCDT_NONE || after == GCDT_NONE) {  // cannot be: see 2. of the lemma
+    note(report, GCDT_CHECK_CONVEX, v);
+    return;
+  }
+  const Vertex a = vertex_at(points, before), b = vertex_at(points, v), c = vertex_at(points, after);
+  const i64 turn = gcdt_orient2d_finite(a, b, c);
+  // The terms of the inner product are below 2^62 each.
+  const i64 onward = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);
+  if (turn < 0 || (turn == 0 && onward <= 0)) note(report, GCDT_CHECK_CONVEX, v);
+  if (gcdt_tie_key(b) < gcdt_tie_key(a) && gcdt_tie_key(b) < gcdt_tie_key(c)) ++*least_corners;
 }
 
 // One work-item per vertex.
@@ -186,21 +222,7 @@ kernel void check_boundary(const uint count, global const int2* points, global c
                            global const uint* previous, global CheckReport* report) {
   if (noted(report, GCDT_CHECK_FORK)) return;
   uint hull_vertices = 0, least_corners = 0;
-  FOR_EACH(v, count) {
-    const uint before = previous[v], after = next[v];
-    if (before == GCDT_NONE && after == GCDT_NONE) continue;
-    ++hull_vertices;
-    if (before == GCDT_NONE || after == GCDT_NONE) {  // cannot be: see 2. of the lemma
-      note(report, GCDT_CHECK_CONVEX, v);
-      continue;
-    }
-    const Vertex a = vertex_at(points, before), b = vertex_at(points, v), c = vertex_at(points, after);
-    const i64 turn = gcdt_orient2d_finite(a, b, c);
-    // The terms of the inner product are below 2^62 each.
-    const i64 onward = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);
-    if (turn < 0 || (turn == 0 && onward <= 0)) note(report, GCDT_CHECK_CONVEX, v);
-    if (gcdt_tie_key(b) < gcdt_tie_key(a) && gcdt_tie_key(b) < gcdt_tie_key(c)) ++least_corners;
-  }
+  FOR_EACH(v, count) check_boundary_at(v, points, next, previous, &hull_vertices, &least_corners, report);
   if (hull_vertices != 0) atomic_add(&report->hull_vertices, hull_vertices);
   if (least_corners != 0) atomic_add(&report->least_corners, least_corners);
 }

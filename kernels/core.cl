@@ -2,6 +2,7 @@
 // What every triangulation runs where loops are contiguous, as one program: a driver that compiles kernels as they are
 // launched takes longer for each program than for a kernel (bench/NOTES.md).
 #include "check.cl"
+#include "few.cl"
 #include "grow.cl"
 #include "mesh.cl"
 #include "order.cl"

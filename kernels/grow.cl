@@ -34,6 +34,12 @@ static inline Owner make_owner(uint stamp, uint bits, global uint* edge_marks, g
   return o;
 }
 
+// Root p, whose edges no constraint has.
+static inline void plant(Mesh mesh, Owner o, uint p) {
+  make_root(mesh, p);
+  for (uint k = 0; k < 3u; ++k) o.marks[3u * p + k] = 0u;
+}
+
 // Few, so that the counter is nobody's burden.
 static void leave_edge(Owner o, uint e) {
   if (!(atomic_or(o.marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED)) o.queue[atomic_inc(o.queued)] = e;
@@ -129,15 +135,22 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
   }
 }
 
+// The edges that v brings belong to no constraint. Before they are linked: until then they are nobody else's.
+static inline void clear_marks(Mesh mesh, Owner o, uint v) {
+  for (uint j = 0; j < 3u; ++j) o.marks[new_edge(mesh, v, j)] = 0u;
+}
+
 // Inserts v if all faces that it splits can be owned. Returns the face whose corner 0 v then is, or GCDT_NONE.
 static uint split_at(Mesh mesh, Owner o, uint v, uint t, uint zero) {
   if (zero == 3u) {
+    clear_marks(mesh, o, v);
     split_face(mesh, v, t, o.ticket);
     return t;
   }
   const uint code = element(mesh.face_data[GCDT_SIDES(t)], zero), far = mesh.edge_faces[code ^ 1u];
   const uint u = GCDT_REF_FACE(far);
   if (!own(mesh, o, u, *claim_word(mesh.face_data, u))) return GCDT_NONE;
+  clear_marks(mesh, o, v);
   split_edge(mesh, v, GCDT_SIDE_EDGE(code), o.ticket);
   return t;
 }
@@ -172,6 +185,7 @@ static uint insert_vertex(Mesh mesh, Owner o, uint v, uint last, uint limit, pri
 // `level` is that of `begin`. The mesh must be Delaunay. Each vertex is found by a walk from the one before, split
 // off, and settled. Writes words of owned faces, and those that its vertices bring; the queue, in any order; `left` and
 // left_of of its own segments, no place of which it has still to read: it leaves no more than it has read.
+// The launch with begin = 0 is of one segment, and its work-item makes the roots, and the counters zero.
 // With one work-item none are left; `limit` then is the number of faces. Ends: see the functions. After: a
 // triangulation in which every edge that is not queued is legal.
 kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint step_before, uint level, uint limit,
@@ -182,6 +196,10 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
   Grown grown = {0u, 0u, 0u};
   uint left_count = 0;
+  if (begin == 0u && get_global_id(0) == 0u) {
+    for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
+    for (uint p = 0; p < mesh.roots; ++p) plant(mesh, o, p);
+  }
   for (uint first = get_global_id(0) * step; first < segments; first += get_global_size(0) * step) {
     const uint end = min(first + step, segments), place = share_begin(count, first, segments);
     uint remaining = 0, last = GCDT_NONE, tree = 0;
@@ -207,10 +225,10 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
 }
 
 #ifdef GCDT_FOREST
-// One work-item per problem. Inserts the problem's vertices coarse to fine, every 4^k-th along the curve, then every
-// 4^(k-1)-th and so on, each found by a walk from the one before, split off, and settled. The mesh holds the roots
-// alone; no face of a problem is reached from another, so none is anybody else's. Writes words of faces of its problem.
-// A vertex that is not found is counted in list_insert, and the rest of its problem left out: that cannot be. Ends: the
+// One work-item per problem. Makes its root, and inserts the problem's vertices coarse to fine, every 4^k-th along the
+// curve, then every 4^(k-1)-th and so on, each found by a walk from the one before, split off, and settled. No face of
+// a problem is reached from another, so none is anybody else's. Writes words of faces and edges of its problem. A
+// vertex that is not found is counted in list_insert, and the rest of its problem left out: that cannot be. Ends: the
 // stride falls; see the functions. After: every problem is Delaunay.
 kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT_LEVELS_POINTER levels,
                           GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* queue,
@@ -221,6 +239,7 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
   for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
     const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
     uint last = p, stride = 1u;
+    plant(mesh, o, p);
     while (stride < count) stride *= GCDT_LEVEL_RATIO;
     for (; stride > 0u; stride /= GCDT_LEVEL_RATIO)
       for (uint i = 0; i < count && last != GCDT_NONE; i += stride) {

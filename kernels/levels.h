@@ -71,24 +71,28 @@ GCDT_INLINE u32 gcdt_gather_bits(u64 v) {
   return (u32)(v | (v >> 16));
 }
 
-#ifndef __OPENCL_VERSION__
 // The levels of n distinct vertices; the coarsest has at most `coarsest` vertices where K allows.
-inline Levels make_levels(u32 n, u32 coarsest) {
-  Levels levels = {};
+GCDT_INLINE Levels make_levels(u32 n, u32 coarsest) {
+  Levels levels;
   levels.n = n;
   levels.count = 1;
+  levels.padding = 0;
+  for (u32 j = 0; j < GCDT_MAX_LEVELS; ++j) levels.stride[j] = levels.begin[j] = 0;
+  levels.begin[GCDT_MAX_LEVELS] = 0;
   for (u64 stride = 1; levels.count < GCDT_MAX_LEVELS && (n + stride - 1) / stride > coarsest;
        stride *= GCDT_LEVEL_RATIO)
     ++levels.count;
   u32 stride = 1;
   levels.begin[levels.count] = n;
   for (u32 j = levels.count; j-- > 0; stride *= GCDT_LEVEL_RATIO) {
+    const u64 coarser = (u64)stride * GCDT_LEVEL_RATIO;
     levels.stride[j] = stride;
-    const u64 coarser = static_cast<u64>(stride) * GCDT_LEVEL_RATIO;
-    levels.begin[j] = j == 0 ? 0 : static_cast<u32>((n + coarser - 1) / coarser);
+    levels.begin[j] = j == 0 ? 0 : (u32)((n + coarser - 1) / coarser);
   }
   return levels;
 }
+
+#ifndef __OPENCL_VERSION__
 }  // namespace gcdt::device
 #endif
 

@@ -36,6 +36,17 @@ static inline Vertex load_vertex(global const int2* points, uint n, uint v) {
 static inline uint new_face(Mesh mesh, uint v, uint i) { return gcdt_forest_faces(v, mesh.roots) + i; }
 static inline uint new_edge(Mesh mesh, uint v, uint j) { return gcdt_forest_edges(v, mesh.roots) + j; }
 
+// Writes the symbolic triangle of root p: face p with edges 3p, 3p+1, 3p+2 that have no other side.
+static inline void make_root(Mesh mesh, uint p) {
+  const uint v = mesh.n + 3u * p, e = 3u * p;
+  mesh.face_data[GCDT_CORNERS(p)] = (uint4)(v, v + 1u, v + 2u, 0u);
+  mesh.face_data[GCDT_SIDES(p)] = (uint4)(GCDT_SIDE(e, 0u), GCDT_SIDE(e + 1u, 0u), GCDT_SIDE(e + 2u, 0u), 0u);
+  for (uint k = 0; k < 3u; ++k) {
+    mesh.edge_faces[2u * (e + k)] = GCDT_FACE_REF(p, k);
+    mesh.edge_faces[2u * (e + k) + 1u] = GCDT_NONE;
+  }
+}
+
 // Corner numbers are 0, 1, 2, cyclic.
 static inline uint next_corner(uint k) { return k == 2u ? 0u : k + 1u; }
 static inline uint previous_corner(uint k) { return k == 0u ? 2u : k - 1u; }

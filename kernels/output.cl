@@ -9,6 +9,25 @@ GCDT_INLINE uint least_corner(uint r0, uint r1, uint r2) { return r0 < r1 ? (r0 
 // (v[first], v[first + 1], v[first + 2]), indices modulo 3.
 GCDT_INLINE uint3 rotated(uint4 v, uint first) { return first == 0 ? v.xyz : first == 1 ? v.yzx : v.zxy; }
 
+// Writes the key and the reference of face f. Returns whether its corners are finite.
+static bool key_face(uint f, global const Levels* levels, uint bits, global const uint4* face_data, global ulong* keys,
+                     global uint* refs) {
+  const uint4 c = face_data[GCDT_CORNERS(f)];
+  const bool finite = max(max(c.x, c.y), c.z) < levels->n;
+  ulong key = ((ulong)1 << (2u * bits)) - 1u;
+  uint first = 0;
+  if (finite) {
+    const uint4 ranks = (uint4)(gcdt_rank_of_vertex(levels, c.x), gcdt_rank_of_vertex(levels, c.y),
+                                gcdt_rank_of_vertex(levels, c.z), 0u);
+    first = least_corner(ranks.x, ranks.y, ranks.z);
+    const uint3 r = rotated(ranks, first);
+    key = ((ulong)r.x << bits) | r.y;
+  }
+  keys[f] = key;
+  refs[f] = GCDT_FACE_REF(f, first);
+  return finite;
+}
+
 // One work-item per face.
 // Reads levels and corners.
 // Writes keys[f] and refs[f] for face f; adds to *triangles.
@@ -19,24 +38,14 @@ GCDT_INLINE uint3 rotated(uint4 v, uint first) { return first == 0 ? v.xyz : fir
 // n - 1 < 2^bits - 1.
 kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* face_data,
                       global ulong* keys, global uint* refs, global uint* triangles) {
-  const uint n = levels->n;
   uint finite = 0;
-  FOR_EACH(f, count) {
-    const uint4 c = face_data[GCDT_CORNERS(f)];
-    ulong key = ((ulong)1 << (2u * bits)) - 1u;
-    uint first = 0;
-    if (max(max(c.x, c.y), c.z) < n) {
-      const uint4 ranks = (uint4)(gcdt_rank_of_vertex(levels, c.x), gcdt_rank_of_vertex(levels, c.y),
-                                  gcdt_rank_of_vertex(levels, c.z), 0u);
-      first = least_corner(ranks.x, ranks.y, ranks.z);
-      const uint3 r = rotated(ranks, first);
-      key = ((ulong)r.x << bits) | r.y;
-      ++finite;
-    }
-    keys[f] = key;
-    refs[f] = GCDT_FACE_REF(f, first);
-  }
+  FOR_EACH(f, count)
+  if (key_face(f, levels, bits, face_data, keys, refs)) ++finite;
   if (finite != 0) atomic_add(triangles, finite);
+}
+
+static inline void place_face(uint i, uint triangles, global const uint* refs, global int* positions) {
+  positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
 }
 
 // One work-item per face, in sorted order.
@@ -45,8 +54,24 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
 // Every face stands in refs once: every word has one writer.
 // After this kernel positions[f] is the number of face f in canonical order, -1 for symbolic faces.
 kernel void place_faces(const uint count, const uint triangles, global const uint* refs, global int* positions) {
-  FOR_EACH(i, count)
-  positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
+  FOR_EACH(i, count) place_face(i, triangles, refs, positions);
+}
+
+// Triangle i, in canonical order.
+static void gather_triangle(uint i, global const uint4* face_data, global const uint* edge_faces,
+                            global const uint* edge_marks, global const uint* refs, global const int* positions,
+                            global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
+  const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
+  vstore3(rotated(face_data[GCDT_CORNERS(f)], first), i, out_corners);
+  const uint3 s = rotated(face_data[GCDT_SIDES(f)], first);
+  const uint3 across = (uint3)(edge_faces[s.x ^ 1u], edge_faces[s.y ^ 1u], edge_faces[s.z ^ 1u]);
+  vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)],
+                 positions[GCDT_REF_FACE(across.z)]),
+          i, out_neighbours);
+  const uint3 marks =
+      (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) &
+      GCDT_MARK_CONSTRAINED;
+  out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);
 }
 
 // One work-item per triangle, in canonical order.
@@ -58,19 +83,12 @@ kernel void place_faces(const uint count, const uint triangles, global const uin
 kernel void gather_triangles(const uint count, global const uint4* face_data, global const uint* edge_faces,
                              global const uint* edge_marks, global const uint* refs, global const int* positions,
                              global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
-  FOR_EACH(i, count) {
-    const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
-    vstore3(rotated(face_data[GCDT_CORNERS(f)], first), i, out_corners);
-    const uint3 s = rotated(face_data[GCDT_SIDES(f)], first);
-    const uint3 across = (uint3)(edge_faces[s.x ^ 1u], edge_faces[s.y ^ 1u], edge_faces[s.z ^ 1u]);
-    vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)],
-                   positions[GCDT_REF_FACE(across.z)]),
-            i, out_neighbours);
-    const uint3 marks =
-        (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) &
-        GCDT_MARK_CONSTRAINED;
-    out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);
-  }
+  FOR_EACH(i, count)
+  gather_triangle(i, face_data, edge_faces, edge_marks, refs, positions, out_corners, out_neighbours, out_constrained);
+}
+
+static inline void number_corner(uint i, global const uint* vertex_input, global uint* corners) {
+  corners[i] = vertex_input[corners[i]];
 }
 
 // One work-item per corner.
@@ -79,7 +97,12 @@ kernel void gather_triangles(const uint count, global const uint4* face_data, gl
 // Word i has one reader and writer.
 // After this kernel corners are the representatives' input numbers.
 kernel void number_corners(const uint count, global const uint* vertex_input, global uint* corners) {
-  FOR_EACH(i, count) corners[i] = vertex_input[corners[i]];
+  FOR_EACH(i, count) number_corner(i, vertex_input, corners);
+}
+
+static inline void number_representative(uint i, global const uint* vertex_input, global const uint* input_vertex,
+                                         global uint* representatives) {
+  representatives[i] = vertex_input[input_vertex[i]];
 }
 
 // One work-item per input point.
@@ -89,6 +112,5 @@ kernel void number_corners(const uint count, global const uint* vertex_input, gl
 // After this kernel representatives[i] is the input number that stands for input point i.
 kernel void number_representatives(const uint count, global const uint* vertex_input, global const uint* input_vertex,
                                    global uint* representatives) {
-  FOR_EACH(i, count)
-  representatives[i] = vertex_input[input_vertex[i]];
+  FOR_EACH(i, count) number_representative(i, vertex_input, input_vertex, representatives);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the radix sort of 64-bit keys leaves to simpler ways: few keys, sorted by one work-group, and keys that a
 // sort by their high bits has left nearly in order.
+#include "digits.h"
 #include "runs.h"
 
 // Keys that one work-group sorts in local memory: 24 KiB of the 32 that every device has.
@@ -52,28 +53,7 @@ kernel void sort_small(u32 count, u64 mask, global const u64* keys_in, global co
 // After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
 kernel void sort_alone(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
                        global u32* other_values) {
-  if (get_local_id(0) != 0) return;
-  for (u32 shift = 0; shift < bits; shift += 8u) {
-    const u32 mask = (1u << min(8u, bits - shift)) - 1u;
-    u32 next[256];
-    for (u32 d = 0; d <= mask; ++d) next[d] = 0;
-    for (u32 i = 0; i < count; ++i) ++next[(u32)(keys[i] >> shift) & mask];
-    for (u32 d = 0, sum = 0; d <= mask; ++d) {
-      const u32 keys_of_digit = next[d];
-      next[d] = sum;
-      sum += keys_of_digit;
-    }
-    for (u32 i = 0; i < count; ++i) {
-      const u64 key = keys[i];
-      const u32 to = next[(u32)(key >> shift) & mask]++;
-      other_keys[to] = key;
-      other_values[to] = values[i];
-    }
-    global u64* sorted_keys = other_keys;
-    global u32* sorted_values = other_values;
-    other_keys = keys, other_values = values;
-    keys = sorted_keys, values = sorted_values;
-  }
+  if (get_local_id(0) == 0) sort_by_digits(count, bits, keys, values, other_keys, other_values);
 }
 
 // One work-item per pair, in order of the bits from `low` on. Where a run of keys that agree in these begins, its

@@ -2,6 +2,7 @@
 // The C interface: results.
 #include <chrono>
 #include <cstddef>
+#include <cstring>
 #include <iterator>
 
 #include "api.hpp"
@@ -74,17 +75,34 @@ size_t gcdt_element_bytes(int32_t array) {
 uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) { return result ? result->count(array) : 0; }
 
 int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity) {
+  return gcdt_result_copy_arrays(result, &array, &destination, &capacity, 1);
+}
+
+int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void* const* destinations,
+                                const uint64_t* capacities, size_t count) {
   return guarded_call(result ? result->state.get() : nullptr, [&] {
-    const Array from = result->array(array);
-    if (capacity < from.count)
-      throw Error(
-          Status::buffer_too_small,
-          std::to_string(from.count) + " elements do not fit where there is room for " + std::to_string(capacity),
-          {from.count, capacity});
-    if (from.count == 0) return;
-    require(destination, "destination is null");
+    require(count == 0 || (arrays && destinations && capacities), "arrays, destinations or capacities is null");
+    std::vector<runtime::HostRead> reads;
+    std::vector<void*> zeros;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Array from = result->array(arrays[i]);
+      if (capacities[i] < from.count)
+        throw Error(Status::buffer_too_small,
+                    std::to_string(from.count) + " elements do not fit where there is room for " +
+                        std::to_string(capacities[i]),
+                    {from.count, capacities[i]});
+      if (from.count == 0) continue;
+      require(destinations[i], "destination is null");
+      if (arrays[i] == GCDT_SOURCE_OFFSETS && result->data.pieces.count == 0) {  // not worth a command
+        zeros.push_back(destinations[i]);
+        continue;
+      }
+      reads.push_back({from.memory, destinations[i], static_cast<std::size_t>(from.bytes())});
+    }
+    for (void* zero : zeros) std::memset(zero, 0, sizeof(std::uint32_t));
+    if (reads.empty()) return;
     const auto start = std::chrono::steady_clock::now();
-    result->state->runtime.read_bytes(from.memory, 0, destination, static_cast<std::size_t>(from.bytes()));
+    result->state->runtime.read_all(reads);
     Statistics& s = result->data.statistics;
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     s.ms.output += ms;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "check.h"
+#include "few.hpp"
 #include "forest.hpp"
 
 namespace gcdt {
@@ -51,15 +52,12 @@ class Checker {
         vertices_(vertices),
         pieces_(pieces),
         edges_expected_(pieces.count),
-        report_(runtime.allocate<CheckReport>("check report", 1)) {
-    found_ = {};
-    std::fill(std::begin(found_.first), std::end(found_.first), GCDT_NONE);
-    runtime_.write(report_, &found_, 1);
-  }
+        report_(runtime.allocate<CheckReport>("check report", 1)) {}
 
   /// No triangles: right iff there are fewer than three vertices or all lie on one line.
   void check_empty() {
     if (vertices_.n() < 3) return;
+    clear_report();
     runtime_.launch("check", "check_collinear", over(vertices_.n()), vertices_.n(), vertices_.points, report_);
     judge(0, GCDT_CHECK_KINDS);
   }
@@ -106,23 +104,36 @@ class Checker {
     const cl_uint n = vertices_.n(), count = ordered_.triangles;
     auto next = runtime_.allocate<cl_uint>("check boundary", n),
          previous = runtime_.allocate<cl_uint>("check boundary", n);
-    runtime_.fill<cl_uint>(next, GCDT_NONE, n);
-    runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
-    runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
     const bool lists = runtime_.contiguous() && pieces_.count > 0;
     auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
-    if (lists)
-      runtime_.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices_.levels_buffer,
-                      cl_uint{pieces_.count}, pieces_.ends, first_pieces);
-    runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points,
-                    ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
-                    pieces_.ends, next, previous, report_);
-    runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
+    if (are_few(runtime_, n)) {
+      runtime_.launch("few", "check_few", runtime::one_group(), count, n, vertices_.levels_buffer, vertices_.points,
+                      ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
+                      pieces_.ends, next, previous, report_);
+    } else {
+      clear_report();
+      runtime_.fill<cl_uint>(next, GCDT_NONE, n);
+      runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
+      runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
+      if (lists)
+        runtime_.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices_.levels_buffer,
+                        cl_uint{pieces_.count}, pieces_.ends, first_pieces);
+      runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points,
+                      ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
+                      pieces_.ends, next, previous, report_);
+      runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
+    }
     judge(0, GCDT_CHECK_UNUSED);
     cover(next, previous);
     judge(GCDT_CHECK_FLAG, GCDT_CHECK_MISSING);
     if (found_.constrained_edges != edges_expected_) name_missing_piece();
     judge(GCDT_CHECK_DELAUNAY, GCDT_CHECK_KINDS);
+  }
+
+  void clear_report() {
+    CheckReport clear = {};
+    std::fill(std::begin(clear.first), std::end(clear.first), GCDT_NONE);
+    runtime_.write(report_, &clear, 1);
   }
 
   [[noreturn]] void fail(const std::string& what, std::vector<std::uint64_t> indices) {

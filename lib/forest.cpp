@@ -191,6 +191,7 @@ class ForestPipeline final : public Pipeline {
                     ranges_.count(), ranges_.first_constraint_buffer, pieces_.sources);
     runtime_.launch("forest", "forest_local_pieces", over(pieces_.count), cl_uint{pieces_.count}, n, vertices_.points,
                     vertices_.vertex_input, ranges_.first_input_buffer, pieces_.ends);
+    if (pieces_.count == 0) runtime_.fill<cl_uint>(pieces_.source_offsets, 0, 1);
   }
 
   template <class T>

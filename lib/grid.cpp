@@ -32,45 +32,11 @@ double nearest_double(const std::string& text) {
   return stream >> value ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Cell = 2^k * U / five with U = (units_low, units_high) < 2^116; see quantise.h for the window.
-device::Scale make_scale(std::array<std::uint64_t, 2> origin, std::uint64_t five, std::uint64_t units_low,
+device::Scale make_scale(const std::array<std::uint64_t, 2>& origin, std::uint64_t five, std::uint64_t units_low,
                          std::uint64_t units_high, int k) {
   device::Scale scale = {};
-  scale.five = five;
-  const int log2_units =
-      (units_high ? 64 + device::gcdt_bit_length(units_high) : device::gcdt_bit_length(units_low)) - 1;
-  const int w = std::min(log2_units - GCDT_UNIT_BITS, -2);
-  scale.cell_low = device::gcdt_limb(units_low, units_high, -w);
-  scale.cell_high = device::gcdt_limb(units_low, units_high, -w - 64);
-  scale.power_of_two = scale.cell_low == 0 && scale.cell_high == 1ull << (GCDT_UNIT_BITS - 64);
-  scale.offset = -k - w;
-  for (int axis = 0; axis < 2; ++axis) {
-    scale.origin[axis] = origin[axis];
-    scale.origin_fits[axis] = device::gcdt_place(origin[axis], five, scale.offset, scale.origin_window[axis]);
-    std::uint64_t low = 0, high = 0;
-    scale.fixed_point[axis] =
-        scale.power_of_two && five == 1 && device::gcdt_fixed(origin[axis], scale.offset, &low, &high);
-    const bool minus = origin[axis] & GCDT_SIGN_BIT;
-    scale.origin_fixed[axis][0] = minus ? ~low + 1 : low;
-    scale.origin_fixed[axis][1] = minus ? ~high + (low == 0 ? 1 : 0) : high;
-  }
+  device::gcdt_make_scale(&scale, origin.data(), five, units_low, units_high, k);
   return scale;
-}
-
-// The exponent of the ulp of the coordinate of largest magnitude.
-int largest_exponent(const Survey& survey) {
-  int exponent = GCDT_LEAST_EXPONENT;
-  for (int axis = 0; axis < 2; ++axis)
-    exponent =
-        std::max({exponent, device::gcdt_exponent(survey.least[axis]), device::gcdt_exponent(survey.most[axis])});
-  return exponent;
-}
-
-bool fits(const Survey& survey, int k) {
-  const device::Scale scale = make_scale(survey.least, 1, 1, 0, k);
-  for (int axis = 0; axis < 2; ++axis)
-    if (device::gcdt_quantise(survey.most[axis], &scale, axis).outside) return false;
-  return true;
 }
 
 // A decimal number: digits * 10^exponent, without zeros at either end of the digits.
@@ -147,18 +113,14 @@ double cell_edge(std::uint64_t units, int decimals, int exponent) {
   return nearest_double(std::to_string(units) + "e" + std::to_string(-decimals));
 }
 
-// |v| < 2^(q + 53) for q = largest_exponent, so the extent is below 2^(q + 54) and k = q + 24 fits. Ends: the
-// extent is at least 2^(q - 1) (lemma L in quantise.h), so k > q - 33.
 int finest_exponent(const Survey& survey) {
-  if (survey.least == survey.most) return 0;
-  int k = largest_exponent(survey) + 24;
-  while (k > GCDT_LEAST_EXPONENT && fits(survey, k - 1)) --k;
-  return k;
+  device::Scale scale = {};
+  return device::gcdt_finest_exponent(survey.least.data(), survey.most.data(), &scale);
 }
 
 ChosenGrid power_of_two_grid(const Survey& survey, int k) {
   ChosenGrid chosen;
-  const bool one_point = survey.least == survey.most;
+  const bool one_point = device::gcdt_one_point(survey.least.data(), survey.most.data());
   chosen.grid.kind = one_point || *survey.trailing_exponent >= k ? Grid::Kind::binary : Grid::Kind::rounded;
   chosen.grid.origin = {from_bits(survey.least[0]), from_bits(survey.least[1])};
   chosen.grid.cell_exponent = k;
@@ -166,36 +128,15 @@ ChosenGrid power_of_two_grid(const Survey& survey, int k) {
   return chosen;
 }
 
-// The binary grid does not do, so k > -1074 and the extent E >= (2^32 - 1) 2^(k-2) does not fit 2^(k-1). Decimals
-// that read as doubles of magnitude up to M are within ulp(M) / 2 of them, so their extent is at least
-// E - ulp(M), and at least E/2 >= 2^(k+28) if ulp(M) <= 2^(k+28). D decimals then fit only if
-// 2^(k+28) 10^D < 2^31, that is 5^D < 2^(3 - k - D).
 int decimals_limit(const Survey& survey, int k) {
-  int limit = GCDT_MAX_DECIMALS;
-  if (largest_exponent(survey) > k + 28) return limit;
-  while (limit >= 0 && device::gcdt_bit_length(device::gcdt_powers_of_five[limit]) > 3 - k - limit) --limit;
-  return limit;
+  return device::gcdt_decimals_limit(survey.least.data(), survey.most.data(), k);
 }
 
-// Reading decimals as doubles is monotone, so the least double has the least decimal; and if the least and
-// the largest numerators are below 2^63, all are.
 std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits) {
   device::Decimals decimals = {};
-  std::uint64_t extent = 0;
-  for (int axis = 0; axis < 2; ++axis) {
-    const auto overflow = static_cast<device::i64>(GCDT_NUMERATOR_OVERFLOW);
-    const device::i64 least = device::gcdt_decimal_numerator(survey.least[axis], digits);
-    const device::i64 most = device::gcdt_decimal_numerator(survey.most[axis], digits);
-    if (least == overflow || most == overflow) return std::nullopt;
-    decimals.least[axis] = least;
-    extent = std::max(extent, static_cast<std::uint64_t>(most) - static_cast<std::uint64_t>(least));
-  }
-  if (extent > GCDT_GRID_LAST) return std::nullopt;
-  decimals.digits = digits;
-  decimals.step = 1;
+  if (!device::gcdt_make_decimals(survey.least.data(), survey.most.data(), digits, &decimals)) return std::nullopt;
   int cell_decimals = digits;
-  for (; cell_decimals < GCDT_MAX_DECIMALS && extent * decimals.step * 10 <= GCDT_GRID_LAST; ++cell_decimals)
-    decimals.step *= 10;
+  for (std::uint64_t step = decimals.step; step > 1; step /= 10) ++cell_decimals;
   ChosenGrid chosen;
   chosen.decimals = decimals;
   chosen.grid.kind = Grid::Kind::decimal;

@@ -8,7 +8,7 @@
 
 #include <gcdt/types.hpp>
 
-#include "quantise.h"
+#include "grid.h"
 
 namespace gcdt {
 

@@ -66,7 +66,7 @@ class Growth {
 
   /// Returns how many vertices are left.
   std::uint32_t round(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
-    counters_.zero();
+    if (begin > 0) counters_.zero();
     Stamps stamps(mesh_.edges());
     stamps.go_on_above(mesh_.claims_below);
     if (stamps.left() == 0) {

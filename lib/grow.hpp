@@ -18,8 +18,8 @@ struct GrowResult {
 bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
                         std::uint32_t n);
 
-/// Inserts all vertices below `end`, the first of a level, into a mesh that holds the symbolic triangles alone.
-/// After: the mesh is Delaunay. Throws round_limit.
+/// Makes the mesh, whatever it holds, that of the symbolic triangles and of all vertices below `end`, the first of a
+/// level, if there are any. After: the mesh is Delaunay, and no edge is constrained. Throws round_limit.
 GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
                 PhaseCounters& counters, std::uint32_t end, Ticker& ticker);
 

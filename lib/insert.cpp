@@ -147,6 +147,7 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Me
 }
 
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
+  runtime.fill<cl_uint>(mesh.edge_marks, 0, mesh.edges());
   runtime.launch("mesh", "mesh_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces);
 }

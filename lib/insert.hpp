@@ -20,7 +20,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
 /// A history without splits, of a Delaunay mesh with all vertices: all of it is top layer.
 History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
 
-/// Makes the mesh hold the symbolic triangles alone.
+/// Makes the mesh hold the symbolic triangles alone, no edge constrained.
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
 
 /// Inserts the vertices of `level` into the mesh of the levels before, which must be Delaunay.

@@ -12,7 +12,6 @@ Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) 
   mesh.face_data = runtime.allocate<cl_uint4>("faces", 2 * std::size_t{mesh.faces()});
   mesh.edge_faces = runtime.allocate<cl_uint>("edge faces", 2 * std::size_t(mesh.edges()));
   mesh.edge_marks = runtime.allocate<cl_uint>("edge marks", mesh.edges());
-  runtime.fill<cl_uint>(mesh.edge_marks, 0, mesh.edges());
   return mesh;
 }
 

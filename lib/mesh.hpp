@@ -54,7 +54,7 @@ struct WalkedPieces {
 struct Pieces {
   std::uint32_t count = 0;
   runtime::Buffer<cl_uint2> ends;           ///< vertices (lower rank first), sorted by rank
-  runtime::Buffer<cl_uint> source_offsets;  ///< count + 1
+  runtime::Buffer<cl_uint> source_offsets;  ///< count + 1; of no pieces not written before number_by_input()
   runtime::Buffer<cl_uint> sources;         ///< input constraints, ascending within a piece
   std::uint32_t source_count = 0;
   WalkedPieces walked;  ///< until the constraints are enforced

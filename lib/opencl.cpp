@@ -23,6 +23,8 @@ constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 constexpr std::size_t least_alignment = 128;
+// Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.
+constexpr std::size_t most_copied = std::size_t{1} << 16;
 
 // PoCL before 6 loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last
 // 128, and when a launch ends counts down whichever of the kernel's was used last. Two runs at once with launches of
@@ -36,7 +38,7 @@ std::atomic<int> loaded_by_width{0};  // runtimes
 // The program to build for the kernels of `program` where shares are contiguous: one for all that every call needs.
 const char* bundle_of(const char* program) {
   for (const char* part :
-       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check"})
+       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check", "few"})
     if (std::strcmp(part, program) == 0) return "core";
   return program;
 }
@@ -77,7 +79,16 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
   }
   // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
   alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
-  self_test();
+  try {
+    self_test();
+  } catch (...) {
+    try_finish();
+    throw;
+  }
+}
+
+Runtime::~Runtime() {
+  if (!unwritten_.empty()) try_finish();
 }
 
 void Runtime::fail(const char* name, const char* detail, cl_int code) const {
@@ -123,8 +134,14 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  call("clEnqueueWriteBuffer", "",
-       [&] { return clEnqueueWriteBuffer(queue_(), to, CL_TRUE, offset, bytes, from, 0, nullptr, nullptr); });
+  const bool copied = contiguous_ && bytes <= most_copied;
+  if (copied) {
+    const auto* first = static_cast<const unsigned char*>(from);
+    from = unwritten_.emplace_back(first, first + bytes).data();
+  }
+  call("clEnqueueWriteBuffer", "", [&] {
+    return clEnqueueWriteBuffer(queue_(), to, copied ? CL_FALSE : CL_TRUE, offset, bytes, from, 0, nullptr, nullptr);
+  });
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
@@ -132,7 +149,22 @@ void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t 
   ++read_backs_;
   call("clEnqueueReadBuffer", "",
        [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
-  tracer_.waited();
+  waited();
+}
+
+void Runtime::read_all(const std::vector<HostRead>& reads) {
+  if (reads.empty()) return;
+  try {
+    for (std::size_t i = 0; i + 1 < reads.size(); ++i)
+      call("clEnqueueReadBuffer", "", [&] {
+        return clEnqueueReadBuffer(queue_(), reads[i].from, CL_FALSE, 0, reads[i].bytes, reads[i].to, 0, nullptr,
+                                   nullptr);
+      });
+    read_bytes(reads.back().from, 0, reads.back().to, reads.back().bytes);  // the queue is in order
+  } catch (...) {
+    try_finish();
+    throw;
+  }
 }
 
 void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
@@ -175,6 +207,18 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
 
 void Runtime::finish() {
   call("clFinish", "", [&] { return clFinish(queue_()); });
+  unwritten_.clear();
+}
+
+cl_int Runtime::try_finish() {
+  const cl_int code = clFinish(queue_());
+  unwritten_.clear();
+  return code;
+}
+
+void Runtime::waited() {
+  unwritten_.clear();
+  tracer_.waited();
 }
 
 void Runtime::flush() {

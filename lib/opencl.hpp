@@ -37,6 +37,8 @@ class Buffer {
   }
 
   std::size_t size() const { return size_; }
+  /// What is behind the first `size` elements, at most size(), is no longer used.
+  void shrink(std::size_t size) { size_ = size; }
   std::size_t bytes() const { return std::max<std::size_t>(size_, 1) * sizeof(T); }
   bool allocated() const { return handle() != nullptr; }
   cl_mem handle() const { return block_.handle() ? block_.handle() : theirs_(); }
@@ -75,6 +77,13 @@ struct Geometry {
   std::size_t share = 0;       ///< items that are worth a work-item; 0: one (Range::large_items)
 };
 
+/// Bytes of a buffer, from its first on, and where they are to go.
+struct HostRead {
+  cl_mem from;
+  void* to;
+  std::size_t bytes;
+};
+
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
 /// `options` are added when programs are built. `edit` may change a program's text: by that, tests
 /// have a device that computes wrongly. `keep_programs`: built programs go into the cache even if the
@@ -97,6 +106,7 @@ class Runtime {
   /// The same on `device` of a context that is there, with a private in-order queue; a null context: a new one.
   /// The queue has profiling if there is a trace.
   Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace = {});
+  ~Runtime();
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
 
@@ -170,9 +180,11 @@ class Runtime {
 
   void finish();
   /// The same without an exception.
-  cl_int try_finish() { return clFinish(queue_()); }
+  cl_int try_finish();
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
+  /// All of them, and waits once. Whatever happens, none goes on afterwards.
+  void read_all(const std::vector<HostRead>& reads);
   void flush();
 
   std::uint64_t launches() const { return launches_; }
@@ -229,6 +241,7 @@ class Runtime {
   };
 
   void self_test();
+  void waited();
   Kernel& find_kernel(const char* program, const char* kernel);
   cl::Program& find_program(const char* program);
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
@@ -260,6 +273,7 @@ class Runtime {
   /// Groups that launches have where the driver needs them to be of one width; 0: nowhere.
   std::size_t widest_ = 0;
   std::shared_ptr<void> present_;  ///< among the runtimes that need it
+  std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
   struct Built {
     std::map<std::string, cl::Program> programs;
     std::map<std::pair<std::string, std::string>, Kernel> kernels;

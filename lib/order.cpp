@@ -5,6 +5,8 @@
 #include <chrono>
 #include <vector>
 
+#include "few.h"
+#include "few.hpp"
 #include "grid.hpp"
 #include "phase.hpp"
 
@@ -56,13 +58,23 @@ struct Maxima {
   }
 };
 
+/// Of the maxima of kernel `survey`.
+Survey checked_survey(cl_uint type, const cl_ulong* found) {
+  if (found[5] != 0) throw survey_error(type, ~found[5]);
+  return survey_of(found);
+}
+
+/// Of the maxima of kernel `quantise`; the largest move.
+double checked_move(const cl_ulong* found, const device::Scale& scale) {
+  if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
+  return move_length(found[0], scale);
+}
+
 Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
   Maxima maxima(runtime, staged.n, survey_columns);
   runtime.launch("order", "survey", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  maxima.rows, maxima.table);
-  const std::vector<cl_ulong> found = maxima.read(runtime);
-  if (found[5] != 0) throw survey_error(staged.type, ~found[5]);
-  return survey_of(found.data());
+  return checked_survey(staged.type, maxima.read(runtime).data());
 }
 
 std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const InputPoints& staged, const Survey& survey,
@@ -113,9 +125,7 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
   Maxima maxima(runtime, staged.n, quantise_columns);
   runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
-  const std::vector<cl_ulong> found = maxima.read(runtime);
-  if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
-  keys.grid.largest_move = move_length(found[0], chosen.scale);
+  keys.grid.largest_move = checked_move(maxima.read(runtime).data(), chosen.scale);
   return keys;
 }
 
@@ -132,6 +142,50 @@ OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid
   if (fixed) result.vertices.grid = fixed_grid(*fixed).grid;
   result.vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", 0);
   set_levels(runtime, result.vertices, 0, coarsest_level);
+  return result;
+}
+
+/// The whole phase by one work-item (kernels/few.cl), which reads nothing back in between.
+OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::optional<FixedGrid>& fixed,
+                      std::uint32_t coarsest_level) {
+  const cl_uint n = points.n;
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
+  device::OrderReport report = {};
+  const auto report_buffer = runtime.allocate<device::OrderReport>("order report", 1);
+  if (given) {
+    report.scale = given->scale;
+    runtime.write(report_buffer, &report, 1);
+  }
+  const auto keys = runtime.allocate<cl_ulong>("Morton codes", n),
+             other_keys = runtime.allocate<cl_ulong>("other half of the keys", n);
+  const auto numbers = runtime.allocate<cl_uint>("input numbers", n),
+             other_numbers = runtime.allocate<cl_uint>("other half of the values", n);
+  OrderResult result;
+  Vertices& vertices = result.vertices;
+  vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
+  vertices.levels_buffer = runtime.allocate<device::Levels>("levels", 1);
+  vertices.points = runtime.allocate<cl_int2>("points", n);
+  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
+  const double built = runtime.build_ms();
+  const auto start = std::chrono::steady_clock::now();
+  runtime.launch("few", "order_few", runtime::one_group(), n, points.type, points.coordinates, cl_uint(!!given),
+                 cl_uint{coarsest_level}, report_buffer, keys, numbers, other_keys, other_numbers,
+                 vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
+  report = runtime.read_one(report_buffer);
+  result.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
+                   (runtime.build_ms() - built);
+  const Survey found = checked_survey(points.type, report.surveyed);
+  const ChosenGrid chosen = given                        ? *given
+                            : report.decimal_digits >= 0 ? *decimal_grid(found, report.decimal_digits)
+                                                         : power_of_two_grid(found, report.exponent);
+  vertices.grid = chosen.grid;
+  vertices.decimals = chosen.decimals;
+  if (!chosen.decimals) vertices.grid.largest_move = checked_move(report.quantised, chosen.scale);
+  vertices.levels = device::make_levels(report.distinct, coarsest_level);
+  vertices.points.shrink(report.distinct);
+  vertices.vertex_input.shrink(report.distinct);
+  result.merged = n - report.distinct;
   return result;
 }
 
@@ -181,6 +235,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
                   const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
   const cl_uint n = points.n;
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
+  if (are_few(runtime, n)) return order_few(runtime, std::move(points), fixed, coarsest_level);
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
   points = {};
   runtime.finish();

@@ -33,7 +33,9 @@ InputPoints stage(runtime::Runtime& runtime, Points points);
 struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives
-  double sort_ms = 0;        ///< wall time of sorting and numbering, which `core` of the statistics includes
+  /// Wall time of sorting and numbering, which `core` of the statistics includes; with few.hpp, of surveying and
+  /// quantising, too.
+  double sort_ms = 0;
 };
 
 /// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.hpp"
 
+#include "few.hpp"
 #include "phase.hpp"
 
 namespace gcdt {
@@ -38,19 +39,49 @@ std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh&
   return triangles;
 }
 
+/// Room for so many.
+void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
+  ordered.corners = runtime.allocate<cl_uint>("output corners", 3 * triangles);
+  ordered.neighbours = runtime.allocate<cl_int>("output neighbours", 3 * triangles);
+  ordered.constrained = runtime.allocate<cl_uchar>("output flags", triangles);
+}
+
+/// All of it by one work-item (kernels/few.cl).
+OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
+  OrderedMesh ordered;
+  const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
+  allocate(runtime, ordered, faces);
+  const auto keys = runtime.allocate<cl_ulong>("output keys", faces),
+             other_keys = runtime.allocate<cl_ulong>("other half of the keys", faces);
+  const auto refs = runtime.allocate<cl_uint>("output faces", faces),
+             other_refs = runtime.allocate<cl_uint>("other half of the values", faces),
+             finite = runtime.allocate<cl_uint>("output count", 1);
+  const auto positions = runtime.allocate<cl_int>("output positions", faces);
+  runtime.launch("few", "output_few", runtime::one_group(), faces, vertices.levels_buffer, bits, mesh.face_data,
+                 mesh.edge_faces, mesh.edge_marks, keys, refs, other_keys, other_refs, positions, finite,
+                 ordered.corners, ordered.neighbours, ordered.constrained);
+  ordered.triangles = runtime.read_one(finite);
+  ordered.corners.shrink(std::size_t{3} * ordered.triangles);
+  ordered.neighbours.shrink(std::size_t{3} * ordered.triangles);
+  ordered.constrained.shrink(ordered.triangles);
+  return ordered;
+}
+
 }  // namespace
 
 OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
                             bool canonical) {
+  if (canonical && mesh.n >= 3 && are_few(runtime, mesh.n)) {
+    primitives.release();
+    return order_few(runtime, mesh, vertices);
+  }
   OrderedMesh ordered;
   auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
   if (mesh.n >= 3)
     ordered.triangles = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs)
                                   : select_faces(runtime, primitives, mesh, refs);
   const cl_uint count = ordered.triangles;
-  ordered.corners = runtime.allocate<cl_uint>("output corners", std::size_t{3} * count);
-  ordered.neighbours = runtime.allocate<cl_int>("output neighbours", std::size_t{3} * count);
-  ordered.constrained = runtime.allocate<cl_uchar>("output flags", count);
+  allocate(runtime, ordered, count);
   if (count == 0) return ordered;
   auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
   runtime.launch("output", "place_faces", over(mesh.faces()), mesh.faces(), count, refs, positions);
@@ -59,13 +90,24 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   return ordered;
 }
 
-Buffer<cl_uint> number_by_input(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered) {
+Buffer<cl_uint> number_by_input(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered, Pieces& pieces) {
   const auto inputs = static_cast<cl_uint>(vertices.input_vertex.size());
+  const cl_uint ends = 2 * pieces.count;
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
+  if (inputs != 0 && are_few(runtime, inputs)) {
+    runtime.launch("few", "number_few", runtime::one_group(), inputs, cl_uint{3 * ordered.triangles}, ends,
+                   vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners, pieces.ends,
+                   pieces.source_offsets);
+    return representatives;
+  }
   if (inputs != 0)
     runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input,
                    vertices.input_vertex, representatives);
   number_corners(runtime, vertices, ordered);
+  if (ends != 0)
+    runtime.launch("output", "number_corners", over(ends), ends, vertices.vertex_input, pieces.ends);
+  else
+    runtime.fill<cl_uint>(pieces.source_offsets, 0, 1);
   return representatives;
 }
 
@@ -73,11 +115,6 @@ void number_corners(Runtime& runtime, const Vertices& vertices, OrderedMesh& ord
   const cl_uint count = 3 * ordered.triangles;
   if (count != 0)
     runtime.launch("output", "number_corners", over(count), count, vertices.vertex_input, ordered.corners);
-}
-
-void number_by_input(Runtime& runtime, const Vertices& vertices, Pieces& pieces) {
-  const cl_uint ends = 2 * pieces.count;
-  if (ends != 0) runtime.launch("output", "number_corners", over(ends), ends, vertices.vertex_input, pieces.ends);
 }
 
 }  // namespace gcdt

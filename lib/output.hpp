@@ -22,15 +22,13 @@ struct OrderedMesh {
 OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
                             const Vertices& vertices, bool canonical = true);
 
-/// Replaces the corners of `ordered`, so far vertices, by input numbers, and returns the representative of
-/// each input point. vertices.input_vertex has exactly one element per input point. Afterwards `ordered` no
-/// longer holds vertices, as check() wants them.
-runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);
+/// Replaces the corners of `ordered` and the ends of pieces, so far vertices, by input numbers, and returns the
+/// representative of each input point. vertices.input_vertex has exactly one element per input point. Afterwards
+/// `ordered` no longer holds vertices, as check() wants them. Without pieces it writes the one source offset, 0.
+runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered,
+                                         Pieces& pieces);
 
 /// Replaces the corners of `ordered`, so far vertices, by input numbers.
 void number_corners(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);
-
-/// Replaces the ends of pieces by input numbers.
-void number_by_input(runtime::Runtime& runtime, const Vertices& vertices, Pieces& pieces);
 
 }  // namespace gcdt

@@ -6,7 +6,7 @@
 
 namespace gcdt {
 
-/// Allocates a mesh for n vertices, no edge constrained; contents otherwise undefined.
+/// Allocates a mesh for n vertices; contents undefined.
 Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots = 1);
 
 /// Sets the claim words of the first `faces` faces to 0.
@@ -51,13 +51,11 @@ class Stamps {
   std::uint32_t used_ = 0;
 };
 
-/// The counters struct on the device and its last copy on the host. read() blocks.
+/// The counters struct on the device and its last copy on the host, undefined until zero(). read() blocks.
 class PhaseCounters {
  public:
   explicit PhaseCounters(runtime::Runtime& runtime)
-      : runtime_(runtime), buffer_(runtime.allocate<device::Counters>("counters", 1)) {
-    zero();
-  }
+      : runtime_(runtime), buffer_(runtime.allocate<device::Counters>("counters", 1)) {}
   /// Zeroes both copies.
   void zero();
   const device::Counters& read();

@@ -90,8 +90,6 @@ void Pipeline::run_steps() {
 void Pipeline::insert() {
   if (!mesh_.face_data.allocated()) mesh_ = make_mesh(runtime_, vertices_.n(), vertices_.roots);
   need_lists();
-  runtime_.fill<cl_uint>(mesh_.edge_marks, 0, mesh_.edges());
-  insert_root(runtime_, vertices_, mesh_);
   if (runtime_.contiguous()) {
     const GrowResult grown = grow(runtime_, vertices_, mesh_, lists_, counters_, vertices_.n(), ticker_);
     statistics_.rounds.insert += grown.rounds;
@@ -101,6 +99,7 @@ void Pipeline::insert() {
     if (source_.m > 0 && !by_problem_) history_ = freeze_all(runtime_, vertices_, mesh_);
     return;
   }
+  insert_root(runtime_, vertices_, mesh_);
   if (!history_.nodes.allocated()) history_ = make_history(runtime_, vertices_.levels, vertices_.roots);
   for (unsigned level = 0; level < vertices_.levels.count; ++level) {
     statistics_.rounds.insert += insert_level(runtime_, vertices_, mesh_, history_, lists_, counters_, level, ticker_);
@@ -129,7 +128,6 @@ void Pipeline::constrain_all() {
     pieces_.ends = runtime_.allocate<cl_uint2>("pieces", 0);
     pieces_.source_offsets = runtime_.allocate<cl_uint>("source offsets", 1);
     pieces_.sources = runtime_.allocate<cl_uint>("sources of pieces", 0);
-    runtime_.fill<cl_uint>(pieces_.source_offsets, 0, 1);
     turns_ = runtime_.allocate<cl_int>("turns of pieces", 0);
     return;
   }
@@ -277,8 +275,7 @@ void Pipeline::output() {
   if (options_.check) timed("check", ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });
   if (wants_regions()) timed("domain", ms.domain, [&] { select(ordered); });
   timed("output", ms.output, [&] {
-    result_.representatives = number_by_input(runtime_, vertices_, ordered);
-    number_by_input(runtime_, vertices_, pieces_);
+    result_.representatives = number_by_input(runtime_, vertices_, ordered, pieces_);
     if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
     if (result_.kept.allocated()) number_corners(runtime_, vertices_, result_.hull);
     if (!result_.added.points.allocated()) {

@@ -20,6 +20,10 @@ struct Tuning {
   std::uint32_t crossings_per_part = 8;
   /// Whether constraints are cleaned in the order of the curve; none: where a work-item is a thread.
   std::optional<bool> walk_along_curve;
+  /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
+  /// (kernels/few.cl): in less time than the launches and blocking reads take that other threads would need to help
+  /// it, each of which wakes all of them (bench/NOTES.md).
+  std::uint32_t few_vertices = 2048;
   /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).
   std::optional<std::uint32_t> lanes;
 };

@@ -25,6 +25,38 @@ static gcdt_input square(void) {
   return input;
 }
 
+/* Copies of several arrays are what copies of each are, with one wait; or nothing is written. */
+static void check_copies(gcdt_solver* solver, gcdt_result* result, const uint32_t* triangles,
+                         const int32_t* neighbours, const uint8_t* constrained) {
+  uint32_t some_triangles[7] = {7, 7, 7, 7, 7, 7, 7}, dropped[1] = {7};
+  int32_t some_neighbours[6];
+  uint8_t flags[2];
+  const int32_t arrays[4] = {GCDT_TRIANGLES, GCDT_DROPPED, GCDT_CONSTRAINED, GCDT_NEIGHBOURS};
+  void* destinations[4];
+  uint64_t capacities[4] = {2, 1, 2, 1};
+  gcdt_statistics before, after;
+  destinations[0] = some_triangles, destinations[1] = dropped, destinations[2] = flags;
+  destinations[3] = some_neighbours;
+  CHECK(gcdt_result_copy_arrays(result, arrays, destinations, capacities, 4) == GCDT_ERROR_BUFFER_TOO_SMALL);
+  CHECK(last(solver).indices[0] == 2 && last(solver).indices[1] == 1);
+  CHECK(some_triangles[0] == 7);
+  capacities[3] = 2;
+  destinations[2] = NULL;
+  CHECK(gcdt_result_copy_arrays(result, arrays, destinations, capacities, 4) == GCDT_ERROR_INVALID_ARGUMENT);
+  destinations[2] = flags;
+  CHECK(gcdt_result_copy_arrays(result, arrays, destinations, NULL, 4) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_result_copy_arrays(NULL, arrays, destinations, capacities, 4) == GCDT_ERROR_INVALID_ARGUMENT);
+  CHECK(gcdt_result_copy_arrays(result, NULL, NULL, NULL, 0) == GCDT_OK);
+  CHECK(some_triangles[0] == 7);
+  before.struct_size = after.struct_size = sizeof before;
+  CHECK(gcdt_result_statistics(result, &before) == GCDT_OK);
+  CHECK(gcdt_result_copy_arrays(result, arrays, destinations, capacities, 4) == GCDT_OK);
+  CHECK(gcdt_result_statistics(result, &after) == GCDT_OK);
+  CHECK(after.read_backs == before.read_backs + 1);
+  CHECK(memcmp(some_triangles, triangles, 24) == 0 && some_triangles[6] == 7 && dropped[0] == 7);
+  CHECK(memcmp(some_neighbours, neighbours, 24) == 0 && memcmp(flags, constrained, 2) == 0);
+}
+
 static void check_mesh(gcdt_solver* solver) {
   gcdt_input input = square();
   gcdt_result* result = NULL;
@@ -50,6 +82,7 @@ static void check_mesh(gcdt_solver* solver) {
   CHECK(triangles[5] != 7 && triangles[6] == 7);
   CHECK(gcdt_result_copy(result, GCDT_NEIGHBOURS, neighbours, 2) == GCDT_OK);
   CHECK(gcdt_result_copy(result, GCDT_CONSTRAINED, constrained, 2) == GCDT_OK);
+  check_copies(solver, result, triangles, neighbours, constrained);
 
   gcdt_statistics statistics;
   statistics.struct_size = sizeof statistics;

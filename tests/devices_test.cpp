@@ -10,7 +10,7 @@
 
 #include "cache_folder.hpp"
 #include "device_list.hpp"
-#include "primitives.hpp"
+#include "pipeline.hpp"
 
 using namespace gcdt;
 
@@ -138,7 +138,19 @@ TEST_CASE("without any driver the list is empty and the error says what to insta
 
 namespace {
 
-// A scan and two sorts, small; throws Error if a call fails.
+// A square with a vertex inside, which has the way of few vertices; throws Error if a call fails.
+void triangulate_few(runtime::Runtime& runtime, Primitives& primitives) {
+  const std::vector<std::array<double, 2>> points = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}};
+  const InputSource source = {
+      points.size(), 0, [&] {
+        return DeviceInput{stage(runtime, points), runtime.allocate<cl_uint2>("constraints", 0)};
+      }};
+  const Options options;
+  const DeviceTriangulation made = Pipeline(runtime, primitives, source, options).run();
+  CHECK(made.mesh.triangles == 4);
+}
+
+// A scan, two sorts and a triangulation, small; throws Error if a call fails.
 void small_work(runtime::Runtime& runtime) {
   Primitives primitives(runtime);
   std::vector<cl_ulong> keys(5000);
@@ -158,7 +170,14 @@ void small_work(runtime::Runtime& runtime) {
   runtime.flush();
   runtime.read(key_buffer, keys.data(), keys.size());
   CHECK(std::is_sorted(keys.begin(), keys.end()));
+  std::vector<cl_uint> zeros(values.size(), 1);
+  std::vector<cl_ulong> same_keys(keys.size());
+  runtime.read_all({{sums.handle(), zeros.data(), zeros.size() * sizeof(cl_uint)},
+                    {key_buffer.handle(), same_keys.data(), same_keys.size() * sizeof(cl_ulong)}});
+  CHECK(same_keys == keys);
+  CHECK(std::count(zeros.begin(), zeros.end(), 0u) == std::ptrdiff_t(zeros.size()));
   runtime.finish();
+  triangulate_few(runtime, primitives);
 }
 
 /// Launches of all widths, each wider than those before, so that a driver that loads code for each has it to do.

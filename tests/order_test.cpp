@@ -21,15 +21,22 @@ namespace {
 struct Device {
   runtime::Runtime runtime;
   Primitives primitives;
-  explicit Device(const cl::Device& device) : runtime(device), primitives(runtime) {}
+  explicit Device(const cl::Device& device, runtime::CallHook hook = {})
+      : runtime(device, std::move(hook)), primitives(runtime) {}
 };
 
-// Every device present, the software device of rusticl included.
+// Every device present, the software device of rusticl included; one that has a way of its own for few vertices also
+// without it.
 std::vector<std::unique_ptr<Device>>& devices_under_test() {
   static auto* made = [] {
     setenv("RUSTICL_ENABLE", "swrast", 0);
     auto* list = new std::vector<std::unique_ptr<Device>>;
-    for (const auto& device : runtime::all_devices()) list->push_back(std::make_unique<Device>(device));
+    for (const auto& device : runtime::all_devices()) {
+      list->push_back(std::make_unique<Device>(device));
+      runtime::CallHook hook;
+      hook.tuning.few_vertices = 0;
+      if (list->back()->runtime.contiguous()) list->push_back(std::make_unique<Device>(device, hook));
+    }
     return list;
   }();
   REQUIRE_MESSAGE(!made->empty(), "no OpenCL device: install pocl-opencl-icd");
@@ -363,6 +370,30 @@ TEST_CASE("the launch geometry does not matter") {
     }
     device->runtime.geometry() = before;
   }
+}
+
+TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
+  const auto few = static_cast<int>(Tuning().few_vertices);
+  Engine e(7);
+  for (const int n : {few - 1, few, few + 1})
+    for (const char* family : {"tenths", "uniform around 0", "1e300, 1 and 1e-300"}) {
+      CAPTURE(n);
+      CAPTURE(family);
+      Doubles points = draw(e, n, families::all.at(family), families::all.at(family));
+      for (std::size_t i = 0; i < 100; ++i) points[points.size() - 1 - 3 * i] = points[5 * i];
+      const Read read = check_all(points);
+      CHECK(read.merged >= 100);
+      std::vector<std::array<float, 2>> floats;
+      std::vector<std::array<std::int32_t, 2>> ints;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        floats.push_back({float(i % 97) / 10, float(i % 89) * 3});
+        ints.push_back({std::int32_t(i * 7919 % 1000), -std::int32_t(i % 31)});
+      }
+      for (auto& device : devices_under_test()) {
+        check_same(run(*devices_under_test()[0], floats), run(*device, floats));
+        check_same(run(*devices_under_test()[0], ints), run(*device, ints));
+      }
+    }
 }
 
 TEST_CASE("nothing stays allocated but the vertices") {

@@ -16,12 +16,18 @@
 
 namespace gcdt::test {
 
-/// One runtime for each device of the machine, rusticl's software renderer included.
+/// One runtime for each device of the machine, rusticl's software renderer included; a second one for those that have
+/// a way of their own for few vertices, without it.
 inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
   static std::vector<std::unique_ptr<runtime::Runtime>> all = [] {
     setenv("RUSTICL_ENABLE", "swrast", 0);
     std::vector<std::unique_ptr<runtime::Runtime>> made;
-    for (const auto& device : runtime::all_devices()) made.push_back(std::make_unique<runtime::Runtime>(device));
+    for (const auto& device : runtime::all_devices()) {
+      made.push_back(std::make_unique<runtime::Runtime>(device));
+      runtime::CallHook hook;
+      hook.tuning.few_vertices = 0;
+      if (made.back()->contiguous()) made.push_back(std::make_unique<runtime::Runtime>(device, hook));
+    }
     if (made.empty()) throw Error(Status::no_device, "these tests need an OpenCL device");
     return made;
   }();

@@ -9,6 +9,7 @@
 #include "corpus.hpp"
 #include "result_hash.hpp"
 #include "solver_fixture.hpp"
+#include "tuning.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -130,6 +131,23 @@ TEST_CASE("small inputs of every generator give valid meshes") {
     const Triangulation mesh = triangulated(work);
     CHECK(fault(work.points, work.constraints, mesh) == "");
     CHECK(disagreement(onGrid(work.points, mesh.statistics.grid), work.constraints, mesh) == "");
+  }
+}
+
+TEST_CASE("few vertices, which one work-item orders, and one more give valid meshes that agree with CGAL") {
+  const std::size_t few = Tuning().few_vertices;
+  for (const std::size_t n : {few - 1, few, few + 1}) {
+    std::vector<Workload> all{uniform(n), grid(n), line(n), lineAndOne(n), comb(n), parabola(n)};
+    all.push_back(uniform(n));
+    for (std::size_t i = 0; i < n; i += 2) all.back().points[i] = all.back().points[i / 3];
+    all.push_back(Workload{std::vector<Point>(n, Point{0.1, 7}), {}});
+    for (const Workload& work : all) {
+      CAPTURE(n);
+      CAPTURE(&work - all.data());
+      const Triangulation mesh = triangulated(work);
+      CHECK(fault(work.points, work.constraints, mesh) == "");
+      CHECK(disagreement(onGrid(work.points, mesh.statistics.grid), work.constraints, mesh) == "");
+    }
   }
 }
 

@@ -316,6 +316,12 @@ GCDT_API size_t gcdt_element_bytes(int32_t array);
  * nothing is written. Blocks. Its time is added to ms_output and ms_full of the result's statistics. */
 GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity);
 
+/* The same for `count` arrays with one wait for all of them, which is faster: arrays[i] to destinations[i] with room
+ * for capacities[i] elements. An error, of the first array that is wrong, leaves all destinations as they were, but for
+ * one of the device, after which what they hold is undefined. */
+GCDT_API int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void* const* destinations,
+                                         const uint64_t* capacities, size_t count);
+
 /* ---- Meshes that are there already --------------------------------------------------------------------------- */
 
 /* A result of a mesh made earlier, by this library or another: to be asked all that a result is asked. `input` has its

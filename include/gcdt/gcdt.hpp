@@ -156,30 +156,56 @@ class Result {
   /// All of it. Blocks.
   Triangulation download() const {
     Triangulation all;
-    all.triangles = triangles();
-    all.neighbours = neighbours();
-    all.constrained = constrained();
-    all.representative = representative();
-    all.pieces = pieces();
-    all.source_offsets = source_offsets();
-    all.sources = sources();
-    all.dropped = dropped();
-    all.region = region();
-    all.depth = depth();
-    all.winding = winding();
-    all.region_seed = region_seed();
-    all.added_on_grid = added_on_grid();
-    all.added_crossing = added_crossing();
+    Copies copies(*this);
+    copies.add(GCDT_TRIANGLES, all.triangles);
+    copies.add(GCDT_NEIGHBOURS, all.neighbours);
+    copies.add(GCDT_CONSTRAINED, all.constrained);
+    copies.add(GCDT_REPRESENTATIVES, all.representative);
+    copies.add(GCDT_PIECES, all.pieces);
+    copies.add(GCDT_SOURCE_OFFSETS, all.source_offsets);
+    copies.add(GCDT_SOURCES, all.sources);
+    copies.add(GCDT_DROPPED, all.dropped);
+    copies.add(GCDT_REGIONS, all.region);
+    copies.add(GCDT_DEPTHS, all.depth);
+    copies.add(GCDT_WINDINGS, all.winding);
+    copies.add(GCDT_REGION_SEEDS, all.region_seed);
+    copies.add(GCDT_ADDED, all.added_on_grid);
+    copies.add(GCDT_ADDED_CROSSINGS, all.added_crossing);
+    copies.run();
     all.statistics = statistics();
     all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
     return all;
   }
 
  private:
+  /// Copies to be made together.
+  class Copies {
+   public:
+    explicit Copies(const Result& from) : from_(from) {}
+    template <class T>
+    void add(std::int32_t array, std::vector<T>& to) {
+      to.resize(from_.count(array));
+      arrays_.push_back(array);
+      destinations_.push_back(to.data());
+      capacities_.push_back(to.size());
+    }
+    void run() const {
+      detail::check(gcdt_result_copy_arrays(from_.handle(), arrays_.data(), destinations_.data(), capacities_.data(),
+                                            arrays_.size()));
+    }
+
+   private:
+    const Result& from_;
+    std::vector<std::int32_t> arrays_;
+    std::vector<void*> destinations_;
+    std::vector<std::uint64_t> capacities_;
+  };
   template <class T>
   std::vector<T> copy(std::int32_t array) const {
-    std::vector<T> values(count(array));
-    detail::check(gcdt_result_copy(handle_.get(), array, values.data(), values.size()));
+    std::vector<T> values;
+    Copies copies(*this);
+    copies.add(array, values);
+    copies.run();
     return values;
   }
   struct Release {
