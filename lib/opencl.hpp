@@ -272,7 +272,7 @@ class Runtime {
   Geometry geometry_;
   /// Groups that launches have where the driver needs them to be of one width; 0: nowhere.
   std::size_t widest_ = 0;
-  std::shared_ptr<void> present_;  ///< among the runtimes that need it
+  std::shared_ptr<void> present_;                      ///< among the runtimes that need it
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
   struct Built {
     std::map<std::string, cl::Program> programs;
