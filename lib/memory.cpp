@@ -8,9 +8,9 @@ namespace gcdt {
 
 namespace {
 
-// Counters, levels, tables of primitives (256 or 16 counters a part), parts beyond one per constraint with a
-// chunk each: everything that does not grow with the input.
-constexpr std::uint64_t constant_bytes = 16u << 20;
+// Counters, levels, tables of primitives (256 or 16 counters a part), parts beyond one per constraint, those of
+// cleaning and those of enforcement, with a chunk each: everything that does not grow with the input.
+constexpr std::uint64_t constant_bytes = 32u << 20;
 
 // Buffers lie in one piece of memory (device_memory.hpp), with gaps between them that none fits in. Measured
 // over all generators of tests/workloads.hpp: below an eighth of the most that is in use.
@@ -38,23 +38,26 @@ std::uint64_t order_step(const Sizes& s) { return (16 + 2 * 12 + 4 + 16) * s.n; 
 
 std::uint64_t insert_step(const Sizes& s) { return vertex_bytes(s) + mesh_bytes(s) + list_bytes(s) + history_bytes(s); }
 
-// Per constraint: input and kept ends, list, parts, hits, keys and sources twice (sort), first, result.
-std::uint64_t clean_step(const Sizes& s) { return insert_step(s) + (8 + 12 + 8 + 24 + 4) * s.m + piece_bytes(s); }
+// Per constraint: input and kept ends, list, parts with their faces, hits, what is said of whole ones, keys and sources
+// twice (sort), first, result.
+std::uint64_t clean_step(const Sizes& s) { return insert_step(s) + (8 + 12 + 12 + 8 + 24 + 4) * s.m + piece_bytes(s); }
 
-// Chunks of owned vertices: one an eighth of a crossed face, and one a part.
-std::uint64_t chunk_bytes(const Sizes& s) { return 6 * s.crossed_faces + 48 * s.m; }
+// Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
+std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
+// The nearest piece at both ends of each edge.
+std::uint64_t near_bytes(const Sizes& s) { return 8 * s.edges; }
 
-// While walking: flags of edges, crossed lists, parts and starts. A crossed face has at most 3 crossed
-// edges, each shared by two.
+// While walking: crossed lists; of pieces lines and what cleaning says, of parts beginnings, pieces, faces and starts.
+// A crossed face has at most 3 crossed edges, each shared by two.
 std::uint64_t walk_step(const Sizes& s) {
-  return insert_step(s) + (8 + 4 + 4 + 8) * s.m + piece_bytes(s) + 4 * s.edges + (4 + 6) * s.crossed_faces +
-         chunk_bytes(s);
+  return insert_step(s) + (16 + 8 + 4 + 4 + 4 + 4 + 8) * s.m + piece_bytes(s) + near_bytes(s) +
+         (4 + 6) * s.crossed_faces + chunk_bytes(s);
 }
 
 // After the last walk the history is gone; chains hold 16 bytes an entry, minima 8/15 of an entry,
 // and the table 12 bytes a slot, 3/2 slots an entry, 3 - 1/2 entries a crossed face at most.
 std::uint64_t stitch_step(const Sizes& s) {
-  return walk_step(s) - history_bytes(s) - 4 * s.edges + 17 * (s.crossed_faces + 4 * s.m) +
+  return walk_step(s) - history_bytes(s) - near_bytes(s) + 17 * (s.crossed_faces + 4 * s.m) +
          24 * (s.crossed_faces / 4 + 1) + 45 * s.crossed_faces;
 }
 
