@@ -26,12 +26,14 @@ constexpr std::size_t least_alignment = 128;
 // Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.
 constexpr std::size_t most_copied = std::size_t{1} << 16;
 
-// PoCL before 6 loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last
-// 128, and when a launch ends counts down whichever of the kernel's was used last. Two runs at once with launches of
-// different widths (lanes, sub-devices, solvers) end the process that way, by an assertion. So launches are of one
-// width while there are several runtimes, and the first one of each kernel is always, since others may come.
+// PoCL loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last 128, and
+// in versions 4 and 5, when a launch ends, counts down whichever of the kernel's was used last (3 counts up too often
+// to mind, 6 counts right). Two runs at once with launches of different widths (lanes, sub-devices, solvers) end the
+// process that way, by an assertion. So launches are of one width while there are several runtimes, and the first one
+// of each kernel is always, since others may come.
 bool loads_code_by_width(const DeviceInfo& info) {
-  return info.platform == pocl_platform && std::atoi(info.driver.c_str()) < 6;
+  const int version = std::atoi(info.driver.c_str());
+  return info.platform == pocl_platform && (version == 4 || version == 5);
 }
 std::atomic<int> loaded_by_width{0};  // runtimes
 
@@ -72,7 +74,7 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
               : contiguous_ ? Geometry{1, units * shares_per_unit, 1, least_share}
                             : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
-  if (contiguous_ && loads_code_by_width(info_)) {
+  if (contiguous_ && hook_.tuning.one_width.value_or(loads_code_by_width(info_))) {
     widest_ = compute_units_of_root(device_) * shares_per_unit;
     ++loaded_by_width;
     present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });

@@ -24,6 +24,8 @@ struct Tuning {
   /// (kernels/few.cl): in less time than the launches and blocking reads take that other threads would need to help
   /// it, each of which wakes all of them (bench/NOTES.md).
   std::uint32_t few_vertices = 2048;
+  /// Whether launches are of one width while there are several runtimes; none: where the driver needs it (opencl.cpp).
+  std::optional<bool> one_width;
   /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).
   std::optional<std::uint32_t> lanes;
 };

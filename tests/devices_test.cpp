@@ -182,7 +182,9 @@ void small_work(runtime::Runtime& runtime) {
 
 /// Launches of all widths, each wider than those before, so that a driver that loads code for each has it to do.
 void widening_work(const cl::Device& device) {
-  runtime::Runtime runtime(device);
+  runtime::CallHook hook;
+  hook.tuning.one_width = true;  // whatever the driver
+  runtime::Runtime runtime(device, hook);
   Primitives primitives(runtime);
   for (std::size_t n = 64; n <= 64 * 64; n += 64) {
     const auto values = runtime.allocate<cl_uint>("values", n + 1);

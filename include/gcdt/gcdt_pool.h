@@ -34,11 +34,12 @@ typedef struct gcdt_pool_options {
 #define GCDT_POOL_OPTIONS_INIT \
   { sizeof(gcdt_pool_options), NULL, NULL, NULL, NULL, NULL }
 
-/* A pool of devices, each with one or more lanes: an OpenCL context, a queue, memory and programs, which it keeps, and in
- * calls a thread. A GPU has three, so that it works for one while the host puts the others' problems together and takes
- * their results (in a context of the application's all share that); in traces lane k of a device has the number of the device plus k times the number of
- * devices. Of a CPU beside GPUs all cores but one for each of these threads are used, if it can be divided. Devices
- * that fail are reported (gcdt_pool_device_get); an error only if all do. `options` may be null. */
+/* A pool of devices, each with one or more lanes: an OpenCL context, a queue, memory and programs, which it keeps, and
+ * in calls a thread. A GPU has three, so that it works for one while the host puts the others' problems together and
+ * takes their results (in a context of the application's all share that); in traces lane k of a device has the number
+ * of the device plus k times the number of devices. Of a CPU beside GPUs all cores but one for each of these threads
+ * are used, if it can be divided. Devices that fail are reported (gcdt_pool_device_get); an error only if all do.
+ * `options` may be null. */
 GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
 
 /* Null is allowed. Batches may be released before or after. */
