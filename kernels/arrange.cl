@@ -9,6 +9,7 @@
 #ifndef GCDT_FOREST
 #define GCDT_FOREST
 #endif
+#include "digits.h"
 #include "mesh.h"
 #include "runs.h"
 
@@ -18,7 +19,7 @@
 #define ARRANGE_FEW 32u
 
 // One work-item per problem. Sorts its keys and values by the key, below 2^64, stably: by insertion, or by
-// digits of 8 bits, from one pair of arrays to the other and back.
+// eight digits, so that they are back in these arrays.
 // Reads, writes: keys, values, other_keys, other_values, from first_input on; the other ones are void afterwards.
 // A word belongs to one problem.
 // After this kernel the keys of each problem ascend.
@@ -30,28 +31,7 @@ kernel void arrange_keys(uint problems, global const uint* first_input, global u
       sort_run(keys, values, begin, end);
       continue;
     }
-    global ulong *from_keys = keys, *to_keys = other_keys;
-    global uint *from_values = values, *to_values = other_values;
-    for (uint shift = 0; shift < 64u; shift += 8u) {  // an even number of times
-      uint next[256];
-      for (uint d = 0; d < 256u; ++d) next[d] = 0;
-      for (uint i = begin; i < end; ++i) ++next[(uint)(from_keys[i] >> shift) & 255u];
-      for (uint d = 0, sum = begin; d < 256u; ++d) {
-        const uint keys_of_digit = next[d];
-        next[d] = sum;
-        sum += keys_of_digit;
-      }
-      for (uint i = begin; i < end; ++i) {
-        const ulong key = from_keys[i];
-        const uint to = next[(uint)(key >> shift) & 255u]++;
-        to_keys[to] = key;
-        to_values[to] = from_values[i];
-      }
-      global ulong* sorted_keys = to_keys;
-      global uint* sorted_values = to_values;
-      to_keys = from_keys, to_values = from_values;
-      from_keys = sorted_keys, from_values = sorted_values;
-    }
+    sort_by_digits(end - begin, 64u, keys + begin, values + begin, other_keys + begin, other_values + begin);
   }
 }
 
