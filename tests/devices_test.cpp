@@ -180,7 +180,7 @@ void small_work(runtime::Runtime& runtime) {
   triangulate_few(runtime, primitives);
 }
 
-/// Launches of all widths, each wider than those before, so that a driver that loads code for each has it to do.
+/// Scans of more and more items, with launches of one width for all where there is another runtime.
 void widening_work(const cl::Device& device) {
   runtime::CallHook hook;
   hook.tuning.one_width = true;  // whatever the driver
@@ -239,7 +239,7 @@ Outcome run_with_failure(const cl::Device& device, std::uint64_t broken, cl_int 
 
 }  // namespace
 
-TEST_CASE("two at once on a device, each with launches wider than all before, do not end the process") {
+TEST_CASE("two at once on a device, whose launches are all of one width for few items and many, compute rightly") {
   const cl::Device device = test::every_device().at(select_device("cpu"));
   for (int i = 0; i < 20; ++i) {
     std::future<void> other = std::async(std::launch::async, [&] { widening_work(device); });
