@@ -87,7 +87,9 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
   runtime.memory().begin_call();
   const DeviceTriangulation made = Pipeline(runtime, primitives, source, own).run();
   ForestResult result;
+  runtime.tracer().begin_phase("copy");
   Download(runtime, result).run(made);
+  runtime.tracer().end_phase();
   result.problems = {number};
   result.grids = {made.statistics.grid};
   result.statistics = made.statistics;

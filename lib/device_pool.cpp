@@ -81,6 +81,7 @@ void DevicePool::open(Member member, std::size_t device) {
     lane.runtime->build_for_forests();
     lane.runtime->tracer().set_lane(first + number * devices, number);
     lane.primitives = std::make_unique<Primitives>(*lane.runtime);
+    lane.staging = std::make_unique<Staging>(*lane.runtime);
     lanes_.push_back(std::move(lane));
   }
 }
@@ -112,6 +113,7 @@ void DevicePool::lose(std::size_t device, const Error& error) {
 // The lanes of a device share its memory, as long as there is enough for more than one run.
 std::vector<LaneShare> DevicePool::shares() const {
   std::vector<LaneShare> all;
+  std::vector<std::uint32_t> numbers(reports_.size());
   for (const Lane& lane : lanes_) {
     const DeviceReport& report = reports_[lane.device];
     const auto siblings =
@@ -122,6 +124,7 @@ std::vector<LaneShare> DevicePool::shares() const {
     share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
     share.most_weight = report.info.is_gpu ? gpu_weight : cpu_weight;
     share.speed = lane.speed;
+    share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
     share.lost = share.ended = report.lost.has_value();
     all.push_back(share);
   }
@@ -181,6 +184,7 @@ void DevicePool::add_reports() {
     report.runs += lane.report.runs;
     report.milliseconds += lane.report.milliseconds;
     if (!report.lost) continue;
+    lane.staging.reset();
     lane.primitives.reset();
     lane.runtime.reset();
   }
@@ -214,6 +218,7 @@ void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& 
     lane.primitives->release();
     lane.runtime->memory().trim();
   }
+  lane.staging->offsets = {};
   schedule.end(number);
 }
 
@@ -240,7 +245,7 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
   ForestResult result;
   while (!numbers.empty()) {
     try {
-      result = triangulate_forest(*lane.runtime, *lane.primitives, batch, numbers, own);
+      result = triangulate_forest(*lane.runtime, *lane.primitives, batch, numbers, own, *lane.staging);
       break;
     } catch (const InvalidProblems& invalid) {
       settle(lane);

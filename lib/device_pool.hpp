@@ -48,6 +48,7 @@ class DevicePool {
     std::size_t device = 0;
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
+    std::unique_ptr<Staging> staging;  ///< of the runtime
     double speed = 0;
     DeviceReport report;  ///< its part in the last batch
   };

@@ -2,11 +2,12 @@
 #include "forest.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "arrange.hpp"
 #include "crossings.hpp"
 #include "enforce.hpp"
+#include "forest_copy.hpp"
+#include "forest_gather.hpp"
 
 namespace gcdt {
 
@@ -15,60 +16,11 @@ using runtime::over;
 
 namespace {
 
-/// The problems of a run one after the other, in host memory.
-struct Gathered {
-  HostArray vertices, constraint_array;
-  Span<Constraint> constraints;  ///< ends count through the run
-  ProblemRanges ranges;
-
-  Gathered(const BatchInput& batch, const std::vector<std::uint32_t>& numbers) {
-    const std::size_t vertex_bytes = 8 * words_per_vertex(batch.type);
-    std::uint64_t n = 0, m = 0;
-    for (const std::uint32_t p : numbers) n += batch.n(p), m += batch.m(p);
-    vertices.make<unsigned char>(n * vertex_bytes);
-    constraints.data = written_ = constraint_array.make<Constraint>(m);
-    InvalidProblems invalid;
-    for (std::uint32_t i = 0; i < numbers.size(); ++i) add(batch, numbers[i], i, vertex_bytes, invalid);
-    if (!invalid.errors.empty()) throw invalid;
-    end();
-  }
-
- private:
-  void end() {
-    ranges.first_input.push_back(static_cast<cl_uint>(inputs_));
-    ranges.first_constraint.push_back(static_cast<cl_uint>(constraints.size));
-  }
-
-  void add(const BatchInput& batch, std::uint32_t p, std::uint32_t place, std::size_t vertex_bytes,
-           InvalidProblems& invalid) {
-    end();
-    const std::uint64_t n = batch.n(p), m = batch.m(p);
-    const Constraint* given = batch.constraints + batch.constraint_offsets[p];
-    for (std::uint64_t c = 0; c < m; ++c) {
-      if (given[c][0] >= n || given[c][1] >= n) {
-        invalid.errors.emplace_back(place, index_error(c, given[c][0] >= n ? 0 : 1, n));
-        break;
-      }
-      *written_++ = {static_cast<std::uint32_t>(given[c][0] + inputs_),
-                     static_cast<std::uint32_t>(given[c][1] + inputs_)};
-      ++constraints.size;
-    }
-    if (n > 0)
-      std::memcpy(vertices.bytes.get() + inputs_ * vertex_bytes,
-                  static_cast<const unsigned char*>(batch.vertices) + batch.vertex_offsets[p] * vertex_bytes,
-                  n * vertex_bytes);
-    inputs_ += n;
-  }
-
-  std::uint64_t inputs_ = 0;
-  Constraint* written_ = nullptr;
-};
-
 class ForestPipeline final : public Pipeline {
  public:
   ForestPipeline(runtime::Runtime& runtime, Primitives& primitives, InputSource source, const Options& options,
-                 ProblemRanges& ranges, Span<Constraint> constraints)
-      : Pipeline(runtime, primitives, std::move(source), options), ranges_(ranges), constraints_given_(constraints) {}
+                 const BatchInput& batch, const std::vector<std::uint32_t>& numbers, ProblemRanges& ranges)
+      : Pipeline(runtime, primitives, std::move(source), options), batch_(batch), numbers_(numbers), ranges_(ranges) {}
 
   std::vector<Grid> grids;
   Buffer<cl_uint> first_triangle, first_piece;
@@ -92,14 +44,10 @@ class ForestPipeline final : public Pipeline {
       std::vector<Constraint> own;
       for (; end < crossings.size() && crossings[end][0] < first[p + 1]; ++end)
         own.push_back({crossings[end][0] - first[p], crossings[end][1] - first[p]});
-      const std::uint32_t shift = ranges_.first_input[p];
-      invalid.errors.emplace_back(p, crossings_error(
-                                         own,
-                                         [&](std::uint32_t c) {
-                                           const Constraint& given = constraints_given_[first[p] + c];
-                                           return Constraint{given[0] - shift, given[1] - shift};
-                                         },
-                                         grids[p].kind == Grid::Kind::rounded));
+      const Constraint* given = batch_.constraints + batch_.constraint_offsets[numbers_[p]];
+      invalid.errors.emplace_back(
+          p, crossings_error(
+                 own, [&](std::uint32_t c) { return given[c]; }, grids[p].kind == Grid::Kind::rounded));
     }
     throw invalid;
   }
@@ -214,115 +162,27 @@ class ForestPipeline final : public Pipeline {
     return buffer;
   }
 
+  const BatchInput& batch_;
+  const std::vector<std::uint32_t>& numbers_;
   ProblemRanges& ranges_;
-  Span<Constraint> constraints_given_;
-};
-
-/// Copies what a run has left on the device.
-class Download {
- public:
-  Download(runtime::Runtime& runtime, const ProblemRanges& ranges, ForestResult& result)
-      : runtime_(runtime), ranges_(ranges), problems_(ranges.count()), result_(result) {}
-
-  void run(const DeviceTriangulation& made, const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
-    const OrderedMesh& mesh = made.mesh;
-    const std::size_t triangles = mesh.triangles;
-    read(mesh.corners, array(GCDT_TRIANGLES).make<cl_uint>(3 * triangles), 3 * triangles);
-    read(mesh.neighbours, array(GCDT_NEIGHBOURS).make<cl_int>(3 * triangles), 3 * triangles);
-    read(mesh.constrained, array(GCDT_CONSTRAINED).make<cl_uchar>(triangles), triangles);
-    for (const int kind : {GCDT_TRIANGLES, GCDT_NEIGHBOURS, GCDT_CONSTRAINED}) begins(kind) = wide_of(first_triangle);
-    const std::size_t inputs = ranges_.first_input.back();
-    read(made.representatives, array(GCDT_REPRESENTATIVES).make<cl_uint>(inputs), inputs);
-    begins(GCDT_REPRESENTATIVES).assign(ranges_.first_input.begin(), ranges_.first_input.end());
-    pieces(made.pieces, wide_of(first_piece));
-    dropped(made.dropped);
-    if (made.regions.region.allocated()) regions(made.regions, triangles);
-  }
-
- private:
-  HostArray& array(int kind) { return result_.arrays[static_cast<std::size_t>(kind)]; }
-  std::vector<std::uint64_t>& begins(int kind) { return result_.begins[static_cast<std::size_t>(kind)]; }
-
-  template <class T>
-  void read(const Buffer<T>& from, T* to, std::size_t count) {
-    runtime_.read(from, to, count);
-  }
-
-  std::vector<std::uint64_t> wide_of(const Buffer<cl_uint>& buffer) {
-    std::vector<cl_uint> words(std::size_t{problems_} + 1);
-    read(buffer, words.data(), words.size());
-    return {words.begin(), words.end()};
-  }
-
-  // The source offsets of a problem start at 0 and end with one more than it has pieces.
-  void pieces(const Pieces& made, std::vector<std::uint64_t> first) {
-    const std::size_t count = made.count;
-    runtime_.read_bytes(made.ends.handle(), 0, array(GCDT_PIECES).make<cl_uint2>(count), count * sizeof(cl_uint2));
-    read(made.sources, array(GCDT_SOURCES).make<cl_uint>(made.source_count), made.source_count);
-    std::vector<cl_uint> offsets(count + 1);
-    read(made.source_offsets, offsets.data(), offsets.size());
-    auto* local = array(GCDT_SOURCE_OFFSETS).make<cl_uint>(count + problems_);
-    auto &offset_begins = begins(GCDT_SOURCE_OFFSETS), &source_begins = begins(GCDT_SOURCES);
-    for (std::size_t p = 0; p < problems_; ++p) {
-      offset_begins.push_back(first[p] + p);
-      source_begins.push_back(offsets[first[p]]);
-      for (std::size_t i = first[p]; i <= first[p + 1]; ++i) *local++ = offsets[i] - offsets[first[p]];
-    }
-    offset_begins.push_back(count + problems_);
-    source_begins.push_back(made.source_count);
-    begins(GCDT_PIECES) = std::move(first);
-  }
-
-  void regions(const Regions& made, std::size_t triangles) {
-    read(made.region, array(GCDT_REGIONS).make<cl_uint>(triangles), triangles);
-    read(made.depth, array(GCDT_DEPTHS).make<cl_uint>(triangles), triangles);
-    read(made.winding, array(GCDT_WINDINGS).make<cl_int>(triangles), triangles);
-    read(made.seed, array(GCDT_REGION_SEEDS).make<cl_int>(triangles), triangles);
-    for (const int kind : {GCDT_REGIONS, GCDT_DEPTHS, GCDT_WINDINGS, GCDT_REGION_SEEDS})
-      begins(kind) = begins(GCDT_TRIANGLES);
-  }
-
-  void dropped(const Buffer<cl_uint>& made) {
-    auto* local = array(GCDT_DROPPED).make<cl_uint>(made.size());
-    read(made, local, made.size());
-    std::size_t i = 0;
-    for (std::size_t p = 0; p < problems_; ++p) {
-      begins(GCDT_DROPPED).push_back(i);
-      for (; i < made.size() && local[i] < ranges_.first_constraint[p + 1]; ++i)
-        local[i] -= ranges_.first_constraint[p];
-    }
-    begins(GCDT_DROPPED).push_back(i);
-  }
-
-  runtime::Runtime& runtime_;
-  const ProblemRanges& ranges_;
-  std::uint32_t problems_;
-  ForestResult& result_;
 };
 
 }  // namespace
 
 ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
-                                std::vector<std::uint32_t> numbers, const Options& options) {
+                                std::vector<std::uint32_t> numbers, const Options& options, Staging& staging) {
   ForestResult result;
-  Gathered gathered(batch, numbers);
-  ProblemRanges& ranges = gathered.ranges;
-  const std::uint64_t n = ranges.first_input.back(), m = gathered.constraints.size;
-  const InputSource source = {n, m, [&] {
-                                DeviceInput loaded;
-                                loaded.points.n = static_cast<cl_uint>(n);
-                                loaded.points.type = coordinates_type(batch.type);
-                                const std::size_t words = n * words_per_vertex(batch.type);
-                                loaded.points.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
-                                runtime.write(loaded.points.coordinates,
-                                              reinterpret_cast<const cl_ulong*>(gathered.vertices.bytes.get()), words);
-                                loaded.constraints = stage(runtime, gathered.constraints);
-                                return loaded;
-                              }};
+  ProblemRanges ranges = ranges_of(batch, numbers);
+  ForestRoom room(runtime, ranges, staging, result);
+  const InputSource source = {ranges.first_input.back(), ranges.first_constraint.back(),
+                              [&] { return gather(runtime, batch, numbers, ranges, staging.chunks); }};
   runtime.memory().begin_call();
-  ForestPipeline pipeline(runtime, primitives, source, options, ranges, gathered.constraints);
+  ForestPipeline pipeline(runtime, primitives, source, options, batch, numbers, ranges);
   const DeviceTriangulation made = pipeline.run();
-  Download(runtime, ranges, result).run(made, pipeline.first_triangle, pipeline.first_piece);
+  runtime.tracer().begin_phase("copy");
+  room.wait();
+  copy_forest(runtime, made, pipeline.first_triangle, pipeline.first_piece, ranges, staging, result);
+  runtime.tracer().end_phase();
   result.problems = std::move(numbers);
   result.grids = std::move(pipeline.grids);
   result.statistics = made.statistics;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "forest_order.hpp"
-#include "host_array.hpp"
 #include "pipeline.hpp"
+#include "upload.hpp"
 
 namespace gcdt {
 
@@ -47,11 +47,21 @@ struct ForestResult {
   }
 };
 
+/// What runs one after the other on a runtime share on the host: the way to the device, memory for offsets, and how
+/// much of the room for results (forest_copy.hpp) the last run used.
+struct Staging {
+  runtime::UploadChunks chunks;
+  HostArray offsets;
+  std::array<double, ForestResult::array_count> filled;
+
+  explicit Staging(runtime::Runtime& runtime) : chunks(runtime) { filled.fill(0.75); }
+};
+
 /// Triangulates problems `numbers` of the batch, together at most max_vertices vertices (with 3 more per problem), in
 /// one run. `runtime` builds for forests. Throws InvalidProblems (numbers count in `numbers`), if any has an error of
 /// its own or crosses under Crossing::split, and Error if something is wrong with the run.
 ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
-                                std::vector<std::uint32_t> numbers, const Options& options);
+                                std::vector<std::uint32_t> numbers, const Options& options, Staging& staging);
 
 /// Bytes of device memory that a run of so many problems with so many vertices and constraints needs, about.
 std::uint64_t forest_bytes(std::uint64_t problems, std::uint64_t n, std::uint64_t m);

@@ -42,6 +42,12 @@ struct HostArray {
     if (!bytes) throw std::bad_alloc();
     return reinterpret_cast<T*>(bytes.get());
   }
+
+  /// Room for so many, contents undefined: the same memory if it is large enough.
+  template <class T>
+  T* reuse(std::size_t count) {
+    return bytes && count * sizeof(T) <= size ? reinterpret_cast<T*>(bytes.get()) : make<T>(count);
+  }
 };
 
 }  // namespace gcdt

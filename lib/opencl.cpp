@@ -146,6 +146,15 @@ void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::
   });
 }
 
+void Runtime::write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written) {
+  call("clEnqueueWriteBuffer", "",
+       [&] { return clEnqueueWriteBuffer(queue_(), to, CL_FALSE, offset, bytes, from, 0, nullptr, &written()); });
+}
+
+void Runtime::wait(const cl::Event& event) {
+  call("clWaitForEvents", "", [&] { return clWaitForEvents(1, &event()); });
+}
+
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
   ++read_backs_;
@@ -205,6 +214,30 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
     });
   });
   kernel.launched = true;
+}
+
+void* Runtime::map_new(std::size_t bytes, cl::Buffer& buffer) {
+  void* mapped = nullptr;
+  cl_int code = attempt("clCreateBuffer", "host memory", [&] {
+    cl_int made;
+    buffer = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes, nullptr, &made);
+    return made;
+  });
+  if (code == CL_SUCCESS)
+    code = attempt("clEnqueueMapBuffer", "host memory", [&] {
+      cl_int made;
+      mapped = clEnqueueMapBuffer(queue_(), buffer(), CL_TRUE, CL_MAP_WRITE, 0, bytes, 0, nullptr, nullptr, &made);
+      return made;
+    });
+  if (code == CL_SUCCESS) return mapped;
+  buffer = cl::Buffer();
+  return nullptr;
+}
+
+void Runtime::unmap(const cl::Buffer& buffer, void* mapped) {
+  attempt("clEnqueueUnmapMemObject", "host memory",
+          [&] { return clEnqueueUnmapMemObject(queue_(), buffer(), mapped, 0, nullptr, nullptr); });
+  try_finish();
 }
 
 void Runtime::finish() {

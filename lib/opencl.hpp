@@ -181,11 +181,19 @@ class Runtime {
   void finish();
   /// The same without an exception.
   cl_int try_finish();
+  /// Writes bytes from host memory, which may be reused on return.
+  void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  /// Queues a write: the host memory must not change before wait(written).
+  void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
+  void wait(const cl::Event& event);
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   /// All of them, and waits once. Whatever happens, none goes on afterwards.
   void read_all(const std::vector<HostRead>& reads);
   void flush();
+  /// The host's memory of a new buffer, mapped for writing; null if the driver has none.
+  void* map_new(std::size_t bytes, cl::Buffer& buffer);
+  void unmap(const cl::Buffer& buffer, void* mapped);
 
   std::uint64_t launches() const { return launches_; }
   std::uint64_t read_backs() const { return read_backs_; }
@@ -244,7 +252,6 @@ class Runtime {
   void waited();
   Kernel& find_kernel(const char* program, const char* kernel);
   cl::Program& find_program(const char* program);
-  void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
   void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);

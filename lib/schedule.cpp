@@ -2,6 +2,7 @@
 #include "schedule.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace gcdt {
 
@@ -11,8 +12,10 @@ using Clock = std::chrono::steady_clock;
 
 // A lane whose speed is not known gets so much first: enough to tell, little enough to lose no time on a slow one.
 constexpr double first_weight = 20000;
-// A pack should take so long at least: below, launches that find no work are the time.
-constexpr double least_milliseconds = 20;
+// A pack should take so long at least: below, launches that find no work are the time. And of what a lane would have of
+// the rest it takes this part at once, as far as speeds can be trusted. 20 ms and a half: a fifth slower
+// (bench/NOTES.md, "Batches").
+constexpr double least_milliseconds = 40, part_of_rest = 0.8;
 // A thief must be sure to win.
 constexpr double theft_margin = 1.5;
 // Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
@@ -30,20 +33,41 @@ Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batc
   places.resize(batch.problems);
   errors.resize(batch.problems);
   unsettled_ = batch.problems;
-  for (std::uint32_t p = 0; p < batch.problems; ++p) bytes_.push_back(forest_bytes(1, batch.n(p), batch.m(p)));
+  bytes_.reserve(batch.problems);
+  waiting_.reserve(batch.problems);
   for (std::uint32_t p = 0; p < batch.problems; ++p) {
+    bytes_.push_back(forest_bytes(1, batch.n(p), batch.m(p)));
     weight_ += weight(p);
-    waiting_weight_ += weight(p);
-    if (batch.n(p) > max_vertices)
+    if (batch.n(p) > max_vertices) {
       settle(p, Error(Status::too_many_vertices, std::to_string(batch.n(p)) + " vertices; at most " +
                                                      std::to_string(max_vertices) + " can be numbered"));
-    else if (batch.m(p) > GCDT_MAX_CONSTRAINTS)
+    } else if (batch.m(p) > GCDT_MAX_CONSTRAINTS) {
       settle(p, Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(batch.m(p))));
-    else
+    } else {
+      waiting_weight_ += weight(p);
       waiting_.push_back(p);
-    if (errors[p]) waiting_weight_ -= weight(p);
+    }
   }
-  std::sort(waiting_.begin(), waiting_.end(), [&](std::uint32_t p, std::uint32_t q) { return before(p, q); });
+  sort_waiting();
+}
+
+// By digits, so that 100,000 problems, which all devices wait for, take 1 ms and not 12. Each pass keeps the order of
+// equals, which was that of numbers.
+void Schedule::sort_waiting() {
+  constexpr unsigned digit_bits = 11, all_bits = 64;
+  constexpr std::uint64_t digit_mask = (std::uint64_t{1} << digit_bits) - 1;
+  std::uint64_t any = 0, all = ~std::uint64_t{0};
+  for (const std::uint32_t p : waiting_) any |= bytes(p), all &= bytes(p);
+  std::vector<std::uint32_t> moved(waiting_.size());
+  for (unsigned shift = 0; shift < all_bits; shift += digit_bits) {
+    if (((any ^ all) >> shift & digit_mask) == 0) continue;  // the same in all
+    const auto digit = [&](std::uint32_t p) { return ~bytes(p) >> shift & digit_mask; };
+    std::array<std::size_t, digit_mask + 2> begins = {};
+    for (const std::uint32_t p : waiting_) ++begins[digit(p) + 1];
+    for (std::size_t d = 0; d <= digit_mask; ++d) begins[d + 1] += begins[d];
+    for (const std::uint32_t p : waiting_) moved[begins[digit(p)]++] = p;
+    waiting_.swap(moved);
+  }
 }
 
 // Larger first, then by number: what packs hold does not depend on chance.
@@ -89,8 +113,8 @@ double Schedule::wanted_weight(std::size_t lane) const {
   }
   if (alive == 1) return rest;
   const double least = share.speed > 0 ? share.speed * least_milliseconds : first_weight;
-  if (alike) return std::max(least, rest / alive / 2);
-  return share.speed > 0 ? std::max(least, rest * share.speed / speeds / 2) : std::min(least, rest / alive);
+  if (alike) return std::max(least, rest / alive * part_of_rest);
+  return share.speed > 0 ? std::max(least, rest * share.speed / speeds * part_of_rest) : std::min(least, rest / alive);
 }
 
 // Lanes that are to end still have memory.
@@ -107,7 +131,8 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
                                          [&](std::uint32_t p) { return bytes(p) > share.capacity; });
   const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return share.refused.count(p) == 0; });
   if (begin == waiting_.end()) return nullptr;
-  const double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
+  const double wanted =
+      std::min(wanted_weight(lane) * (share.started ? 1 : share.first_part), static_cast<double>(share.most_weight));
   auto pack = std::make_shared<Pack>();
   const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
   std::uint64_t n = 0, m = 0;
@@ -125,6 +150,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   }
   waiting_.erase(begin, end);
   waiting_weight_ -= pack->weight;
+  lanes_[lane].started = true;
   start(lane, pack, true);
   return pack;
 }

@@ -27,11 +27,15 @@ struct Pack {
 
 /// What a lane, one stream of runs on a device, is to the schedule.
 struct LaneShare {
-  std::size_t device = 0;           ///< lanes of one device are alike, share its memory and are lost together
-  std::uint64_t capacity = 0;       ///< bytes; a problem that needs more is not taken
-  std::uint64_t most_bytes = 0;     ///< of a pack of several problems
-  std::uint64_t most_weight = 0;    ///< likewise
-  double speed = 0;                 ///< weight a millisecond; 0: not measured yet
+  std::size_t device = 0;         ///< lanes of one device are alike, share its memory and are lost together
+  std::uint64_t capacity = 0;     ///< bytes; a problem that needs more is not taken
+  std::uint64_t most_bytes = 0;   ///< of a pack of several problems
+  std::uint64_t most_weight = 0;  ///< likewise
+  double speed = 0;               ///< weight a millisecond; 0: not measured yet
+  /// Its first pack is this much of what it would take: lanes of a device that begin with different ones do not stay in
+  /// step, all of them on the host or all on the device.
+  double first_part = 1;
+  bool started = false;             ///< has taken its first pack
   bool lost = false;                ///< takes nothing any more
   bool crowded_out = false;         ///< since another lane of the device needs its memory
   bool ended = false;               ///< is gone, and so is its memory if it was crowded out
@@ -40,7 +44,7 @@ struct LaneShare {
 
 /// One batch on its way. All members may be called by all workers.
 ///
-/// A lane takes from the front of a list in order of size, half of what its speed would give it of the rest (if it is
+/// A lane takes from the front of a list in order of size, most of what its speed would give it of the rest (if it is
 /// alone, all that it can take at once), so packs shrink towards the end. When the list is empty a lane that would be
 /// done with a pack before the other device that has it takes it as well; the first result counts, the other run is
 /// cancelled. A pack that comes back, since its device is lost or has too little memory, goes into the list again.
@@ -92,6 +96,7 @@ class Schedule {
   bool outgrown(std::uint32_t p) const { return outgrown_.count(p) > 0; }
   std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + 1; }
   bool before(std::uint32_t p, std::uint32_t q) const;
+  void sort_waiting();
   double wanted_weight(std::size_t lane) const;
   bool must_wait(std::size_t lane) const;
   bool crowd_out_others(std::size_t lane);

@@ -26,6 +26,9 @@ struct Tuning {
   std::uint32_t few_vertices = 2048;
   /// Whether launches are of one width while there are several runtimes; none: where the driver needs it (opencl.cpp).
   std::optional<bool> one_width;
+  /// Whether a pool's runs write through memory of the driver's own, and have the room for their results made while the
+  /// device works (upload.hpp, forest_copy.hpp); none: where the device's threads are not the host's, on GPUs.
+  std::optional<bool> prepares_host_memory;
   /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).
   std::optional<std::uint32_t> lanes;
 };

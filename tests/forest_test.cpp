@@ -29,7 +29,8 @@ Device& device() {
 runtime::Geometry& geometry() { return device().runtime.geometry(); }
 
 ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& numbers, const Options& options) {
-  return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options);
+  Staging staging(device().runtime);
+  return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options, staging);
 }
 
 /// What is wrong with a problem alone.
@@ -198,7 +199,29 @@ TEST_CASE("programs that were built for one problem are built anew for forests")
   Pipeline(runtime, primitives, source, {}).run();
   runtime.build_for_forests();
   const RaggedBatch batch({problem, problem, problem});
-  const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1, 2}, {});
+  Staging staging(runtime);
+  const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1, 2}, {}, staging);
   const Triangulation alone = solver().triangulate(problem.points, problem.constraints);
   for (std::size_t i = 0; i < 3; ++i) CHECK(difference(part_of(forest, i), alone) == "");
+}
+
+TEST_CASE("results are the same in room that was made beforehand, whether it is too large or too small") {
+  runtime::CallHook hook;
+  hook.tuning.prepares_host_memory = true;
+  runtime::Runtime runtime(runtime::all_devices().at(select_device(testDevice())), hook);
+  runtime.build_for_forests();
+  Primitives primitives(runtime);
+  Staging staging(runtime);
+  // Triangles nearly as many as room for them; on a line, none; and more pieces than constraints.
+  Workload line, overlapping = uniform(40000);
+  for (std::uint32_t i = 0; i < 40000; ++i) line.points.push_back({double(i), 0.0});
+  const auto corner = static_cast<std::uint32_t>(overlapping.points.size());
+  for (std::uint32_t i = 0; i < 10; ++i) overlapping.points.push_back({2.0 + i, 0.0});
+  for (std::uint32_t i = 0; i < 3; ++i) overlapping.constraints.push_back({corner + i, corner + 9 - i});
+  for (const Workload& problem : {uniform(40000), line, overlapping, uniform(50000)}) {
+    const RaggedBatch batch({problem, problem});
+    const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1}, {}, staging);
+    const Triangulation alone = solver().triangulate(problem.points, problem.constraints);
+    for (std::size_t i = 0; i < 2; ++i) CHECK(difference(part_of(forest, i), alone) == "");
+  }
 }

@@ -80,8 +80,40 @@ TEST_CASE("lanes of one device share the rest evenly, and packs shrink") {
   const BatchInput batch = sizes.view();
   Schedule schedule(batch, {lane(0, 100), lane(0, 100)});
   const auto first = schedule.take(0), second = schedule.take(1);
-  CHECK(first->weight == 250 * 1000u);
-  CHECK(second->weight == 187 * 1000u);
+  CHECK(first->weight == 400 * 1000u);   // four fifths of half
+  CHECK(second->weight == 240 * 1000u);  // and of half of the rest
+}
+
+TEST_CASE("the first packs of a device's lanes differ as asked for, later ones do not") {
+  const Sizes sizes(std::vector<std::uint64_t>(1000, 999));
+  const BatchInput batch = sizes.view();
+  std::vector<LaneShare> lanes = {lane(0, 100), lane(0, 100)};
+  lanes[0].first_part = 0.5;
+  Schedule schedule(batch, lanes);
+  const auto first = schedule.take(0), second = schedule.take(1);
+  CHECK(first->weight == 200 * 1000u);
+  CHECK(second->weight == 320 * 1000u);
+  CHECK(schedule.take(0)->weight == 192 * 1000u);
+}
+
+TEST_CASE("problems are taken by size, then by number, whatever digits their sizes differ in") {
+  std::vector<std::uint64_t> counts;
+  for (std::uint64_t i = 0; i < 3000; ++i) counts.push_back(std::uint64_t{1} << (i * 7919 % 27));
+  const Sizes sizes(counts);
+  const BatchInput batch = sizes.view();
+  LaneShare any = lane(0);
+  any.capacity = any.most_bytes = any.most_weight = UINT64_MAX;
+  Schedule schedule(batch, {any});
+  std::vector<std::uint32_t> taken, expected;
+  while (const auto pack = schedule.take(0)) {
+    taken.insert(taken.end(), pack->problems.begin(), pack->problems.end());
+    finish(schedule, 0, pack);
+  }
+  for (std::uint32_t p = 0; p < counts.size(); ++p) expected.push_back(p);
+  std::stable_sort(expected.begin(), expected.end(), [&](std::uint32_t p, std::uint32_t q) {
+    return forest_bytes(1, counts[p], 0) > forest_bytes(1, counts[q], 0);
+  });
+  CHECK(taken == expected);
 }
 
 TEST_CASE("a lane takes over a pack of a slow device, but none of its own device's") {

@@ -298,7 +298,7 @@ struct DeviceInfo {
 struct TraceSpan {
   std::string device;               ///< its name
   std::uint32_t device_number = 0;  ///< its place among the devices of a pool (and lanes: gcdt_pool.h); 0 for a solver
-  std::string phase;                ///< the outermost phase: order, insert, constrain, flip, output or check
+  std::string phase;                ///< the outermost phase: order, insert ... (gcdt_trace_span, gcdt.h)
   std::string name;                 ///< the phase's or the kernel's
   bool on_device = false;           ///< a launch
   std::uint64_t begin_ns = 0, end_ns = 0;  ///< on the host's steady clock
