@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -163,6 +164,26 @@ void write_pslg(const Workload& work, const std::string& path) {
   put(counts, sizeof counts[0], 2);
   put(work.points.data(), sizeof(Point), work.points.size());
   put(work.constraints.data(), sizeof(Segment), work.constraints.size());
+}
+
+Workload read_pslg(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) throw std::runtime_error(path + ": cannot be read");
+  const auto get = [&](void* data, std::size_t size, std::size_t count) {
+    if (std::fread(data, size, count, file.get()) != count) throw std::runtime_error(path + ": no whole PSLGBIN1 file");
+  };
+  char magic[8];
+  std::int64_t counts[2];
+  get(magic, 1, sizeof magic);
+  get(counts, sizeof counts[0], 2);
+  if (std::memcmp(magic, "PSLGBIN1", sizeof magic) != 0 || counts[0] < 0 || counts[1] < 0)
+    throw std::runtime_error(path + ": no PSLGBIN1 file");
+  Workload work;
+  work.points.resize(static_cast<std::size_t>(counts[0]));
+  work.constraints.resize(static_cast<std::size_t>(counts[1]));
+  get(work.points.data(), sizeof(Point), work.points.size());
+  get(work.constraints.data(), sizeof(Segment), work.constraints.size());
+  return work;
 }
 
 }  // namespace gcdt::bench

@@ -48,5 +48,7 @@ Workload dirty(std::size_t n);
 Workload read_poly(const std::string& path);
 /// Writes 8 bytes PSLGBIN1, int64 n, int64 m, n pairs of float64, m pairs of int32, little endian.
 void write_pslg(const Workload& work, const std::string& path);
+/// Throws std::runtime_error if it cannot be read or is none.
+Workload read_pslg(const std::string& path);
 
 }  // namespace gcdt::bench

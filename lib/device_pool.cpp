@@ -34,11 +34,12 @@ std::uint32_t lanes_of(const DevicePool::Member& member) {
   return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? gpu_lanes : 1));
 }
 
-// The threads that feed GPUs need cores, which a CPU of the same pool would take from them.
+// The threads that feed GPUs, and those that make room for what comes from them (forest_copy.hpp), need cores, which a
+// CPU of the same pool would take from them.
 void leave_cores(std::vector<DevicePool::Member>& members) {
   std::uint32_t feeding = 0;
   for (const DevicePool::Member& member : members)
-    if (runtime::describe(member.device).is_gpu) feeding += lanes_of(member);
+    if (runtime::describe(member.device).is_gpu) feeding += 2 * lanes_of(member);
   for (DevicePool::Member& member : members)
     if (feeding > 0 && !member.context() && runtime::describe(member.device).is_cpu)
       member.device = runtime::part_of(member.device, feeding);
@@ -114,6 +115,8 @@ void DevicePool::lose(std::size_t device, const Error& error) {
 std::vector<LaneShare> DevicePool::shares() const {
   std::vector<LaneShare> all;
   std::vector<std::uint32_t> numbers(reports_.size());
+  const bool gpus = std::any_of(reports_.begin(), reports_.end(),
+                                [](const DeviceReport& report) { return report.info.is_gpu && !report.lost; });
   for (const Lane& lane : lanes_) {
     const DeviceReport& report = reports_[lane.device];
     const auto siblings =
@@ -125,6 +128,7 @@ std::vector<LaneShare> DevicePool::shares() const {
     share.most_weight = report.info.is_gpu ? gpu_weight : cpu_weight;
     share.speed = lane.speed;
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
+    share.beside_gpus = gpus && !report.info.is_gpu;
     share.lost = share.ended = report.lost.has_value();
     all.push_back(share);
   }

@@ -73,7 +73,7 @@ DeviceInfo describe(const cl::Device& device) {
   info.platform = text(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>());
   const auto type = device.getInfo<CL_DEVICE_TYPE>();
   info.is_gpu = type & CL_DEVICE_TYPE_GPU;
-  info.is_cpu = type & CL_DEVICE_TYPE_CPU;
+  info.is_cpu = !info.is_gpu && (type & CL_DEVICE_TYPE_CPU);  // a simulator may say that it is everything
   info.memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   info.largest_buffer_bytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
   info.local_bytes = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();

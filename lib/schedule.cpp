@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 namespace gcdt {
 
@@ -18,6 +19,11 @@ constexpr double first_weight = 20000;
 constexpr double least_milliseconds = 40, part_of_rest = 0.8;
 // A thief must be sure to win.
 constexpr double theft_margin = 1.5;
+// Stealing takes so long at least.
+constexpr double least_theft_milliseconds = 5;
+// A CPU that is slower than this part of a GPU beside it would take more from the threads that feed the GPU than it
+// gives (bench/NOTES.md, "Batches").
+constexpr double least_part_of_gpu = 0.125;
 // Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
 constexpr std::uint64_t most_vertices = max_vertices;
 // How long to wait before looking again whether a pack is worth stealing, and to tell progress.
@@ -112,9 +118,24 @@ double Schedule::wanted_weight(std::size_t lane) const {
     alike = alike && other.device == share.device;
   }
   if (alive == 1) return rest;
-  const double least = share.speed > 0 ? share.speed * least_milliseconds : first_weight;
-  if (alike) return std::max(least, rest / alive * part_of_rest);
-  return share.speed > 0 ? std::max(least, rest * share.speed / speeds * part_of_rest) : std::min(least, rest / alive);
+  const bool measured = share.speed > 0;
+  const double least = measured ? share.speed * least_milliseconds : first_weight;
+  const double part = share.started ? 1 : share.first_part;
+  if (alike) return std::max(least, rest / alive * part_of_rest) * part;
+  if (!measured) return std::min(least, rest / alive) * part;
+  return std::max(least, rest * share.speed / speeds * part_of_rest) * part;
+}
+
+// Whether the lane is a CPU's that only disturbs a GPU which could take problem p.
+bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
+  const LaneShare& share = lanes_[lane];
+  if (!share.beside_gpus || share.speed <= 0) return false;
+  std::map<std::size_t, double> speeds;  // of devices
+  for (const LaneShare& other : lanes_)
+    if (!other.beside_gpus && !other.lost && other.capacity >= bytes(p) && other.refused.count(p) == 0)
+      speeds[other.device] += other.speed;
+  return std::any_of(speeds.begin(), speeds.end(),
+                     [&](const auto& device) { return share.speed < device.second * least_part_of_gpu; });
 }
 
 // Lanes that are to end still have memory.
@@ -131,8 +152,11 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
                                          [&](std::uint32_t p) { return bytes(p) > share.capacity; });
   const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return share.refused.count(p) == 0; });
   if (begin == waiting_.end()) return nullptr;
-  const double wanted =
-      std::min(wanted_weight(lane) * (share.started ? 1 : share.first_part), static_cast<double>(share.most_weight));
+  double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
+  if (leaves(lane, *begin)) {
+    if (share.started) return nullptr;
+    wanted = std::min(wanted, std::max(first_weight, share.speed * least_milliseconds));
+  }
   auto pack = std::make_shared<Pack>();
   const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
   std::uint64_t n = 0, m = 0;
@@ -155,21 +179,27 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   return pack;
 }
 
-// The pack of another device that is due last, if this one would be done with it well before.
+// Of a pack that is overdue nobody knows more than that it may take as long again.
+Clock::duration Schedule::remaining(const Pack& pack) {
+  const auto now = Clock::now();
+  return now < pack.due ? pack.due - now : now - pack.due;
+}
+
+// The pack of another device that will be done last, if this one would be done with it well before.
 std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
   const LaneShare& share = lanes_[lane];
   if (share.speed <= 0) return nullptr;
   std::shared_ptr<Pack> latest;
   for (const auto& pack : running_)
     if (!pack->done && pack->runners == 1 && lanes_[pack->owner].device != share.device &&
-        pack->due != Clock::time_point() && (!latest || pack->due > latest->due))
+        (!latest || remaining(*pack) > remaining(*latest)))
       latest = pack;
   if (!latest) return nullptr;
   if (bytes(*latest) > share.capacity) return nullptr;
   for (const std::uint32_t p : share.refused)
     if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
-  const double own = static_cast<double>(latest->weight) / share.speed;
-  if (Clock::now() + nanoseconds(own * theft_margin) >= latest->due) return nullptr;
+  const double own = std::max(static_cast<double>(latest->weight) / share.speed, least_theft_milliseconds);
+  if (nanoseconds(own * theft_margin) >= remaining(*latest)) return nullptr;
   start(lane, latest, false);
   return latest;
 }
@@ -179,7 +209,8 @@ void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool f
   if (!first) return;
   pack->owner = lane;
   const double speed = lanes_[lane].speed;
-  pack->due = speed > 0 ? Clock::now() + nanoseconds(static_cast<double>(pack->weight) / speed) : Clock::time_point();
+  pack->due = Clock::now();
+  if (speed > 0) pack->due += nanoseconds(static_cast<double>(pack->weight) / speed);
   running_.push_back(pack);
 }
 

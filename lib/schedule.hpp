@@ -22,7 +22,7 @@ struct Pack {
   bool done = false;
   unsigned runners = 0;                       ///< lanes at it
   std::size_t owner = 0;                      ///< the lane that took it first
-  std::chrono::steady_clock::time_point due;  ///< when the owner should be done; the epoch: it cannot be said
+  std::chrono::steady_clock::time_point due;  ///< when the owner should be done; when it began, if nobody can say
 };
 
 /// What a lane, one stream of runs on a device, is to the schedule.
@@ -36,6 +36,7 @@ struct LaneShare {
   /// step, all of them on the host or all on the device.
   double first_part = 1;
   bool started = false;             ///< has taken its first pack
+  bool beside_gpus = false;         ///< of a CPU in a pool with GPUs
   bool lost = false;                ///< takes nothing any more
   bool crowded_out = false;         ///< since another lane of the device needs its memory
   bool ended = false;               ///< is gone, and so is its memory if it was crowded out
@@ -45,10 +46,11 @@ struct LaneShare {
 /// One batch on its way. All members may be called by all workers.
 ///
 /// A lane takes from the front of a list in order of size, most of what its speed would give it of the rest (if it is
-/// alone, all that it can take at once), so packs shrink towards the end. When the list is empty a lane that would be
-/// done with a pack before the other device that has it takes it as well; the first result counts, the other run is
-/// cancelled. A pack that comes back, since its device is lost or has too little memory, goes into the list again.
-/// Every problem is settled once: by the first result of its pack, or by an error of its own.
+/// alone, all that it can take at once), so packs shrink towards the end. A CPU beside a much faster GPU takes one
+/// small pack a call, to be measured again, and what the GPU has no memory for. When the list is empty a lane that
+/// would be done with a pack before the other device that has it takes it as well; the first result counts, the other
+/// run is cancelled. A pack that comes back, since its device is lost or has too little memory, goes into the list
+/// again. Every problem is settled once: by the first result of its pack, or by an error of its own.
 class Schedule {
  public:
   Schedule(const BatchInput& batch, std::vector<LaneShare> lanes);
@@ -98,9 +100,11 @@ class Schedule {
   bool before(std::uint32_t p, std::uint32_t q) const;
   void sort_waiting();
   double wanted_weight(std::size_t lane) const;
+  bool leaves(std::size_t lane, std::uint32_t p) const;
   bool must_wait(std::size_t lane) const;
   bool crowd_out_others(std::size_t lane);
   std::shared_ptr<Pack> cut(std::size_t lane);
+  static std::chrono::steady_clock::duration remaining(const Pack& pack);
   std::shared_ptr<Pack> steal(std::size_t lane);
   void start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first);
   void put_back(const std::shared_ptr<Pack>& pack);

@@ -136,6 +136,51 @@ TEST_CASE("a lane takes over a pack of a slow device, but none of its own device
   check_settled(schedule, 3);
 }
 
+TEST_CASE("a pack that is overdue is taken over, however soon it was to be done") {
+  const Sizes sizes({500000, 400000});
+  const BatchInput batch = sizes.view();
+  std::vector<LaneShare> lanes = {lane(0, 1e6), lane(1, 1e6)};  // half a millisecond
+  for (LaneShare& share : lanes) share.most_weight = 1;         // so one problem at a time
+  Schedule schedule(batch, lanes);
+  const auto first = schedule.take(0), second = schedule.take(1);
+  finish(schedule, 1, second, 0.4);
+  const auto taken = schedule.take(1);  // blocks until it is
+  const bool same = taken == first;
+  CHECK(same);
+  finish(schedule, 1, taken);
+  CHECK(schedule.needless(first));
+  CHECK(!schedule.finish(0, first, result_of(*first), {}, 1));
+  check_settled(schedule, 2);
+}
+
+TEST_CASE("a CPU beside a much faster GPU takes one small pack a call, and what the GPU has no memory for") {
+  const Sizes sizes(std::vector<std::uint64_t>(1000, 999));
+  const BatchInput batch = sizes.view();
+  LaneShare cpu = lane(1, 100);
+  cpu.beside_gpus = true;
+  SUBCASE("one small pack") {
+    Schedule schedule(batch, {lane(0, 1000), cpu});
+    const auto small = schedule.take(1);
+    REQUIRE(bool(small));
+    CHECK(small->weight == 20000u);
+    finish(schedule, 1, small, 200);
+    std::thread other([&] { CHECK(bool(schedule.take(1)) == false); });
+    while (schedule.unsettled() > 0) finish(schedule, 0, schedule.take(0));
+    other.join();
+    check_settled(schedule, 1000);
+  }
+  SUBCASE("what it is fast enough for") {
+    cpu.speed = 200;
+    Schedule schedule(batch, {lane(0, 1000), cpu});
+    CHECK(schedule.take(1)->weight > 100000u);
+  }
+  SUBCASE("what the GPU has no memory for") {
+    Schedule schedule(batch, {lane(0, 1000, 1), cpu});
+    CHECK(bool(schedule.take(1)));
+    CHECK(bool(schedule.take(1)));
+  }
+}
+
 TEST_CASE("the lanes of a device do not take over from one another, however slow one was") {
   const Sizes sizes({500000, 400000});
   const BatchInput batch = sizes.view();
