@@ -129,6 +129,7 @@ std::vector<LaneShare> DevicePool::shares() const {
     share.speed = lane.speed;
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
     share.beside_gpus = gpus && !report.info.is_gpu;
+    share.started = share.beside_gpus && lane.sitting_out.now();
     share.lost = share.ended = report.lost.has_value();
     all.push_back(share);
   }
@@ -164,7 +165,10 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     throw;
   }
   join();
-  for (std::size_t i = 0; i < lanes_.size(); ++i) lanes_[i].speed = schedule.speed(i);
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    lanes_[i].speed = schedule.speed(i);
+    lanes_[i].sitting_out.next_call(schedule.left_out(i));
+  }
   add_reports();
   if (!wanted) throw Error(Status::cancelled, "cancelled during batch");
   if (schedule.unsettled() > 0) throw_reasons();

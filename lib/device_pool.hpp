@@ -50,6 +50,7 @@ class DevicePool {
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
     double speed = 0;
+    SittingOut sitting_out;
     DeviceReport report;  ///< its part in the last batch
   };
   void open(Member member, std::size_t device);

@@ -154,6 +154,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   if (begin == waiting_.end()) return nullptr;
   double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
   if (leaves(lane, *begin)) {
+    lanes_[lane].left_out = true;
     if (share.started) return nullptr;
     wanted = std::min(wanted, std::max(first_weight, share.speed * least_milliseconds));
   }
@@ -359,6 +360,11 @@ double Schedule::wait() {
   if (unsettled_ > 0 && !nobody()) changed_.wait_for(lock, beat);
   if (unsettled_ == 0 || nobody()) return 1;
   return static_cast<double>(settled_weight_) / static_cast<double>(weight_);
+}
+
+bool Schedule::left_out(std::size_t lane) {
+  const Lock lock(mutex_);
+  return lanes_[lane].left_out;
 }
 
 double Schedule::speed(std::size_t lane) {

@@ -2,6 +2,7 @@
 // Who triangulates what: a batch's problems shared out to the lanes of devices, largest first, by measured speed.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <list>
@@ -37,10 +38,32 @@ struct LaneShare {
   double first_part = 1;
   bool started = false;             ///< has taken its first pack
   bool beside_gpus = false;         ///< of a CPU in a pool with GPUs
+  bool left_out = false;            ///< was too slow for more than one pack
   bool lost = false;                ///< takes nothing any more
   bool crowded_out = false;         ///< since another lane of the device needs its memory
   bool ended = false;               ///< is gone, and so is its memory if it was crowded out
   std::set<std::uint32_t> refused;  ///< problems that turned out to need more
+};
+
+/// In which calls a lane that was too slow to be of use sits out: 1 after it was measured, then 2, 4 ... up to 64 in a
+/// row, since speeds may change in the course of a process, but not often.
+class SittingOut {
+ public:
+  bool now() const { return calls_ > 0; }
+  /// A call is over, after which, if it took part, the lane is too slow or not.
+  void next_call(bool too_slow) {
+    if (calls_ > 0) {
+      --calls_;
+    } else if (too_slow) {
+      calls_ = next_;
+      next_ = std::min<std::uint32_t>(2 * next_, 64);
+    } else {
+      next_ = 1;
+    }
+  }
+
+ private:
+  std::uint32_t calls_ = 0, next_ = 1;
 };
 
 /// One batch on its way. All members may be called by all workers.
@@ -81,6 +104,8 @@ class Schedule {
   /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all is.
   double wait();
   double speed(std::size_t lane);
+  /// Whether the lane was left out of the batch, or would have been after its first pack.
+  bool left_out(std::size_t lane);
 
   /// By problem, when all is settled: the result and its place there, or an error.
   struct Place {

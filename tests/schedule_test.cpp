@@ -169,6 +169,14 @@ TEST_CASE("a CPU beside a much faster GPU takes one small pack a call, and what 
     other.join();
     check_settled(schedule, 1000);
   }
+  SUBCASE("none if it sits out") {
+    cpu.started = true;
+    Schedule schedule(batch, {lane(0, 1000), cpu});
+    std::thread other([&] { CHECK(bool(schedule.take(1)) == false); });
+    while (schedule.unsettled() > 0) finish(schedule, 0, schedule.take(0));
+    other.join();
+    check_settled(schedule, 1000);
+  }
   SUBCASE("what it is fast enough for") {
     cpu.speed = 200;
     Schedule schedule(batch, {lane(0, 1000), cpu});
@@ -179,6 +187,22 @@ TEST_CASE("a CPU beside a much faster GPU takes one small pack a call, and what 
     CHECK(bool(schedule.take(1)));
     CHECK(bool(schedule.take(1)));
   }
+}
+
+TEST_CASE("a lane that is too slow sits out ever more calls, until it is not") {
+  SittingOut lane;
+  std::string calls;
+  for (int call = 0; call < 17; ++call) {
+    calls += lane.now() ? '.' : 'x';
+    lane.next_call(true);
+  }
+  CHECK(calls == "x.x..x....x......");
+  while (lane.now()) lane.next_call(true);
+  lane.next_call(false);
+  CHECK(!lane.now());
+  lane.next_call(true);
+  lane.next_call(true);
+  CHECK(!lane.now());
 }
 
 TEST_CASE("the lanes of a device do not take over from one another, however slow one was") {
