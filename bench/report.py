@@ -195,6 +195,42 @@ def limits_table(rows, machine):
     )
 
 
+def traffic_tables(rows, machine):
+    """Bytes that each kernel moves (scripts/traffic.sh), at what rate, and what part of the copy kernel's rate that is."""
+    path = os.path.join(HERE, "results", "traffic.json")
+    if machine["kind"] != "gpu" or not machine.get("copy_gb_s") or not os.path.exists(path):
+        return ""
+    with open(path) as file:
+        traffic = json.load(file)
+    text = ""
+    for row in rows:
+        counted = traffic.get(row["workload"])
+        if not counted or counted["stands_for"] != row["size"] or "kernels" not in row:
+            continue
+        lines, sums = [], [0, 0]
+        for kernel in sorted(row["kernels"], key=lambda k: -k["ms"]):
+            found = counted["kernels"].get(kernel["name"])
+            if not found or kernel["ms"] <= 0:
+                continue
+            moved = 32 * (found["read_sectors"] + found["written_sectors"]) * row["n"] / counted["n"]
+            sums = [sums[0] + kernel["ms"], sums[1] + moved]
+            lines.append((kernel["name"], kernel["launches"], kernel["ms"], moved))
+        all_ms = sum(k["ms"] for k in row["kernels"])
+        lines = [line for line in lines if line[2] >= 0.01 * all_ms]
+        lines.append(("all counted", "", *sums))
+
+        def cells(kernel, launches, took, moved):
+            rate = moved / took / 1e6
+            return [kernel, launches, ms(took), f"{moved / 1e6:.0f}", f"{rate:.0f}", f"{rate / machine['copy_gb_s']:.0%}"]
+
+        text += (
+            f"\n### {name(row)}: {sums[0] / all_ms:.0%} of the {ms(all_ms)} ms that its launches take\n\n"
+            + table(["kernel", "launches", "ms", "MB", "GB/s", "of the copy rate"], [cells(*line) for line in lines])
+            + "\n"
+        )
+    return text and "\n## Bytes moved by each kernel\n" + text
+
+
 def peers_table(rows):
     lines = []
     for row in rows:
@@ -361,6 +397,7 @@ def main():
         file.write("\n## Phases, counts, memory\n" + phase_table(rows) + "\n")
         file.write("\n## Beside the triangulation\n" + besides_table(rows) + "\n")
         file.write("\n## Against the machine's limits\n" + limits_table(rows, machine) + "\n")
+        file.write(traffic_tables(rows, machine))
         file.write(start_text(stem + "-start.json"))
         file.write("\n## All peers\n" + peers_table(rows) + "\n")
     print(title)
