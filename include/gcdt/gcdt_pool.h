@@ -36,10 +36,11 @@ typedef struct gcdt_pool_options {
 
 /* A pool of devices, each with one or more lanes: an OpenCL context, a queue, memory and programs, which it keeps, and
  * in calls a thread. A GPU has three, so that it works for one while the host puts the others' problems together and
- * takes their results (in a context of the application's all share that); in traces lane k of a device has the number
- * of the device plus k times the number of devices. Of a CPU beside GPUs all cores but one for each of these threads
- * are used, if it can be divided. Devices that fail are reported (gcdt_pool_device_get); an error only if all do.
- * `options` may be null. */
+ * takes their results (in a context of the application's all share that), each with 2 MiB of pinned host memory and, in
+ * large runs, a second thread that makes room for results; in traces lane k of a device has the number of the device
+ * plus k times the number of devices. Of a CPU beside GPUs all cores but two for each such lane are used, if it can be
+ * divided; if it is slower than an eighth of a GPU it sits out most calls, unless it is needed. Devices that fail are
+ * reported (gcdt_pool_device_get); an error only if all do. `options` may be null. */
 GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
 
 /* Null is allowed. Batches may be released before or after. */
