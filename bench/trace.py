@@ -7,7 +7,7 @@ import json
 import sys
 from html import escape
 
-COLOURS = ["#4477aa", "#228833", "#ccbb44", "#ee6677", "#66ccee", "#aa3377"]
+COLOURS = ["#4477aa", "#228833", "#ccbb44", "#ee6677", "#66ccee", "#332288", "#aa3377", "#999933"]
 ROW, GAP, LEFT, WIDTH = 18, 26, 90, 900
 
 

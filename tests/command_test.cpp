@@ -12,6 +12,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -763,6 +764,29 @@ TEST_CASE("the trace is JSON in Chrome's format: every launch lies within a phas
     CHECK(held);
   }
   CHECK(launches == statistics.at("launches").get<std::size_t>());
+}
+
+TEST_CASE("every row of a trace is named after the phase whose spans it holds") {
+  Session session;
+  session.write("in.poly", random_poly(400, 0));
+  const std::pair<std::string, std::set<std::string>> runs[] = {
+      {"triangulate in.poly --domain outer", {"order", "insert", "flip", "check", "domain", "output"}},
+      {"batch in.poly", {"order", "insert", "check", "output", "copy"}}};
+  for (const auto& [command, expected] : runs) {
+    CAPTURE(command);
+    session.good(command + " --quiet --trace t.json");
+    const auto trace = nlohmann::json::parse(session.read("t.json"));
+    std::map<std::size_t, std::string> names;
+    for (const auto& event : trace.at("traceEvents"))
+      if (event.at("name") == "thread_name") names[event.at("tid")] = event.at("args").at("name");
+    std::set<std::string> found;
+    for (const auto& event : trace.at("traceEvents"))
+      if (event.at("ph") == "X") {
+        REQUIRE(names.count(event.at("tid")) == 1);
+        found.insert(names[event.at("tid")]);
+      }
+    for (const std::string& phase : expected) CHECK(found.count(phase) == 1);
+  }
 }
 
 TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no other") {

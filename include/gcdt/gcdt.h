@@ -130,8 +130,8 @@ typedef struct gcdt_trace_span {
   size_t struct_size;
   const char* device;        /* its name; this and the other strings hold during the call only */
   uint32_t device_number;    /* its place among the devices of a pool; 0 for a solver. See gcdt_pool.h for lanes */
-  const char* phase;         /* the outermost phase: order, insert, constrain, flip, output or check; in a pool also
-                                copy, of results to host memory */
+  const char* phase;         /* the outermost phase: order, insert, constrain, flip, check, domain or output; in a
+                                pool also copy, of results to host memory */
   const char* name;          /* the phase's or the kernel's */
   int32_t on_device;         /* 1: a launch; drivers without profiling have none */
   uint64_t begin_ns, end_ns; /* nanoseconds on the host's steady clock */
