@@ -208,7 +208,7 @@ void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& 
     } catch (const Error& error) {
       settle(lane);
       if (error.status() == Status::cancelled) {
-        schedule.drop(pack);
+        schedule.drop(number, pack);
         continue;
       }
       if (error.status() == Status::out_of_memory) {

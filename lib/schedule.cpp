@@ -210,7 +210,7 @@ void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool f
   if (!first) return;
   pack->owner = lane;
   const double speed = lanes_[lane].speed;
-  pack->due = Clock::now();
+  pack->began = pack->due = Clock::now();
   if (speed > 0) pack->due += nanoseconds(static_cast<double>(pack->weight) / speed);
   running_.push_back(pack);
 }
@@ -308,8 +308,15 @@ void Schedule::lose(std::size_t lane, const std::shared_ptr<Pack>& pack) {
   changed_.notify_all();
 }
 
-void Schedule::drop(const std::shared_ptr<Pack>& pack) {
+// Who was not done with its pack by now is no faster than that, which is all that is known of it if this was its first.
+void Schedule::drop(std::size_t lane, const std::shared_ptr<Pack>& pack) {
   const Lock lock(mutex_);
+  if (pack->owner == lane && pack->done) {
+    const std::chrono::duration<double, std::milli> took = Clock::now() - pack->began;
+    const double most = static_cast<double>(pack->weight) / std::max(took.count(), 1e-3);
+    double& speed = lanes_[lane].speed;
+    if (speed <= 0 || most < speed) speed = most;
+  }
   put_back(pack);
 }
 

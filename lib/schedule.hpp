@@ -21,9 +21,9 @@ struct Pack {
   std::uint64_t weight = 0;  ///< vertices and constraints, and one for each problem
   // Under the schedule's lock:
   bool done = false;
-  unsigned runners = 0;                       ///< lanes at it
-  std::size_t owner = 0;                      ///< the lane that took it first
-  std::chrono::steady_clock::time_point due;  ///< when the owner should be done; when it began, if nobody can say
+  unsigned runners = 0;                              ///< lanes at it
+  std::size_t owner = 0;                             ///< the lane that took it first
+  std::chrono::steady_clock::time_point began, due;  ///< when the owner did, and should be done; both if nobody knows
 };
 
 /// What a lane, one stream of runs on a device, is to the schedule.
@@ -92,7 +92,7 @@ class Schedule {
   /// The device of the lane is lost; the lane may have a pack, and others of the device may end theirs.
   void lose(std::size_t lane, const std::shared_ptr<Pack>& pack);
   /// Given up, since the pack is done or all is cancelled.
-  void drop(const std::shared_ptr<Pack>& pack);
+  void drop(std::size_t lane, const std::shared_ptr<Pack>& pack);
   /// The last that a lane calls.
   void end(std::size_t lane);
   /// Whether the lane has to give its memory back before it ends.

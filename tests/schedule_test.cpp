@@ -153,6 +153,24 @@ TEST_CASE("a pack that is overdue is taken over, however soon it was to be done"
   check_settled(schedule, 2);
 }
 
+TEST_CASE("whose pack was done by another before it is known to be no faster than that") {
+  const Sizes sizes({5000, 4000});
+  const BatchInput batch = sizes.view();
+  for (const double speed : {0.0, 1e6}) {
+    std::vector<LaneShare> lanes = {lane(0, speed), lane(1, 1e6)};
+    for (LaneShare& share : lanes) share.most_weight = 1;
+    Schedule schedule(batch, lanes);
+    const auto slow = schedule.take(0);
+    finish(schedule, 1, schedule.take(1), 0.004);
+    finish(schedule, 1, schedule.take(1), 0.004);  // taken over
+    CHECK(schedule.needless(slow));
+    schedule.drop(0, slow);
+    CHECK(schedule.speed(0) > 0);
+    CHECK(schedule.speed(0) < 5001.0 / 5);  // no theft takes less than 5 ms
+    check_settled(schedule, 2);
+  }
+}
+
 TEST_CASE("a CPU beside a much faster GPU takes one small pack a call, and what the GPU has no memory for") {
   const Sizes sizes(std::vector<std::uint64_t>(1000, 999));
   const BatchInput batch = sizes.view();
@@ -343,7 +361,7 @@ TEST_CASE("whatever lanes do, in any order, everything is settled once") {
           } else if (chance == 4) {
             schedule.too_large(number, pack, shortage(), pack->problems[random() % pack->problems.size()]);
           } else if (chance < 6 && schedule.needless(pack)) {
-            schedule.drop(pack);
+            schedule.drop(number, pack);
           } else {
             std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
             finish(schedule, number, pack, 0.01 + static_cast<double>(random() % 100));
