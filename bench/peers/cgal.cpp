@@ -3,11 +3,8 @@
 // Constrained_Delaunay_triangulation_2 with insert_constraints by index, both with CGAL's own spatial sort and
 // exact predicates on doubles. Reading the file is not timed.
 #include <chrono>
-#include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <sstream>
 #include <string>
@@ -18,6 +15,8 @@
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/version.h>
+
+#include "inputs.hpp"
 
 namespace {
 
@@ -31,18 +30,10 @@ struct Input {
 };
 
 Input read(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  char magic[8] = {};
-  std::int64_t n = 0, m = 0;
-  file.read(magic, 8).read(reinterpret_cast<char*>(&n), 8).read(reinterpret_cast<char*>(&m), 8);
-  if (!file || std::memcmp(magic, "PSLGBIN1", 8) != 0) throw std::runtime_error("no such input");
-  std::vector<double> xy(2 * n);
-  std::vector<std::int32_t> ends(2 * m);
-  file.read(reinterpret_cast<char*>(xy.data()), 16 * n).read(reinterpret_cast<char*>(ends.data()), 8 * m);
-  if (!file) throw std::runtime_error("the input ends too soon");
+  const gcdt::bench::Workload given = gcdt::bench::read_pslg(path);
   Input input;
-  for (std::int64_t i = 0; i < n; ++i) input.points.emplace_back(xy[2 * i], xy[2 * i + 1]);
-  for (std::int64_t i = 0; i < m; ++i) input.constraints.emplace_back(ends[2 * i], ends[2 * i + 1]);
+  for (const auto& point : given.points) input.points.emplace_back(point[0], point[1]);
+  for (const auto& ends : given.constraints) input.constraints.emplace_back(ends[0], ends[1]);
   return input;
 }
 
