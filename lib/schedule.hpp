@@ -36,7 +36,7 @@ struct LaneShare {
   /// Its first pack is this much of what it would take: lanes of a device that begin with different ones do not stay in
   /// step, all of them on the host or all on the device.
   double first_part = 1;
-  bool started = false;             ///< has taken its first pack
+  bool started = false;             ///< has taken its first pack, or sits out
   bool beside_gpus = false;         ///< of a CPU in a pool with GPUs
   bool left_out = false;            ///< was too slow for more than one pack
   bool lost = false;                ///< takes nothing any more
