@@ -2,6 +2,7 @@
 #include "device_pool.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <thread>
 
 #include "alone.hpp"
@@ -25,6 +26,12 @@ constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 // A GPU stands still while results go to the host, which takes longer than to make them. Each lane has a context of its
 // own: NVIDIA's driver has one lock for a context, and lanes that share it wait for one another (bench/NOTES.md).
 constexpr std::uint32_t gpu_lanes = 3;
+
+// Problems of a rehearsal's runs: so many that each is one work-item's, so few that all have less than
+// Tuning::few_vertices, and one, whose phases are those of a large one. A lane looks so often whether it is over, or
+// nothing is left to do.
+constexpr std::uint32_t least_rehearsed = 512, few_rehearsed = 8;
+constexpr auto rehearsal_glance = std::chrono::milliseconds(5);
 
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
@@ -60,17 +67,27 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
     }
   }
   if (all_lost()) throw_reasons();
+  const bool gpus = has_gpus();
+  for (Lane& lane : lanes_)
+    if (lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu))
+      lane.rehearsal = std::make_unique<Rehearsal>();
+  told_ = false;
+}
+
+bool DevicePool::has_gpus() const {
+  return std::any_of(reports_.begin(), reports_.end(),
+                     [](const DeviceReport& report) { return report.info.is_gpu && !report.lost; });
 }
 
 void DevicePool::open(Member member, std::size_t device) {
   const runtime::Log log = log_ ? runtime::Log([this](int level, const char* message) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    log_(level, message);
+    if (told_) log_(level, message);
   })
                                 : runtime::Log();
   const Trace trace = trace_ ? Trace([this](const TraceSpan& span) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    trace_(span);
+    if (told_) trace_(span);
   })
                              : Trace();
   const std::uint32_t count = lanes_of(member);
@@ -115,8 +132,7 @@ void DevicePool::lose(std::size_t device, const Error& error) {
 std::vector<LaneShare> DevicePool::shares() const {
   std::vector<LaneShare> all;
   std::vector<std::uint32_t> numbers(reports_.size());
-  const bool gpus = std::any_of(reports_.begin(), reports_.end(),
-                                [](const DeviceReport& report) { return report.info.is_gpu && !report.lost; });
+  const bool gpus = has_gpus();
   for (const Lane& lane : lanes_) {
     const DeviceReport& report = reports_[lane.device];
     const auto siblings =
@@ -138,6 +154,12 @@ std::vector<LaneShare> DevicePool::shares() const {
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
   const auto start = Clock::now();
+  const auto tell = [this](bool told) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    told_ = told;
+  };
+  tell(true);
+  const std::shared_ptr<void> told(nullptr, [&](void*) { tell(false); });
   // What is wrong with the options is no device's fault.
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
@@ -192,6 +214,7 @@ void DevicePool::add_reports() {
     report.runs += lane.report.runs;
     report.milliseconds += lane.report.milliseconds;
     if (!report.lost) continue;
+    lane.rehearsal.reset();
     lane.staging.reset();
     lane.primitives.reset();
     lane.runtime.reset();
@@ -201,6 +224,10 @@ void DevicePool::add_reports() {
 // Ends with the schedule, or with the device.
 void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
   Lane& lane = lanes_[number];
+  if (!rehearse(number, schedule, options)) {
+    schedule.end(number);
+    return;
+  }
   while (const std::shared_ptr<Pack> pack = schedule.take(number)) {
     try {
       run(number, schedule, pack, batch, options);
@@ -226,6 +253,7 @@ void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& 
     lane.primitives->release();
     lane.runtime->memory().trim();
   }
+  lane.runtime->give_up_when({});
   lane.staging->offsets = {};
   schedule.end(number);
 }
@@ -238,28 +266,87 @@ void DevicePool::settle(Lane& lane) {
   lane.primitives->release();
 }
 
-// Problems with errors of their own, and those to be run alone, are taken out and the rest is run again, which ends:
-// there are fewer each time.
+// Others do the work until the lane has launched what it will need. False if nothing is left to do by then; the lane is
+// still at it. What it has no memory for, packs tell.
+bool DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options& options) {
+  Lane& lane = lanes_[number];
+  if (!lane.rehearsal || lane.sitting_out.now()) return true;
+  const auto over = [&] {
+    while (!lane.rehearsal->wait(rehearsal_glance))
+      if (schedule.over()) return false;
+    return true;
+  };
+  try {
+    if (!over()) return false;  // that of another call
+    lane.rehearsal->start(options, [this, &lane](const Options& own, const std::atomic<bool>& stop) {
+      lane.runtime->give_up_when([&stop] { return stop.load(); });
+      const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
+      for (const std::uint32_t problems : {many, few_rehearsed, 1u}) {
+        const RehearsalBatch batch(problems);
+        std::vector<std::uint32_t> all(problems);
+        std::iota(all.begin(), all.end(), 0u);
+        make(lane, batch.view(), std::move(all), own);
+      }
+    });
+    if (!over()) return false;
+  } catch (const Error& error) {
+    settle(lane);
+    lane.runtime->memory().trim();
+    if (error.status() != Status::out_of_memory) {
+      lose(lane.device, error);
+      schedule.lose(number, nullptr);
+    }
+  } catch (const Shortage&) {
+    settle(lane);
+    lane.runtime->memory().trim();
+  } catch (const std::exception& error) {
+    lose(lane.device, Error(Status::device_failed, std::string("the host failed it: ") + error.what()));
+    schedule.lose(number, nullptr);
+  }
+  return true;
+}
+
 void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
                      const Options& options) {
   Lane& lane = lanes_[number];
   Options own = options;
-  own.progress = [&](const char*, double) { return !schedule.needless(pack); };
-  std::vector<std::uint32_t> numbers = pack->problems;
-  std::vector<std::uint32_t> crossing;
-  std::vector<std::pair<std::uint32_t, Error>> errors;
+  own.progress = {};
+  lane.runtime->give_up_when([&schedule, pack] { return schedule.needless(pack); });
   const auto start = Clock::now();
   const double built = lane.runtime->build_ms();
-  ForestResult result;
+  Made made;
+  try {
+    made = make(lane, batch, pack->problems, own);
+  } catch (const Shortage& shortage) {
+    settle(lane);
+    lane.runtime->memory().trim();
+    schedule.too_large(number, pack, shortage.error, shortage.problem);
+    return;
+  }
+  const double ms = milliseconds_since(start) - (lane.runtime->build_ms() - built);
+  if (!schedule.finish(number, pack, std::move(made.result), std::move(made.errors), ms)) return;
+  DeviceReport& report = lane.report;
+  report.problems += pack->problems.size();
+  for (const std::uint32_t p : pack->problems) report.vertices += batch.n(p);
+  ++report.runs;
+  report.milliseconds += ms;
+}
+
+// Problems with errors of their own, and those to be run alone, are taken out and the rest is run again, which ends:
+// there are fewer each time.
+DevicePool::Made DevicePool::make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers,
+                                  const Options& options) {
+  Made made;
+  std::vector<std::uint32_t> crossing;
   while (!numbers.empty()) {
     try {
-      result = triangulate_forest(*lane.runtime, *lane.primitives, batch, numbers, own, *lane.staging);
+      made.result = triangulate_forest(*lane.runtime, *lane.primitives, batch, numbers, options, *lane.staging);
       break;
     } catch (const InvalidProblems& invalid) {
       settle(lane);
       std::vector<bool> out(numbers.size(), false);
       for (const auto& [place, error] : invalid.errors) {
-        errors.emplace_back(numbers[place], error);
+        made.errors.emplace_back(numbers[place], error);
         out[place] = true;
       }
       for (const std::uint32_t place : invalid.crossing) {
@@ -274,22 +361,13 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
   }
   for (const std::uint32_t p : crossing) {
     try {
-      result.add(triangulate_alone(*lane.runtime, *lane.primitives, batch, p, own));
+      made.result.add(triangulate_alone(*lane.runtime, *lane.primitives, batch, p, options));
     } catch (const Error& error) {
       if (error.status() != Status::out_of_memory) throw;
-      settle(lane);
-      lane.runtime->memory().trim();
-      schedule.too_large(number, pack, error, p);
-      return;
+      throw Shortage{p, error};
     }
   }
-  const double ms = milliseconds_since(start) - (lane.runtime->build_ms() - built);
-  if (!schedule.finish(number, pack, std::move(result), std::move(errors), ms)) return;
-  DeviceReport& report = lane.report;
-  report.problems += pack->problems.size();
-  for (const std::uint32_t p : pack->problems) report.vertices += batch.n(p);
-  ++report.runs;
-  report.milliseconds += ms;
+  return made;
 }
 
 }  // namespace gcdt

@@ -3,6 +3,7 @@
 // more lanes. Contexts cannot span platforms, so everything goes through host memory.
 #pragma once
 
+#include "rehearsal.hpp"
 #include "schedule.hpp"
 
 namespace gcdt {
@@ -31,7 +32,7 @@ class DevicePool {
     runtime::CallHook hook;
   };
   /// Devices that fail from the start are taken out and reported. Throws as triangulate() if all do.
-  /// `log` and `trace` are called by workers, one at a time.
+  /// `log` and `trace` are called by workers during calls (`log` also by the constructor), one at a time.
   DevicePool(std::vector<Member> members, runtime::Log log, Trace trace);
 
   /// Blocks. Throws invalid_argument (a bad fixed grid), cancelled, and, if no device is left, device_failed, or the
@@ -51,13 +52,27 @@ class DevicePool {
     std::unique_ptr<Staging> staging;  ///< of the runtime
     double speed = 0;
     SittingOut sitting_out;
-    DeviceReport report;  ///< its part in the last batch
+    DeviceReport report;                   ///< its part in the last batch
+    std::unique_ptr<Rehearsal> rehearsal;  ///< if it needs one; goes first, since it uses the rest
+  };
+  /// What a lane has made of problems.
+  struct Made {
+    ForestResult result;
+    std::vector<std::pair<std::uint32_t, Error>> errors;  ///< of those that `result` lacks
+  };
+  /// There is too little memory for one problem of a pack, whatever its size says.
+  struct Shortage {
+    std::uint32_t problem;
+    Error error;
   };
   void open(Member member, std::size_t device);
+  bool has_gpus() const;
   std::vector<LaneShare> shares() const;
   void work(std::size_t lane, Schedule& schedule, const BatchInput& batch, const Options& options);
+  bool rehearse(std::size_t lane, Schedule& schedule, const Options& options);
   void run(std::size_t lane, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
            const Options& options);
+  Made make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
   void settle(Lane& lane);
   void lose(std::size_t device, const Error& error);
   void add_reports();
@@ -65,6 +80,7 @@ class DevicePool {
   bool all_lost() const;
 
   std::mutex mutex_;  ///< of callbacks and of losses
+  bool told_ = true;  ///< callbacks are: not between calls
   runtime::Log log_;
   Trace trace_;
   std::vector<DeviceReport> reports_;

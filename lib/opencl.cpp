@@ -196,6 +196,7 @@ void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t byte
 }
 
 void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
+  if (needless_ && needless_()) throw Error(Status::cancelled, "given up before " + kernel.name);
   if (arguments != kernel.arguments)
     throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
                                            std::to_string(arguments));

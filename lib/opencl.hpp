@@ -178,6 +178,9 @@ class Runtime {
     enqueue(k, range, index);
   }
 
+  /// Launches throw cancelled as soon as `needless` says so; null: never.
+  void give_up_when(std::function<bool()> needless) { needless_ = std::move(needless); }
+
   void finish();
   /// The same without an exception.
   cl_int try_finish();
@@ -273,6 +276,7 @@ class Runtime {
   cl::Context context_;
   cl::CommandQueue queue_;
   Log log_;
+  std::function<bool()> needless_;
   Tracer tracer_;
   std::size_t alignment_ = 0;
   std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});

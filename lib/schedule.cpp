@@ -325,6 +325,11 @@ bool Schedule::needless(const std::shared_ptr<Pack>& pack) {
   return cancelled_ || pack->done;
 }
 
+bool Schedule::over() {
+  const Lock lock(mutex_);
+  return cancelled_ || unsettled_ == 0;
+}
+
 void Schedule::cancel() {
   const Lock lock(mutex_);
   cancelled_ = true;

@@ -100,6 +100,8 @@ class Schedule {
   /// Whether a run of the pack may stop.
   bool needless(const std::shared_ptr<Pack>& pack);
   void cancel();
+  /// Whether nothing is left to do, or all is cancelled.
+  bool over();
 
   /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all is.
   double wait();

@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include "device_list.hpp"
@@ -336,6 +338,160 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
     CHECK(outcome.right);
     CHECK(both.report(0).problems + both.report(1).problems == problems.size());
   }
+}
+
+// ---- Devices that rehearse --------------------------------------------------------------------------
+
+namespace {
+
+/// Of a device: which kernels were made, and how many launches. Each launch may take longer.
+struct Watch {
+  std::mutex mutex;
+  std::set<std::string> kernels;
+  std::atomic<std::uint64_t> launches{0};
+  std::chrono::milliseconds delay{0};
+
+  runtime::CallHook hook() {
+    runtime::CallHook hook;
+    hook.keep_programs = true;
+    hook.tuning.rehearses = true;
+    hook.before = [this](const char* call, const char* detail) {
+      const std::string name = call;
+      if (name == "clCreateKernel") {
+        const std::lock_guard<std::mutex> lock(mutex);
+        kernels.insert(detail);
+      } else if (name == "clEnqueueNDRangeKernel") {
+        ++launches;
+        std::this_thread::sleep_for(delay);
+      }
+      return CL_SUCCESS;
+    };
+    return hook;
+  }
+};
+
+runtime::CallHook healthy() {
+  runtime::CallHook hook;
+  hook.keep_programs = true;
+  return hook;
+}
+
+std::vector<Workload> sketches(std::size_t count, bool crossing) {
+  std::vector<Workload> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    all.push_back(workload("random_pslg", 4 + i % 5));
+    if (crossing && i % 3 == 0) all.push_back(problem({{0, 0}, {4, 4}, {0, 4}, {4, 1}}, {{0, 1}, {2, 3}}));
+  }
+  return all;
+}
+
+/// Calls until device 1 has done a part. Each call is right.
+void call_until_it_helps(DevicePool& pool, const std::vector<Workload>& problems, const Options& options) {
+  const RaggedBatch batch(problems);
+  const Alone alone(problems, options);
+  for (int call = 0; call < 1000; ++call) {
+    const PoolResult result = pool.triangulate(batch.view(), options);
+    for (std::size_t p = 0; p < problems.size(); ++p) {
+      CHECK((result.errors[p] ? result.errors[p]->what() : std::string()) == alone.errors[p]);
+      const Schedule::Place place = result.places[p];
+      if (!result.errors[p])
+        CHECK(difference(test::part_of(result.results[place.result], place.place), alone.meshes[p]) == "");
+    }
+    REQUIRE(!pool.report(1).lost);
+    if (pool.report(1).problems > 0) return;
+  }
+  FAIL("it never took part");
+}
+
+}  // namespace
+
+TEST_CASE("a device that rehearses has launched all kernels of packs before it takes one") {
+  Watch watch;
+  DevicePool pool({{cl::Context(), app_device(), healthy()}, {cl::Context(), app_device(), watch.hook()}}, {}, {});
+  Options options;
+  for (const Crossing crossing : {Crossing::reject, Crossing::drop, Crossing::split})
+    for (const Domain domain : {Domain::hull, Domain::nonzero}) {
+      CAPTURE(int(crossing));
+      CAPTURE(int(domain));
+      options.crossing = crossing;
+      options.domain = domain;
+      const RaggedBatch one(sketches(1, false));
+      // Small calls until it has rehearsed: with one problem, which the other device takes.
+      std::uint64_t launches;
+      do {
+        launches = watch.launches;
+        pool.triangulate(one.view(), options);
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      } while (launches != watch.launches || launches == 0);
+      std::set<std::string> before;
+      {
+        const std::lock_guard<std::mutex> lock(watch.mutex);
+        before = watch.kernels;
+      }
+      call_until_it_helps(pool, sketches(300, true), options);
+      std::string further;
+      for (const std::string& kernel : watch.kernels)
+        if (before.count(kernel) == 0) further += " " + kernel;
+      CHECK(further == "");
+    }
+}
+
+TEST_CASE("nobody waits for a device that rehearses, neither calls nor the end of the pool") {
+  Watch watch;
+  watch.delay = std::chrono::milliseconds(100);
+  const std::vector<Workload> problems = sketches(20, false);
+  const RaggedBatch batch(problems);
+  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  std::uint64_t launches = 0;
+  {
+    DevicePool pool({{cl::Context(), app_device(), healthy()}, {cl::Context(), app_device(), watch.hook()}}, {}, {});
+    const std::uint64_t made = watch.launches;
+    CHECK(outcome_of(pool, batch, expected).right);
+    CHECK(pool.report(0).problems == problems.size());
+    CHECK(outcome_of(pool, batch, expected).right);  // a rehearsal takes dozens of launches
+    CHECK(pool.report(1).problems == 0);
+    launches = watch.launches;
+    CHECK(launches > made);
+  }
+  CHECK(watch.launches <= launches + 2);
+}
+
+TEST_CASE("a device that rehearses does the work of those that are lost, and may be lost in its rehearsal") {
+  const std::vector<Workload> problems = sketches(20, false);
+  const RaggedBatch batch(problems);
+  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  for (const std::uint64_t k : {100, 150, 200, 400}) {
+    CAPTURE(k);
+    const runtime::CallHook broken = failing(calls, k, true, CL_INVALID_COMMAND_QUEUE);
+    runtime::CallHook rehearsing = healthy();
+    rehearsing.tuning.rehearses = true;
+    *calls = 0;
+    DevicePool first({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), rehearsing}}, {}, {});
+    for (int call = 0; call < 8; ++call) CHECK(outcome_of(first, batch, expected).right);
+    CHECK(first.report(0).lost);
+    CHECK(first.report(1).problems == problems.size());
+    rehearsing = broken;
+    rehearsing.tuning.rehearses = true;
+    *calls = 0;
+    DevicePool second({{cl::Context(), app_device(), healthy()}, {cl::Context(), app_device(), rehearsing}}, {}, {});
+    for (int call = 0; call < 1000 && !second.report(1).lost; ++call) {
+      CHECK(outcome_of(second, batch, expected).right);
+      CHECK(second.report(0).problems + second.report(1).problems == problems.size());
+    }
+    CHECK(second.report(1).lost);
+  }
+}
+
+TEST_CASE("launches wider than they need to be give the same bytes") {
+  std::vector<Workload> problems = valid_problems();
+  problems.push_back(uniform(40000));
+  const RaggedBatch batch(problems);
+  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  runtime::CallHook hook = healthy();
+  hook.tuning.one_width = true;
+  DevicePool two({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), hook}}, {}, {});
+  for (int round = 0; round < 3; ++round) CHECK(outcome_of(two, batch, expected).right);
 }
 
 TEST_CASE("a device may be used but for some of its compute units") {
