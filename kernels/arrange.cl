@@ -25,7 +25,7 @@
 // After this kernel the keys of each problem ascend.
 kernel void arrange_keys(uint problems, global const uint* first_input, global ulong* keys, global uint* values,
                          global ulong* other_keys, global uint* other_values) {
-  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
+  FOR_EACH_DEALT(p, problems) {
     const uint begin = first_input[p], end = first_input[p + 1u];
     if (end - begin <= ARRANGE_FEW) {
       sort_run(keys, values, begin, end);
@@ -56,7 +56,7 @@ static inline uint face_of_problem(Mesh mesh, uint problem, uint begin, uint i) 
 kernel void arrange_count(uint problems, GCDT_MESH_PARAMETERS, global uint* least, global uint* second,
                           global uint* triangles) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
+  FOR_EACH_DEALT(p, problems) {
     const uint begin = first_rank(points, n, p), end = first_rank(points, n, p + 1u);
     const uint faces = gcdt_forest_faces(end - begin, 1u);
     for (uint v = begin; v < end; ++v) least[v] = second[v] = 0u;
@@ -80,7 +80,7 @@ kernel void arrange_problems(uint problems, GCDT_MESH_PARAMETERS, global const u
                              global uint* refs, global uint* ordered, global int* positions, global uint* out_corners,
                              global int* out_neighbours, global uchar* out_constrained) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {
+  FOR_EACH_DEALT(p, problems) {
     const uint begin = first_rank(points, n, p), end = first_rank(points, n, p + 1u);
     const uint faces = gcdt_forest_faces(end - begin, 1u), first = first_triangle[p], last = first_triangle[p + 1u];
     for (uint v = begin, l = first, s = first; v < end; ++v) {

@@ -237,7 +237,7 @@ kernel void enforce_problems(uint problems, GCDT_MESH_PARAMETERS, global const u
   p.vertex_face = vertex_face;
   p.zero_length = p.existing = p.owned = p.pairs = p.flips = 0u;
   bool failed = false;
-  for (uint i = get_global_id(0); i < problems; i += get_global_size(0)) {  // sizes fall: every share gets some of each
+  FOR_EACH_DEALT(i, problems) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     // Faces: two of each vertex, and the root.
     p.crossed = crossed + gcdt_forest_faces(begin, i);
@@ -298,7 +298,7 @@ kernel void enforce_pieces(uint problems, GCDT_MESH_PARAMETERS, global const uin
                            global ulong* unsorted_keys, global uint* unsorted_sources, global ulong* keys,
                            global uint* sources) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  for (uint i = get_global_id(0); i < problems; i += get_global_size(0)) {
+  FOR_EACH_DEALT(i, problems) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     const uint first = offsets[first_constraint[i]], last = offsets[first_constraint[i + 1u]];
     for (uint v = begin; v < end; ++v) places[v] = 0u;

@@ -196,12 +196,12 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
   Grown grown = {0u, 0u, 0u};
   uint left_count = 0;
-  if (begin == 0u && get_global_id(0) == 0u) {
-    for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
-    for (uint p = 0; p < mesh.roots; ++p) plant(mesh, o, p);
-  }
-  for (uint first = get_global_id(0) * step; first < segments; first += get_global_size(0) * step) {
-    const uint end = min(first + step, segments), place = share_begin(count, first, segments);
+  FOR_EACH(share, (segments + step - 1u) / step) {
+    const uint first = share * step, end = min(first + step, segments), place = share_begin(count, first, segments);
+    if (begin == 0u) {
+      for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
+      for (uint p = 0; p < mesh.roots; ++p) plant(mesh, o, p);
+    }
     uint remaining = 0, last = GCDT_NONE, tree = 0;
     for (uint segment = first; segment < end; segment += step_before) {
       const uint from = share_begin(count, segment, segments);
@@ -236,7 +236,7 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
   Grown grown = {0u, 0u, 0u};
-  for (uint p = get_global_id(0); p < problems; p += get_global_size(0)) {  // sizes fall: every share gets some of each
+  FOR_EACH_DEALT(p, problems) {
     const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
     uint last = p, stride = 1u;
     plant(mesh, o, p);

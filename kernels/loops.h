@@ -36,6 +36,17 @@ static inline uint share_begin(uint count, uint share, uint shares) {
 
 #endif
 
+// Items whose weights fall, dealt like cards, so that every work-item gets some of each. If there are fewer than
+// work-items (launches may be wider than they need to be: Runtime::enqueue), those that get one stand evenly among the
+// others: a driver may give each thread many neighbouring work-items at once.
+static inline uint dealt_first(uint count) {
+  const uint id = (uint)get_global_id(0), size = (uint)get_global_size(0);
+  if (count >= size) return id;
+  const uint first = share_begin(count, id, size);
+  return first < share_begin(count, id + 1u, size) ? first : count;
+}
+#define FOR_EACH_DEALT(i, count) for (uint i = dealt_first(count); i < (count); i += (uint)get_global_size(0))
+
 // The items of this work-item.
 #define FOR_EACH(i, count) FOR_SHARE(i, count, (uint)get_global_id(0), (uint)get_global_size(0))
 
