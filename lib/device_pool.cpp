@@ -28,10 +28,8 @@ constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 constexpr std::uint32_t gpu_lanes = 3;
 
 // Problems of a rehearsal's runs: so many that each is one work-item's, so few that all have less than
-// Tuning::few_vertices, and one, whose phases are those of a large one. A lane looks so often whether it is over, or
-// nothing is left to do.
+// Tuning::few_vertices, and one, whose phases are those of a large one.
 constexpr std::uint32_t least_rehearsed = 512, few_rehearsed = 8;
-constexpr auto rehearsal_glance = std::chrono::milliseconds(5);
 
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
@@ -69,9 +67,7 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
   if (all_lost()) throw_reasons();
   const bool gpus = has_gpus();
   for (Lane& lane : lanes_)
-    if (lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu))
-      lane.rehearsal = std::make_unique<Rehearsal>();
-  told_ = false;
+    lane.rehearses = lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu);
 }
 
 bool DevicePool::has_gpus() const {
@@ -82,12 +78,12 @@ bool DevicePool::has_gpus() const {
 void DevicePool::open(Member member, std::size_t device) {
   const runtime::Log log = log_ ? runtime::Log([this](int level, const char* message) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (told_) log_(level, message);
+    log_(level, message);
   })
                                 : runtime::Log();
   const Trace trace = trace_ ? Trace([this](const TraceSpan& span) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (told_) trace_(span);
+    trace_(span);
   })
                              : Trace();
   const std::uint32_t count = lanes_of(member);
@@ -154,12 +150,6 @@ std::vector<LaneShare> DevicePool::shares() const {
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
   const auto start = Clock::now();
-  const auto tell = [this](bool told) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    told_ = told;
-  };
-  tell(true);
-  const std::shared_ptr<void> told(nullptr, [&](void*) { tell(false); });
   // What is wrong with the options is no device's fault.
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
@@ -214,7 +204,6 @@ void DevicePool::add_reports() {
     report.runs += lane.report.runs;
     report.milliseconds += lane.report.milliseconds;
     if (!report.lost) continue;
-    lane.rehearsal.reset();
     lane.staging.reset();
     lane.primitives.reset();
     lane.runtime.reset();
@@ -224,10 +213,7 @@ void DevicePool::add_reports() {
 // Ends with the schedule, or with the device.
 void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
   Lane& lane = lanes_[number];
-  if (!rehearse(number, schedule, options)) {
-    schedule.end(number);
-    return;
-  }
+  if (lane.rehearses && !lane.sitting_out.now() && !lane.rehearsed.has(options)) rehearse(number, schedule, options);
   while (const std::shared_ptr<Pack> pack = schedule.take(number)) {
     try {
       run(number, schedule, pack, batch, options);
@@ -266,44 +252,36 @@ void DevicePool::settle(Lane& lane) {
   lane.primitives->release();
 }
 
-// Others do the work until the lane has launched what it will need. False if nothing is left to do by then; the lane is
-// still at it. What it has no memory for, packs tell.
-bool DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options& options) {
+// Others do the work until the lane has launched what it will need. What it has no memory for, packs tell.
+void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options& options) {
   Lane& lane = lanes_[number];
-  if (!lane.rehearsal || lane.sitting_out.now()) return true;
-  const auto over = [&] {
-    while (!lane.rehearsal->wait(rehearsal_glance))
-      if (schedule.over()) return false;
-    return true;
-  };
+  Options own;
+  own.crossing = options.crossing;
+  own.domain = options.domain;
+  own.regions = options.regions;
+  lane.runtime->give_up_when([&schedule] { return schedule.cancelled(); });
   try {
-    if (!over()) return false;  // that of another call
-    lane.rehearsal->start(options, [this, &lane](const Options& own, const std::atomic<bool>& stop) {
-      lane.runtime->give_up_when([&stop] { return stop.load(); });
-      const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
-      for (const std::uint32_t problems : {many, few_rehearsed, 1u}) {
-        const RehearsalBatch batch(problems);
-        std::vector<std::uint32_t> all(problems);
-        std::iota(all.begin(), all.end(), 0u);
-        make(lane, batch.view(), std::move(all), own);
-      }
-    });
-    if (!over()) return false;
-  } catch (const Error& error) {
-    settle(lane);
-    lane.runtime->memory().trim();
-    if (error.status() != Status::out_of_memory) {
-      lose(lane.device, error);
-      schedule.lose(number, nullptr);
+    const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
+    for (const std::uint32_t problems : {many, few_rehearsed, 1u}) {
+      const RehearsalBatch batch(problems);
+      std::vector<std::uint32_t> all(problems);
+      std::iota(all.begin(), all.end(), 0u);
+      make(lane, batch.view(), std::move(all), own);
     }
+    lane.rehearsed.add(own);
   } catch (const Shortage&) {
     settle(lane);
     lane.runtime->memory().trim();
+  } catch (const Error& error) {
+    settle(lane);
+    lane.runtime->memory().trim();
+    if (error.status() == Status::cancelled || error.status() == Status::out_of_memory) return;
+    lose(lane.device, error);
+    schedule.lose(number, nullptr);
   } catch (const std::exception& error) {
     lose(lane.device, Error(Status::device_failed, std::string("the host failed it: ") + error.what()));
     schedule.lose(number, nullptr);
   }
-  return true;
 }
 
 void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,

@@ -32,7 +32,7 @@ class DevicePool {
     runtime::CallHook hook;
   };
   /// Devices that fail from the start are taken out and reported. Throws as triangulate() if all do.
-  /// `log` and `trace` are called by workers during calls (`log` also by the constructor), one at a time.
+  /// `log` and `trace` are called by workers, one at a time.
   DevicePool(std::vector<Member> members, runtime::Log log, Trace trace);
 
   /// Blocks. Throws invalid_argument (a bad fixed grid), cancelled, and, if no device is left, device_failed, or the
@@ -52,8 +52,9 @@ class DevicePool {
     std::unique_ptr<Staging> staging;  ///< of the runtime
     double speed = 0;
     SittingOut sitting_out;
-    DeviceReport report;                   ///< its part in the last batch
-    std::unique_ptr<Rehearsal> rehearsal;  ///< if it needs one; goes first, since it uses the rest
+    DeviceReport report;     ///< its part in the last batch
+    bool rehearses = false;  ///< before it takes part in the first batch
+    Rehearsed rehearsed;
   };
   /// What a lane has made of problems.
   struct Made {
@@ -69,7 +70,7 @@ class DevicePool {
   bool has_gpus() const;
   std::vector<LaneShare> shares() const;
   void work(std::size_t lane, Schedule& schedule, const BatchInput& batch, const Options& options);
-  bool rehearse(std::size_t lane, Schedule& schedule, const Options& options);
+  void rehearse(std::size_t lane, Schedule& schedule, const Options& options);
   void run(std::size_t lane, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
            const Options& options);
   Made make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
@@ -80,7 +81,6 @@ class DevicePool {
   bool all_lost() const;
 
   std::mutex mutex_;  ///< of callbacks and of losses
-  bool told_ = true;  ///< callbacks are: not between calls
   runtime::Log log_;
   Trace trace_;
   std::vector<DeviceReport> reports_;

@@ -4,17 +4,21 @@
 namespace gcdt {
 
 RehearsalBatch::RehearsalBatch(std::uint32_t problems) {
-  constexpr std::uint32_t vertices = 40;
+  constexpr std::uint32_t vertices = 40, rings = 4;  // where the rings begin
   for (std::uint32_t p = 0; p < problems; ++p) {
-    // Ends, the middle between them, one end again; the others anywhere in [0, 1000)^2 with sides of their own.
+    const bool crosses = p % 4 == 3, only_that = p % 8 == 7;
+    // Ends, the middle between them, one end again, the rings, a line, and the others anywhere.
     vertices_.insert(vertices_.end(), {{0, 0}, {1000, 600}, {500, 300}, {0, 0}});
-    for (std::uint32_t i = 4; i < vertices; ++i)
+    vertices_.insert(vertices_.end(), {{140, 740}, {260, 740}, {260, 860}, {140, 860}});
+    vertices_.insert(vertices_.end(), {{180, 780}, {220, 780}, {220, 820}, {180, 820}});
+    vertices_.insert(vertices_.end(), {{400, 900}, {600, 100}});
+    for (std::uint32_t i = 14; i < vertices; ++i)
       vertices_.push_back({double((i * 389 + p * 7) % 997), double((i * 571 + p * 13) % 991)});
-    constraints_.insert(constraints_.end(), {{0, 1}, {3, 2}, {5, 5}});
-    if (p % 4 == 3) {  // a cross
-      vertices_.push_back({400, 900});
-      vertices_.push_back({600, 100});
-      constraints_.push_back({vertices, vertices + 1});
+    constraints_.push_back({0, 1});
+    if (crosses) constraints_.push_back({12, 13});
+    if (!only_that) {
+      constraints_.insert(constraints_.end(), {{3, 2}, {5, 5}});
+      for (std::uint32_t i = 0; i < 8; ++i) constraints_.push_back({rings + i, rings + i / 4 * 4 + (i + 1) % 4});
     }
     vertex_offsets_.push_back(vertices_.size());
     constraint_offsets_.push_back(constraints_.size());
@@ -29,31 +33,6 @@ BatchInput RehearsalBatch::view() const {
   batch.constraints = constraints_.data();
   batch.constraint_offsets = constraint_offsets_.data();
   return batch;
-}
-
-void Rehearsal::start(const Options& options, const Run& run) {
-  const std::array<int, 3> kind = {static_cast<int>(options.crossing), options.domain != Domain::hull, options.regions};
-  if (run_.valid() || made_.count(kind) > 0) return;
-  made_.insert(kind);
-  Options own;
-  own.crossing = options.crossing;
-  own.domain = options.domain;
-  own.regions = options.regions;
-  stop_ = false;
-  run_ = std::async(std::launch::async, [this, own, run] { run(own, stop_); });
-}
-
-bool Rehearsal::wait(std::chrono::milliseconds most) {
-  if (!run_.valid()) return true;
-  if (run_.wait_for(most) != std::future_status::ready) return false;
-  run_.get();
-  return true;
-}
-
-void Rehearsal::end() {
-  stop_ = true;
-  if (run_.valid()) run_.wait();
-  run_ = {};
 }
 
 }  // namespace gcdt

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work that nobody waits for, so that what a driver compiles when it first launches a kernel (PoCL: seconds) is
-// compiled before a batch depends on it.
+// What a lane runs before the first batch, so that a driver that compiles kernels when they are first launched (PoCL:
+// seconds) does not do so in a later one.
 #pragma once
 
 #include <array>
-#include <atomic>
-#include <chrono>
-#include <functional>
-#include <future>
-#include <memory>
 #include <set>
+#include <vector>
 
 #include "forest.hpp"
 
@@ -29,27 +25,17 @@ class RehearsalBatch {
   std::vector<std::uint64_t> vertex_offsets_ = {0}, constraint_offsets_ = {0};
 };
 
-/// Runs of a lane in a thread of its own, each once for the options that decide which kernels there are.
-class Rehearsal {
+/// Which options a lane has rehearsed: of those that decide which kernels there are.
+class Rehearsed {
  public:
-  /// What to run; may throw. It has to end soon after `stop` became true.
-  using Run = std::function<void(const Options& options, const std::atomic<bool>& stop)>;
-  Rehearsal() = default;
-  Rehearsal(const Rehearsal&) = delete;
-  Rehearsal& operator=(const Rehearsal&) = delete;
-  ~Rehearsal() { end(); }
-
-  /// Starts the run, unless one is under way or has been made for such options.
-  void start(const Options& options, const Run& run);
-  /// Waits so long at most; whether no run is under way. Throws what the last one threw, once.
-  bool wait(std::chrono::milliseconds most);
-  /// Stops the run and waits for it.
-  void end();
+  bool has(const Options& options) const { return kinds_.count(kind(options)) > 0; }
+  void add(const Options& options) { kinds_.insert(kind(options)); }
 
  private:
-  std::atomic<bool> stop_{false};
-  std::future<void> run_;
-  std::set<std::array<int, 3>> made_;
+  static std::array<int, 3> kind(const Options& options) {
+    return {static_cast<int>(options.crossing), options.domain != Domain::hull, options.regions};
+  }
+  std::set<std::array<int, 3>> kinds_;
 };
 
 }  // namespace gcdt

@@ -325,9 +325,9 @@ bool Schedule::needless(const std::shared_ptr<Pack>& pack) {
   return cancelled_ || pack->done;
 }
 
-bool Schedule::over() {
+bool Schedule::cancelled() {
   const Lock lock(mutex_);
-  return cancelled_ || unsettled_ == 0;
+  return cancelled_;
 }
 
 void Schedule::cancel() {

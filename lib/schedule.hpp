@@ -100,8 +100,7 @@ class Schedule {
   /// Whether a run of the pack may stop.
   bool needless(const std::shared_ptr<Pack>& pack);
   void cancel();
-  /// Whether nothing is left to do, or all is cancelled.
-  bool over();
+  bool cancelled();
 
   /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all is.
   double wait();

@@ -31,8 +31,8 @@ struct Tuning {
   std::optional<bool> prepares_host_memory;
   /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).
   std::optional<std::uint32_t> lanes;
-  /// Whether a pool has the device's kernels launched once before a batch depends on them (rehearsal.hpp); none: on a
-  /// CPU beside GPUs, which do not wait for it.
+  /// Whether a pool has all the device's kernels launched once in the first batch (rehearsal.hpp), while others work on
+  /// it; none: of a CPU beside GPUs.
   std::optional<bool> rehearses;
 };
 
