@@ -171,11 +171,12 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
     made->made = pool->devices->triangulate(read.batch, wanted);
     gcdt_batch_statistics& s = made->statistics;
     s.problems = read.batch.problems;
-    for (std::uint64_t p = 0; p < s.problems; ++p) {
-      s.failed += made->made.errors[p].has_value();
-      s.triangles += view(*made, p, GCDT_TRIANGLES).count;
-      s.vertices += read.batch.n(p), s.constraints += read.batch.m(p);
+    if (s.problems > 0) {
+      s.vertices = read.batch.vertex_offsets[s.problems] - read.batch.vertex_offsets[0];
+      s.constraints = read.batch.constraint_offsets[s.problems] - read.batch.constraint_offsets[0];
     }
+    for (const std::optional<Error>& error : made->made.errors) s.failed += error.has_value();
+    for (const ForestResult& result : made->made.results) s.triangles += result.triangles();
     s.ms_full = made->made.milliseconds;
     *batch = made.release();
   });

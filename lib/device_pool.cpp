@@ -27,9 +27,13 @@ constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 // own: NVIDIA's driver has one lock for a context, and lanes that share it wait for one another (bench/NOTES.md).
 constexpr std::uint32_t gpu_lanes = 3;
 
-// Problems of a rehearsal's runs: so many that each is one work-item's, so few that all have less than
-// Tuning::few_vertices, and one, whose phases are those of a large one.
-constexpr std::uint32_t least_rehearsed = 512, few_rehearsed = 8;
+// Each time that a lane waits the GPU changes to another one's context, which costs more than rounds that find nothing.
+constexpr std::uint32_t gpu_rounds_per_read = 16;
+
+// A rehearsal runs so many problems that each is one work-item's; so few that all have less than Tuning::few_vertices;
+// one; and one beside which others count for nothing, so that they go through all phases together, small and so large
+// that no work-group sorts it by itself.
+constexpr std::uint32_t least_rehearsed = 512, large_rehearsed = 20000;
 
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
@@ -87,12 +91,15 @@ void DevicePool::open(Member member, std::size_t device) {
   })
                              : Trace();
   const std::uint32_t count = lanes_of(member);
+  std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
+  if (runtime::describe(member.device).is_gpu) rounds = std::max(rounds, gpu_rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
   for (std::uint32_t number = 0; number < count; ++number) {
     Lane lane;
     lane.device = device;
     lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
     lane.runtime->build_for_forests();
+    lane.runtime->time_steps(lane.runtime->tracer().on());
     lane.runtime->tracer().set_lane(first + number * devices, number);
     lane.primitives = std::make_unique<Primitives>(*lane.runtime);
     lane.staging = std::make_unique<Staging>(*lane.runtime);
@@ -262,9 +269,11 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
   lane.runtime->give_up_when([&schedule] { return schedule.cancelled(); });
   try {
     const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
-    for (const std::uint32_t problems : {many, few_rehearsed, 1u}) {
-      const RehearsalBatch batch(problems);
-      std::vector<std::uint32_t> all(problems);
+    const std::vector<std::uint32_t> runs[] = {
+        std::vector<std::uint32_t>(many, 40), std::vector<std::uint32_t>(8, 40), {40}, {60, 40}, {large_rehearsed, 40}};
+    for (const std::vector<std::uint32_t>& vertices : runs) {
+      const RehearsalBatch batch(vertices);
+      std::vector<std::uint32_t> all(vertices.size());
       std::iota(all.begin(), all.end(), 0u);
       make(lane, batch.view(), std::move(all), own);
     }

@@ -40,6 +40,12 @@ struct ForestResult {
     problems.push_back(one.problems.at(0));
     alone.push_back(std::move(one));
   }
+  std::uint64_t triangles() const {
+    const auto& ends = begins[GCDT_TRIANGLES];
+    std::uint64_t count = ends.empty() ? 0 : ends.back();
+    for (const ForestResult& one : alone) count += one.triangles();
+    return count;
+  }
   /// Where the problem at that place is: in this result or one of `alone`, and its place there.
   std::pair<const ForestResult*, std::size_t> at(std::size_t place) const {
     const std::size_t together = problems.size() - alone.size();

@@ -228,7 +228,7 @@ ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, Inpu
   ForestOrdering ordering(runtime, std::move(points), ranges);
   ordering.choose_grids(fixed);
   ordering.quantise();
-  runtime.finish();
+  runtime.end_step();
   const double built = runtime.build_ms();
   const auto start = std::chrono::steady_clock::now();
   ordering.sort(primitives, n);
@@ -236,7 +236,7 @@ ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, Inpu
   ForestOrder result;
   result.ordered = ordering.number(primitives, n, coarsest_level);
   result.grids = ordering.grids();
-  runtime.finish();
+  runtime.end_step();
   result.ordered.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
                            (runtime.build_ms() - built);
   return result;

@@ -182,7 +182,12 @@ class Runtime {
   void give_up_when(std::function<bool()> needless) { needless_ = std::move(needless); }
 
   void finish();
-  /// The same without an exception.
+  /// Waits, unless nobody wants to know how long phases take: other runs use the device meanwhile.
+  void end_step() {
+    if (times_steps_) finish();
+  }
+  void time_steps(bool wanted) { times_steps_ = wanted; }
+  /// The same as finish(), without an exception.
   cl_int try_finish();
   /// Writes bytes from host memory, which may be reused on return.
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
@@ -294,6 +299,7 @@ class Runtime {
   double build_ms_ = 0;
   bool contiguous_ = false;
   bool for_forests_ = false;
+  bool times_steps_ = true;
   bool emulate_mul_hi_ = false;  ///< the device's own is wrong
 };
 

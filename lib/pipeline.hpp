@@ -111,7 +111,7 @@ void Pipeline::timed(const char* phase, double& ms, Step&& step) {
   const double built = runtime_.build_ms();
   const auto start = std::chrono::steady_clock::now();
   step();
-  runtime_.finish();
+  runtime_.end_step();
   ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
         (runtime_.build_ms() - built);
   runtime_.tracer().end_phase();

@@ -11,12 +11,12 @@
 
 namespace gcdt {
 
-/// Problems that take a lane through all that others may: of 40 vertices each, two of them equal, with a constraint
-/// that crosses edges and has a vertex inside, one that overlaps it, one of length 0, and in every fourth one that
-/// crosses.
+/// Problems that take a lane through all that others may, on all kinds of grids: of so many vertices each, 40 or more,
+/// of which two are equal, with a constraint that crosses edges and has a vertex inside, one that overlaps it, one of
+/// length 0, and a ring within a ring; in every fourth one that crosses the first, in every eighth only these two.
 class RehearsalBatch {
  public:
-  explicit RehearsalBatch(std::uint32_t problems);
+  explicit RehearsalBatch(const std::vector<std::uint32_t>& vertices);
   BatchInput view() const;
 
  private:

@@ -12,7 +12,8 @@ struct Tuning {
   /// work-group, large enough that the levels below it would cost more launches than they save flips. (Four levels of
   /// a million vertices are 7 % faster where they are random, and 45 % slower on a grid.)
   std::uint32_t coarsest_level = 256;
-  /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds.
+  /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
+  /// on a pool's GPUs: device_pool.cpp.)
   std::uint32_t rounds_per_read = 4;
   /// Parts of constraints beyond one each, at most; none: by the device (walk.cpp). 0: one work-item a constraint.
   std::optional<std::uint32_t> part_pool;

@@ -312,6 +312,7 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
     runtime::CallHook hook = failing(calls, k, for_good, code);
     hook.tuning.lanes = 2;
     hook.tuning.prepares_host_memory = true;  // as on a GPU
+    hook.tuning.rounds_per_read = 16;
     return hook;
   };
   *calls = 0;
@@ -420,7 +421,11 @@ TEST_CASE("a device that rehearses has launched all kernels of packs in the firs
       pool.triangulate(nothing.view(), options);
       CHECK(watch.launches > launches);
       const std::set<std::string> before = watch.kernels;
-      call_until_it_helps(pool, sketches(300, true), options);
+      std::vector<Workload> problems = sketches(300, true);
+      for (const std::size_t n : {30000, 12000, 3000, 900}) problems.push_back(uniform(n));
+      problems.push_back(workload("random_pslg", 60));
+      problems.push_back(workload("random_pslg", 100));
+      call_until_it_helps(pool, problems, options);
       std::string further;
       for (const std::string& kernel : watch.kernels)
         if (before.count(kernel) == 0) further += " " + kernel;
