@@ -2,11 +2,11 @@
 // Phases 1 and 3 for CPUs, where a work-item is a thread's loop over thousands of neighbouring vertices or edges
 // (GCDT_CONTIGUOUS): each does what a sequential program would, and meets others only along the border of its share.
 //
-// Ownership. A work-item takes every face that it changes by try_lock, with one ticket for the whole launch, and keeps
-// it to the launch's end. So no word has two writers (L1), a face once taken was not changed in this launch before
-// (what was read of it is right), and what is read of a face that is not taken may be worthless, so nothing is
-// concluded from it. What needs a face of another work-item is left to the next launch; a launch of one work-item
-// leaves nothing.
+// Ownership. A work-item takes every face that it changes by try_lock, with one ticket for the whole launch (its
+// number, which has as many bits as `bits` says), and keeps it to the launch's end. So no word has two writers (L1), a
+// face once taken was not changed in this launch before (what was read of it is right), and what is read of a face that
+// is not taken may be worthless, so nothing is concluded from it. What needs a face of another work-item is left to the
+// next launch; a launch of one work-item leaves nothing.
 #include "flip.h"
 #include "split_face.h"
 

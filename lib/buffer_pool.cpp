@@ -89,6 +89,7 @@ std::size_t BufferPool::add(Runtime& runtime, const char* name, std::size_t want
   if (is_shortage(code)) {
     const std::uint64_t before = meter_.held;
     trim();
+    runtime.try_finish();  // what was trimmed may be in use until then
     if (meter_.held < before) code = try_to_make(runtime, name, bytes, entry.memory);
   }
   if (code != CL_SUCCESS) runtime.fail("clCreateBuffer", name, code);

@@ -69,9 +69,6 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
     }
   }
   if (all_lost()) throw_reasons();
-  const bool gpus = has_gpus();
-  for (Lane& lane : lanes_)
-    lane.rehearses = lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu);
 }
 
 bool DevicePool::has_gpus() const {
@@ -163,6 +160,10 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   if (options.grid) fixed_grid(*options.grid);
   if (all_lost()) throw_reasons();
   for (Lane& lane : lanes_) lane.report = {};
+  const bool gpus = has_gpus();
+  for (Lane& lane : lanes_)
+    lane.rehearses =
+        lane.runtime && lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu);
   const std::vector<LaneShare> lanes = shares();
   Schedule schedule(batch, lanes);
   std::vector<std::thread> threads;
@@ -269,8 +270,12 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
   lane.runtime->give_up_when([&schedule] { return schedule.cancelled(); });
   try {
     const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
-    const std::vector<std::uint32_t> runs[] = {
+    std::vector<std::vector<std::uint32_t>> runs = {
         std::vector<std::uint32_t>(many, 40), std::vector<std::uint32_t>(8, 40), {40}, {60, 40}, {large_rehearsed, 40}};
+    if (options.crossing == Crossing::split) {  // large ones that cross go alone: of decimals, and to be rounded
+      runs.emplace_back(12, 40);
+      runs.back()[7] = runs.back()[11] = large_rehearsed;
+    }
     for (const std::vector<std::uint32_t>& vertices : runs) {
       const RehearsalBatch batch(vertices);
       std::vector<std::uint32_t> all(vertices.size());

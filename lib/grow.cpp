@@ -16,6 +16,11 @@ constexpr std::uint32_t least_vertices = 1024, shares_per_unit = 4;
 constexpr std::uint32_t joined = 4;
 constexpr std::uint32_t walk_beside_others = 4096;
 
+// Tickets are numbers of work-items, of which a launch may have more than the mesh has edges (Owner in grow.cl).
+Stamps stamps_of(const runtime::Runtime& runtime, const Mesh& mesh) {
+  return Stamps(std::max(mesh.edges(), runtime.most_work_items()));
+}
+
 /// The insertion of consecutive vertices, round by round.
 class Growth {
  public:
@@ -42,7 +47,7 @@ class Growth {
   /// All problems of a forest, each by one work-item.
   void insert_problems() {
     counters_.zero();
-    Stamps stamps(mesh_.edges());
+    Stamps stamps = stamps_of(runtime_, mesh_);
     const cl_uint stamp = stamps.take(), limit = mesh_.faces();
     runtime_.launch("grow", "grow_problems", runtime::over_large(mesh_.roots), cl_uint{mesh_.roots}, limit, stamp,
                     stamps.bits(), vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data,
@@ -67,7 +72,7 @@ class Growth {
   /// Returns how many vertices are left.
   std::uint32_t round(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
     if (begin > 0) counters_.zero();
-    Stamps stamps(mesh_.edges());
+    Stamps stamps = stamps_of(runtime_, mesh_);
     stamps.go_on_above(mesh_.claims_below);
     if (stamps.left() == 0) {
       clear_claims(runtime_, mesh_, mesh_.faces(end));
@@ -134,7 +139,7 @@ GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh&
 FlipResult grow_flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
                      PhaseCounters& counters, Ticker& ticker) {
   counters.zero();
-  Stamps stamps(mesh.edges());
+  Stamps stamps = stamps_of(runtime, mesh);
   stamps.go_on_above(mesh.claims_below);
   if (stamps.left() == 0) {
     clear_claims(runtime, mesh, mesh.faces());

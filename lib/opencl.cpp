@@ -74,8 +74,9 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
               : contiguous_ ? Geometry{1, units * shares_per_unit, 1, least_share}
                             : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
-  if (contiguous_ && hook_.tuning.one_width.value_or(loads_code_by_width(info_))) {
-    widest_ = compute_units_of_root(device_) * shares_per_unit;
+  const cl_uint all_shares = compute_units_of_root(device_) * shares_per_unit;
+  widest_ = contiguous_ ? hook_.tuning.width.value_or(loads_code_by_width(info_) ? all_shares : 0) : 0;
+  if (widest_ > 0) {
     ++loaded_by_width;
     present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });
   }

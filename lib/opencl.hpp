@@ -216,6 +216,10 @@ class Runtime {
     if (log_) log_(level, message.c_str());
   }
   Geometry& geometry() { return geometry_; }
+  /// Work-items of a launch at most, whatever it wants.
+  cl_uint most_work_items() const {
+    return static_cast<cl_uint>(std::max(geometry_.max_groups, widest_) * std::max(geometry_.local, geometry_.single));
+  }
   Tracer& tracer() { return tracer_; }
   /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/loops.h).
   bool contiguous() const { return contiguous_; }

@@ -28,6 +28,8 @@ constexpr double least_part_of_gpu = 0.125;
 constexpr std::uint64_t most_vertices = max_vertices;
 // How long to wait before looking again whether a pack is worth stealing, and to tell progress.
 constexpr auto glance = std::chrono::milliseconds(5), beat = std::chrono::milliseconds(50);
+// The share of the work that is told while lanes are still busy: to rehearse, or to notice that they need not be.
+constexpr double most_told = 0.99;
 
 std::chrono::nanoseconds nanoseconds(double milliseconds) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(milliseconds * 1e6));
@@ -366,12 +368,13 @@ void Schedule::refuse_what_is_too_large() {
 
 double Schedule::wait() {
   Lock lock(mutex_);
-  const auto nobody = [&] {
-    return std::all_of(lanes_.begin(), lanes_.end(), [](const LaneShare& share) { return share.lost; });
+  const auto ended = [&] {
+    return std::all_of(lanes_.begin(), lanes_.end(), [](const LaneShare& share) { return share.ended; });
   };
-  if (unsettled_ > 0 && !nobody()) changed_.wait_for(lock, beat);
-  if (unsettled_ == 0 || nobody()) return 1;
-  return static_cast<double>(settled_weight_) / static_cast<double>(weight_);
+  if (!ended()) changed_.wait_for(lock, beat);
+  if (ended()) return 1;
+  const double settled = weight_ > 0 ? static_cast<double>(settled_weight_) / static_cast<double>(weight_) : 1;
+  return std::min(settled, most_told);
 }
 
 bool Schedule::left_out(std::size_t lane) {

@@ -102,7 +102,7 @@ class Schedule {
   void cancel();
   bool cancelled();
 
-  /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all is.
+  /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all lanes have ended.
   double wait();
   double speed(std::size_t lane);
   /// Whether the lane was left out of the batch, or would have been after its first pack.

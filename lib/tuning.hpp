@@ -25,8 +25,9 @@ struct Tuning {
   /// (kernels/few.cl): in less time than the launches and blocking reads take that other threads would need to help
   /// it, each of which wakes all of them (bench/NOTES.md).
   std::uint32_t few_vertices = 2048;
-  /// Whether launches are of one width while there are several runtimes; none: where the driver needs it (opencl.cpp).
-  std::optional<bool> one_width;
+  /// Work-groups of launches while there are several runtimes, where a work-item is a thread; 0: as many as they want;
+  /// none: where the driver needs them to be of one width, as many as the widest has (opencl.cpp).
+  std::optional<std::uint32_t> width;
   /// Whether a pool's runs write through memory of the driver's own, and have the room for their results made while the
   /// device works (upload.hpp, forest_copy.hpp); none: where the device's threads are not the host's, on GPUs.
   std::optional<bool> prepares_host_memory;

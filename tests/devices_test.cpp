@@ -183,7 +183,7 @@ void small_work(runtime::Runtime& runtime) {
 /// Scans of more and more items, with launches of one width for all where there is another runtime.
 void widening_work(const cl::Device& device) {
   runtime::CallHook hook;
-  hook.tuning.one_width = true;  // whatever the driver
+  hook.tuning.width = 4096;  // whatever the driver
   runtime::Runtime runtime(device, hook);
   Primitives primitives(runtime);
   for (std::size_t n = 64; n <= 64 * 64; n += 64) {

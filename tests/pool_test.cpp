@@ -381,6 +381,11 @@ std::vector<Workload> sketches(std::size_t count, bool crossing) {
   std::vector<Workload> all;
   for (std::size_t i = 0; i < count; ++i) {
     all.push_back(workload("random_pslg", 4 + i % 5));
+    if (crossing && i == 0) {  // one that is large
+      all.push_back(uniform(5000));
+      all.back().points.insert(all.back().points.end(), {{-1, -1}, {2, 2}, {-1, 2}, {2, -1}});
+      all.back().constraints = {{5000, 5001}, {5002, 5003}};
+    }
     if (crossing && i % 3 == 0) all.push_back(problem({{0, 0}, {4, 4}, {0, 4}, {4, 1}}, {{0, 1}, {2, 3}}));
   }
   return all;
@@ -472,15 +477,30 @@ TEST_CASE("a device that rehearses does the work of those that are lost, and may
   }
 }
 
-TEST_CASE("launches wider than they need to be give the same bytes") {
+TEST_CASE("launches wider than they need to be give the same bytes, also of meshes with fewer edges") {
   std::vector<Workload> problems = valid_problems();
   problems.push_back(uniform(40000));
   const RaggedBatch batch(problems);
   const std::vector<Triangulation> expected = Alone(problems).meshes;
   runtime::CallHook hook = healthy();
-  hook.tuning.one_width = true;
+  hook.tuning.width = 1024;
   DevicePool two({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), hook}}, {}, {});
   for (int round = 0; round < 3; ++round) CHECK(outcome_of(two, batch, expected).right);
+  for (std::uint32_t n = 3; n < 40; ++n) {
+    CAPTURE(n);
+    Workload small = uniform(n);
+    small.constraints = {{0, n - 1}};
+    const std::vector<Workload> one = {small};
+    CHECK(outcome_of(two, RaggedBatch(one), Alone(one).meshes).right);
+  }
+}
+
+TEST_CASE("tickets of work-items do not run into the stamps, however wide launches are") {
+  runtime::CallHook hook = healthy();
+  hook.tuning.width = 1000;
+  const runtime::Runtime runtime(app_device(), hook);
+  CHECK(runtime.most_work_items() >= 1000);
+  CHECK((std::uint64_t{1} << Stamps(runtime.most_work_items()).bits()) >= runtime.most_work_items());
 }
 
 TEST_CASE("a device may be used but for some of its compute units") {

@@ -39,11 +39,11 @@ typedef struct gcdt_pool_options {
  * takes their results (in a context of the application's all share that), each with 2 MiB of pinned host memory and, in
  * large runs, a second thread that makes room for results; in traces lane k of a device has the number of the device
  * plus k times the number of devices. Of a CPU beside GPUs all cores but two for each such lane are used, if it can be
- * divided. In the first call, and the first with other rules for crossings or domains, it launches what it may need for
- * problems of the pool's own while the GPUs work, since its driver may compile kernels only then, for seconds: such a
- * call lasts as long, and no later one does. If it is slower than an eighth of a GPU it sits out most calls, unless it
- * is needed. Devices that fail are reported (gcdt_pool_device_get); an error only if all do. `options` may be
- * null. */
+ * divided. The CPU's driver may compile kernels only when they are first launched, for seconds: so, before it takes
+ * part in a first call with given rules for crossings, domains or regions, the CPU launches what it may need for
+ * problems of the pool's own, while the GPUs work; that call, whatever its batch, does not return before this is done
+ * or the call is cancelled. If the CPU is slower than an eighth of a GPU it sits out most calls, unless it is needed.
+ * Devices that fail are reported (gcdt_pool_device_get); an error only if all do. `options` may be null. */
 GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
 
 /* Null is allowed. Batches may be released before or after. */
