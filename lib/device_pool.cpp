@@ -282,6 +282,8 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
       std::iota(all.begin(), all.end(), 0u);
       make(lane, batch.view(), std::move(all), own);
     }
+    const RehearsalBatch crossing(std::vector<std::uint32_t>(8, 40));
+    make(lane, crossing.view(), {7}, own);  // few pieces, each against each
     lane.rehearsed.add(own);
   } catch (const Shortage&) {
     settle(lane);
