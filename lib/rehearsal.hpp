@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lane runs before the first batch, so that a driver that compiles kernels when they are first launched (PoCL:
-// seconds) does not do so in a later one.
+// What a lane runs before its part of the first batch, so that a driver that compiles kernels when they are first
+// launched (PoCL: seconds) does not do so in a later one.
 #pragma once
 
 #include <array>

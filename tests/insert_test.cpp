@@ -2,6 +2,7 @@
 // Postconditions of the insert and flip phases.
 #include "insert.hpp"
 #include "flip.hpp"
+#include "grow.hpp"
 #include "mesh_fixture.hpp"
 
 using namespace fixture;
@@ -48,5 +49,36 @@ TEST_CASE("every level leaves a valid mesh, and flips leave no illegal edge") {
         CAPTURE(runtime.info().name);
         triangulate(runtime, make_points(kind, n, 7), 64);
       }
+  }
+}
+
+TEST_CASE("work-items beyond the edges of a small mesh claim with words that later claims are above") {
+  runtime::CallHook hook;
+  hook.tuning.width = 1000;
+  for (const cl::Device& device : devices_under_test()) {
+    runtime::Runtime runtime(device, hook), other(device, hook);  // two, so that every launch is wide
+    if (!runtime.contiguous()) continue;                          // others have no grow_insert
+    for (std::uint32_t n = 3; n < 40; ++n) {
+      CAPTURE(n);
+      std::vector<Point> points = make_points("uniform", n, 7);
+      const Vertices vertices = upload(runtime, points, 64);
+      const Mesh mesh = make_mesh(runtime, vertices.n());
+      const WorkLists lists = make_work_lists(runtime, vertices.n());
+      PhaseCounters counters(runtime);
+      Ticker ticker;
+      grow(runtime, vertices, mesh, lists, counters, vertices.n(), ticker);
+      const HostMesh grown = download(runtime, mesh, points, vertices.n());
+      CHECK(invalid_reason(grown, vertices.n()) == "");
+      CHECK(illegal_edges(grown) == 0);
+      std::vector<cl_uint4> records(2 * std::size_t{mesh.faces()});
+      runtime.read(mesh.face_data, records.data(), records.size());
+      cl_uint claimed = 0;
+      for (std::uint32_t face = 0; face < mesh.faces(); ++face) {
+        const cl_uint claim = records[GCDT_CORNERS(face)].s[3];
+        claimed += claim > 0;
+        CHECK(claim < mesh.claims_below);
+      }
+      CHECK(claimed > 0);
+    }
   }
 }
