@@ -144,7 +144,7 @@ int32_t gcdt_cl_batch_copy(const gcdt_batch* batch, int32_t array, cl_command_qu
     require(batch, "batch is null");
     TheirQueue writes(queue, wait_count, wait_list);
     const std::size_t bytes = gcdt_element_bytes(array);
-    const std::size_t problems = batch->made.errors.size();
+    const std::size_t problems = batch->made.places.size();
     std::vector<std::uint64_t> begins(problems + 1);
     const auto copy = [&](void* to, std::uint64_t room) { copy_batch(*batch, array, to, room, begins.data()); };
     copy(nullptr, 0);

@@ -70,7 +70,7 @@ View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
   const std::size_t bytes = gcdt_element_bytes(array);
   if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
   const auto kind = static_cast<std::size_t>(array);
-  if (batch.made.errors[problem] || kind >= ForestResult::array_count) return {};
+  if (batch.made.errors.count(static_cast<std::uint32_t>(problem)) > 0 || kind >= ForestResult::array_count) return {};
   const auto [result, place] = place_of(batch, problem);
   if (result->begins[kind].empty()) return {};
   const std::uint64_t begin = result->begins[kind][place], end = result->begins[kind][place + 1];
@@ -79,9 +79,9 @@ View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
 
 void require_problem(const gcdt_batch* batch, std::uint64_t problem) {
   require(batch, "batch is null");
-  if (problem >= batch->made.errors.size())
+  if (problem >= batch->made.places.size())
     throw Error(Status::invalid_argument, "there is no problem " + std::to_string(problem) + " in a batch of " +
-                                              std::to_string(batch->made.errors.size()));
+                                              std::to_string(batch->made.places.size()));
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ Error too_small(std::uint64_t elements, std::uint64_t capacity) {
 
 void copy_batch(const gcdt_batch& batch, std::int32_t array, void* destination, std::uint64_t capacity,
                 std::uint64_t* offsets) {
-  const std::uint64_t problems = batch.made.errors.size(), bytes = gcdt_element_bytes(array);
+  const std::uint64_t problems = batch.made.places.size(), bytes = gcdt_element_bytes(array);
   if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
   std::uint64_t all = 0;
   for (std::uint64_t p = 0; p < problems; ++p) all += view(batch, p, array).count;
@@ -175,7 +175,7 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
       s.vertices = read.batch.vertex_offsets[s.problems] - read.batch.vertex_offsets[0];
       s.constraints = read.batch.constraint_offsets[s.problems] - read.batch.constraint_offsets[0];
     }
-    for (const std::optional<Error>& error : made->made.errors) s.failed += error.has_value();
+    s.failed = made->made.errors.size();
     for (const ForestResult& result : made->made.results) s.triangles += result.triangles();
     s.ms_full = made->made.milliseconds;
     *batch = made.release();
@@ -189,11 +189,13 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
     require_problem(batch, problem);
     gcdt_problem c = {};
     c.message = "";
-    if (const std::optional<Error>& error = batch->made.errors[problem]) {
-      c.status = code_of(*error);
-      c.message = error->what();
-      c.indices = error->indices().data(), c.index_count = error->indices().size();
-      c.pair_count = error->pair_count();
+    const auto& errors = batch->made.errors;
+    if (const auto found = errors.find(static_cast<std::uint32_t>(problem)); found != errors.end()) {
+      const Error& error = found->second;
+      c.status = code_of(error);
+      c.message = error.what();
+      c.indices = error.indices().data(), c.index_count = error.indices().size();
+      c.pair_count = error.pair_count();
       c.grid = write_grid(Grid());
     } else {
       const auto [result, place] = place_of(*batch, problem);

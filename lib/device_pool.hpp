@@ -20,7 +20,7 @@ struct DeviceReport {
 struct PoolResult {
   std::vector<ForestResult> results;
   std::vector<Schedule::Place> places;
-  std::vector<std::optional<Error>> errors;  ///< by problem; with one, the place says nothing
+  std::map<std::uint32_t, Error> errors;  ///< by problem; with one, the place says nothing
   double milliseconds = 0;
 };
 
@@ -50,7 +50,7 @@ class DevicePool {
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
-    double speed = 0;
+    Speed speed;
     SittingOut sitting_out;
     DeviceReport report;     ///< its part in the last batch
     bool rehearses = false;  ///< before it takes part in the first batch

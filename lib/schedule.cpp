@@ -15,8 +15,9 @@ using Clock = std::chrono::steady_clock;
 constexpr double first_weight = 20000;
 // A pack should take so long at least: below, launches that find no work are the time. And of what a lane would have of
 // the rest it takes this part at once, as far as speeds can be trusted. 20 ms and a half: a fifth slower
-// (bench/NOTES.md, "Batches").
-constexpr double least_milliseconds = 40, part_of_rest = 0.8;
+// (bench/NOTES.md, "Batches"). If the end is no farther than this, it takes all of it, and if it would leave less than
+// a lane does in that time, it takes the rest as well.
+constexpr double least_milliseconds = 40, part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10;
 // A thief must be sure to win.
 constexpr double theft_margin = 1.5;
 // Stealing takes so long at least.
@@ -39,7 +40,6 @@ std::chrono::nanoseconds nanoseconds(double milliseconds) {
 
 Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batch_(batch), lanes_(std::move(lanes)) {
   places.resize(batch.problems);
-  errors.resize(batch.problems);
   unsettled_ = batch.problems;
   bytes_.reserve(batch.problems);
   waiting_.reserve(batch.problems);
@@ -108,36 +108,55 @@ std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
   }
 }
 
+// Lanes of one device are alike: the mean of those that have been measured; 0 if none has.
+double Schedule::speed_of(std::size_t device) const {
+  double speeds = 0, known = 0;
+  for (const LaneShare& share : lanes_)
+    if (share.device == device && share.speed.known()) speeds += share.speed.value(), ++known;
+  return known > 0 ? speeds / known : 0;
+}
+
+// When all would be done if the rest were shared out so that they end together. The lane, which has a speed, is idle.
+double Schedule::milliseconds_of_rest(std::size_t lane) const {
+  std::vector<BusyLane> lanes(lanes_.size());
+  for (std::size_t i = 0; i < lanes_.size(); ++i)
+    if (i == lane || (!lanes_[i].lost && !lanes_[i].left_out)) lanes[i].speed = speed_of(lanes_[i].device);
+  for (const auto& pack : running_) {
+    const std::chrono::duration<double, std::milli> left = remaining(*pack);
+    if (!pack->done) lanes[pack->owner].milliseconds = left.count();
+  }
+  return common_end(std::move(lanes), static_cast<double>(waiting_weight_));
+}
+
 // Of a pack of several problems, as far as the lane alone is concerned.
 double Schedule::wanted_weight(std::size_t lane) const {
   const LaneShare& share = lanes_[lane];
   const auto rest = static_cast<double>(waiting_weight_);
-  double speeds = 0, alive = 0;
+  double alive = 0;
   bool alike = true;
-  for (const LaneShare& other : lanes_) {
-    if (other.lost) continue;
-    speeds += other.speed, ++alive;
-    alike = alike && other.device == share.device;
-  }
+  for (const LaneShare& other : lanes_)
+    if (!other.lost) ++alive, alike = alike && other.device == share.device;
   if (alive == 1) return rest;
-  const bool measured = share.speed > 0;
-  const double least = measured ? share.speed * least_milliseconds : first_weight;
-  const double part = share.started ? 1 : share.first_part;
-  if (alike) return std::max(least, rest / alive * part_of_rest) * part;
-  if (!measured) return std::min(least, rest / alive) * part;
-  return std::max(least, rest * share.speed / speeds * part_of_rest) * part;
+  const double part = share.started ? 1 : share.first_part, speed = speed_of(share.device);
+  if (speed <= 0)
+    return part * (alike ? std::max(first_weight, rest / alive * part_of_rest) : std::min(first_weight, rest / alive));
+  const double end = milliseconds_of_rest(lane);
+  if (!share.started && end > least_milliseconds)
+    return part * speed * std::max(least_milliseconds, end * part_of_rest);
+  const double wanted = speed * (end <= last_milliseconds ? end : std::max(least_milliseconds, end * part_of_rest));
+  return rest - wanted < speed * least_left_milliseconds ? rest : wanted;
 }
 
 // Whether the lane is a CPU's that only disturbs a GPU which could take problem p.
 bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
   const LaneShare& share = lanes_[lane];
-  if (!share.beside_gpus || share.speed <= 0) return false;
+  if (!share.beside_gpus || !share.speed.known()) return false;
   std::map<std::size_t, double> speeds;  // of devices
   for (const LaneShare& other : lanes_)
     if (!other.beside_gpus && !other.lost && other.capacity >= bytes(p) && other.refused.count(p) == 0)
-      speeds[other.device] += other.speed;
+      speeds[other.device] += other.speed.value();
   return std::any_of(speeds.begin(), speeds.end(),
-                     [&](const auto& device) { return share.speed < device.second * least_part_of_gpu; });
+                     [&](const auto& device) { return share.speed.value() < device.second * least_part_of_gpu; });
 }
 
 // Lanes that are to end still have memory.
@@ -158,7 +177,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   if (leaves(lane, *begin)) {
     lanes_[lane].left_out = true;
     if (share.started) return nullptr;
-    wanted = std::min(wanted, std::max(first_weight, share.speed * least_milliseconds));
+    wanted = std::min(wanted, std::max(first_weight, share.speed.value() * least_milliseconds));
   }
   auto pack = std::make_shared<Pack>();
   const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
@@ -191,7 +210,8 @@ Clock::duration Schedule::remaining(const Pack& pack) {
 // The pack of another device that will be done last, if this one would be done with it well before.
 std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
   const LaneShare& share = lanes_[lane];
-  if (share.speed <= 0) return nullptr;
+  const double speed = speed_of(share.device);
+  if (speed <= 0) return nullptr;
   std::shared_ptr<Pack> latest;
   for (const auto& pack : running_)
     if (!pack->done && pack->runners == 1 && lanes_[pack->owner].device != share.device &&
@@ -201,7 +221,7 @@ std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
   if (bytes(*latest) > share.capacity) return nullptr;
   for (const std::uint32_t p : share.refused)
     if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
-  const double own = std::max(static_cast<double>(latest->weight) / share.speed, least_theft_milliseconds);
+  const double own = std::max(static_cast<double>(latest->weight) / speed, least_theft_milliseconds);
   if (nanoseconds(own * theft_margin) >= remaining(*latest)) return nullptr;
   start(lane, latest, false);
   return latest;
@@ -211,7 +231,7 @@ void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool f
   ++pack->runners;
   if (!first) return;
   pack->owner = lane;
-  const double speed = lanes_[lane].speed;
+  const double speed = speed_of(lanes_[lane].device);
   pack->began = pack->due = Clock::now();
   if (speed > 0) pack->due += nanoseconds(static_cast<double>(pack->weight) / speed);
   running_.push_back(pack);
@@ -220,17 +240,14 @@ void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool f
 bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
                       std::vector<std::pair<std::uint32_t, Error>> own_errors, double milliseconds) {
   const Lock lock(mutex_);
-  // The latest run counts most: sizes change in the course of a batch.
-  const double measured = static_cast<double>(pack->weight) / std::max(milliseconds, 1e-3);
-  double& speed = lanes_[lane].speed;
-  speed = speed > 0 ? (speed + 2 * measured) / 3 : measured;
+  lanes_[lane].speed.add(static_cast<double>(pack->weight), milliseconds);
   const bool first = !pack->done;
   if (first) {
     pack->done = true;
     const auto number = static_cast<std::uint32_t>(results.size());
     for (std::uint32_t i = 0; i < result.problems.size(); ++i) {
       places[result.problems[i]] = {number, i};
-      settle(result.problems[i], std::nullopt);
+      settle(result.problems[i]);
     }
     for (auto& [p, error] : own_errors) settle(p, std::move(error));
     results.push_back(std::move(result));
@@ -239,8 +256,12 @@ bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, Fores
   return first;
 }
 
-void Schedule::settle(std::uint32_t p, std::optional<Error> error) {
-  errors[p] = std::move(error);
+void Schedule::settle(std::uint32_t p, Error error) {
+  errors.emplace(p, std::move(error));
+  settle(p);
+}
+
+void Schedule::settle(std::uint32_t p) {
   settled_weight_ += weight(p);
   --unsettled_;
 }
@@ -316,8 +337,8 @@ void Schedule::drop(std::size_t lane, const std::shared_ptr<Pack>& pack) {
   if (pack->owner == lane && pack->done) {
     const std::chrono::duration<double, std::milli> took = Clock::now() - pack->began;
     const double most = static_cast<double>(pack->weight) / std::max(took.count(), 1e-3);
-    double& speed = lanes_[lane].speed;
-    if (speed <= 0 || most < speed) speed = most;
+    Speed& speed = lanes_[lane].speed;
+    if (!speed.known() || most < speed.value()) speed = Speed(most);
   }
   put_back(pack);
 }
@@ -382,7 +403,7 @@ bool Schedule::left_out(std::size_t lane) {
   return lanes_[lane].left_out;
 }
 
-double Schedule::speed(std::size_t lane) {
+Speed Schedule::speed(std::size_t lane) {
   const Lock lock(mutex_);
   return lanes_[lane].speed;
 }

@@ -6,19 +6,25 @@
 #include <chrono>
 #include <condition_variable>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 
 #include "forest.hpp"
+#include "speed.hpp"
 
 namespace gcdt {
+
+/// What a problem costs beside its vertices and constraints, in the same measure: about 0.7 microseconds on the host
+/// and on an H200, which does 70 vertices and constraints in each (bench/NOTES.md, "Batches").
+constexpr std::uint64_t problem_weight = 48;
 
 /// Problems that go to a lane together.
 struct Pack {
   std::vector<std::uint32_t> problems;
-  std::uint64_t weight = 0;  ///< vertices and constraints, and one for each problem
+  std::uint64_t weight = 0;  ///< vertices and constraints, and `problem_weight` for each problem
   // Under the schedule's lock:
   bool done = false;
   unsigned runners = 0;                              ///< lanes at it
@@ -32,7 +38,7 @@ struct LaneShare {
   std::uint64_t capacity = 0;     ///< bytes; a problem that needs more is not taken
   std::uint64_t most_bytes = 0;   ///< of a pack of several problems
   std::uint64_t most_weight = 0;  ///< likewise
-  double speed = 0;               ///< weight a millisecond; 0: not measured yet
+  Speed speed;                    ///< as far as it is known
   /// Its first pack is this much of what it would take: lanes of a device that begin with different ones do not stay in
   /// step, all of them on the host or all on the device.
   double first_part = 1;
@@ -45,31 +51,11 @@ struct LaneShare {
   std::set<std::uint32_t> refused;  ///< problems that turned out to need more
 };
 
-/// In which calls a lane that was too slow to be of use sits out: 1 after it was measured, then 2, 4 ... up to 64 in a
-/// row, since speeds may change in the course of a process, but not often.
-class SittingOut {
- public:
-  bool now() const { return calls_ > 0; }
-  /// A call is over, after which, if it took part, the lane is too slow or not.
-  void next_call(bool too_slow) {
-    if (calls_ > 0) {
-      --calls_;
-    } else if (too_slow) {
-      calls_ = next_;
-      next_ = std::min<std::uint32_t>(2 * next_, 64);
-    } else {
-      next_ = 1;
-    }
-  }
-
- private:
-  std::uint32_t calls_ = 0, next_ = 1;
-};
-
 /// One batch on its way. All members may be called by all workers.
 ///
-/// A lane takes from the front of a list in order of size, most of what its speed would give it of the rest (if it is
-/// alone, all that it can take at once), so packs shrink towards the end. A CPU beside a much faster GPU takes one
+/// A lane takes from the front of a list in order of size, most of what it would have of the rest if that were shared
+/// out so that all lanes end together (if it is alone, all that it can take at once), so packs shrink towards the end;
+/// when the end is near, all of that. A CPU beside a much faster GPU takes one
 /// small pack a call, to be measured again, and what the GPU has no memory for. When the list is empty a lane that
 /// would be done with a pack before the other device that has it takes it as well; the first result counts, the other
 /// run is cancelled. A pack that comes back, since its device is lost or has too little memory, goes into the list
@@ -104,17 +90,17 @@ class Schedule {
 
   /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all lanes have ended.
   double wait();
-  double speed(std::size_t lane);
+  Speed speed(std::size_t lane);
   /// Whether the lane was left out of the batch, or would have been after its first pack.
   bool left_out(std::size_t lane);
 
-  /// By problem, when all is settled: the result and its place there, or an error.
+  /// By problem, when all is settled: the result and its place there, unless there is an error.
   struct Place {
     std::uint32_t result = 0, place = 0;
   };
   std::vector<ForestResult> results;
   std::vector<Place> places;
-  std::vector<std::optional<Error>> errors;
+  std::map<std::uint32_t, Error> errors;
   std::uint64_t unsettled() const { return unsettled_; }
 
  private:
@@ -122,9 +108,11 @@ class Schedule {
   std::uint64_t bytes(std::uint32_t p) const { return bytes_[p]; }
   std::uint64_t bytes(const Pack& pack) const;
   bool outgrown(std::uint32_t p) const { return outgrown_.count(p) > 0; }
-  std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + 1; }
+  std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + problem_weight; }
   bool before(std::uint32_t p, std::uint32_t q) const;
   void sort_waiting();
+  double speed_of(std::size_t device) const;
+  double milliseconds_of_rest(std::size_t lane) const;
   double wanted_weight(std::size_t lane) const;
   bool leaves(std::size_t lane, std::uint32_t p) const;
   bool must_wait(std::size_t lane) const;
@@ -135,7 +123,8 @@ class Schedule {
   void start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first);
   void put_back(const std::shared_ptr<Pack>& pack);
   void stop_running(const std::shared_ptr<Pack>& pack);
-  void settle(std::uint32_t p, std::optional<Error> error);
+  void settle(std::uint32_t p);
+  void settle(std::uint32_t p, Error error);
   void refuse_what_is_too_large();
 
   const BatchInput& batch_;
