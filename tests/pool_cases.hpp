@@ -73,6 +73,18 @@ struct Alone {
     }
     CHECK(result.statistics().failed == failed);
   }
+
+  void check(const PoolResult& result) const {
+    REQUIRE(result.places.size() == meshes.size());
+    for (std::uint32_t p = 0; p < meshes.size(); ++p) {
+      CAPTURE(p);
+      const auto error = result.errors.find(p);
+      CHECK((error != result.errors.end() ? error->second.what() : std::string()) == errors[p]);
+      const Schedule::Place place = result.places[p];
+      if (errors[p].empty())
+        CHECK(difference(test::part_of(result.results.at(place.result), place.place), meshes[p]) == "");
+    }
+  }
 };
 
 /// Two halves of PoCL's CPU. A device that cannot be divided is taken twice.

@@ -7,54 +7,10 @@
 #include <set>
 #include <thread>
 
-#include "device_list.hpp"
 #include "pool_cases.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
-
-namespace {
-
-// Before any test lists devices.
-const std::size_t device_count = every_device().size();
-
-std::vector<Workload> mixed_problems() {
-  std::vector<Workload> all = corpus({"ok", "crossing", "invalid"});
-  for (const Workload& problem : generated_problems()) all.push_back(problem);
-  for (const Workload& problem : smallest_problems()) all.push_back(problem);
-  return all;
-}
-
-}  // namespace
-
-TEST_CASE("the corpus, generated and smallest problems as one batch: one device, and two sub-devices") {
-  const std::vector<Workload> problems = mixed_problems();
-  const Alone alone(problems);
-  const Batch batch = batch_of(problems);
-  Pool one(testDevice());
-  alone.check(one.triangulate(batch));
-  Pool two = make_pool(half_devices());
-  REQUIRE(two.devices().size() == 2);
-  for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
-    alone.check(two.triangulate(batch));
-    std::uint64_t done = 0;
-    for (const PoolDevice& device : two.devices()) {
-      CHECK(!device.lost);
-      done += device.problems;
-    }
-    CHECK(done == problems.size());
-  }
-}
-
-TEST_CASE("devices of two vendors in one process give the same bytes") {
-  REQUIRE_MESSAGE(device_count >= 2, "this needs a second OpenCL driver (Debian and Ubuntu: mesa-opencl-icd)");
-  std::vector<Workload> problems = smallest_problems();
-  for (int i = 0; i < 40; ++i) problems.push_back(workload("random_pslg", 4 + std::size_t(i) % 5));
-  Pool all("all");
-  CHECK(all.devices().size() == device_count);
-  Alone(problems).check(all.triangulate(batch_of(problems)));
-  for (const PoolDevice& device : all.devices()) CHECK(!device.lost);
-}
 
 TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
   Pool pool(testDevice());
@@ -392,14 +348,7 @@ std::vector<Workload> sketches(std::size_t count, bool crossing) {
 }
 
 void check_call(DevicePool& pool, const std::vector<Workload>& problems, const Options& options) {
-  const Alone alone(problems, options);
-  const PoolResult result = pool.triangulate(RaggedBatch(problems).view(), options);
-  for (std::size_t p = 0; p < problems.size(); ++p) {
-    CHECK((result.errors.count(p) > 0 ? result.errors.at(p).what() : std::string()) == alone.errors[p]);
-    const Schedule::Place place = result.places[p];
-    if (result.errors.count(p) == 0)
-      CHECK(difference(test::part_of(result.results[place.result], place.place), alone.meshes[p]) == "");
-  }
+  Alone(problems, options).check(pool.triangulate(RaggedBatch(problems).view(), options));
 }
 
 }  // namespace

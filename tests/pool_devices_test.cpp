@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// The corpus as one batch on several devices, of which each does its part: the bytes that problems have alone.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#include "device_list.hpp"
+#include "pool_cases.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+// Before any test lists devices.
+const std::vector<cl::Device> all_of_them = every_device();
+
+std::vector<Workload> mixed_problems() {
+  std::vector<Workload> all = corpus({"ok", "crossing", "invalid"});
+  for (const Workload& problem : generated_problems()) all.push_back(problem);
+  for (const Workload& problem : smallest_problems()) all.push_back(problem);
+  return all;
+}
+
+/// Holds all devices of a pool but one back until that one has made a pack: a fast device would be done with the batch
+/// before a slow one has compiled its kernels.
+class Turn {
+ public:
+  void give(std::size_t device) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    holder_ = device, done_ = false;
+  }
+  runtime::CallHook hook_of(std::size_t device) {
+    runtime::CallHook hook;
+    hook.tuning.rehearses = false;
+    hook.before = [this, device](const char* call, const char* detail) {
+      if (std::string(call) == "clEnqueueNDRangeKernel") launch(device, detail);
+      return CL_SUCCESS;
+    };
+    return hook;
+  }
+
+ private:
+  // Whoever holds the turn launches the last kernel of a pack some time. If it never did, the wait ends all the same,
+  // and the device is found to have done nothing.
+  void launch(std::size_t device, const std::string& kernel) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (device == holder_) {
+      done_ = done_ || kernel == "forest_local_pieces";
+      changed_.notify_all();
+    } else {
+      changed_.wait_for(lock, std::chrono::minutes(5), [&] { return done_ || device == holder_; });
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t holder_ = 0;
+  bool done_ = true;
+};
+
+/// Every device in turn makes the first pack of a batch; then all do what they can.
+void check_each_takes_part(const std::vector<std::pair<cl::Context, cl::Device>>& devices) {
+  const std::vector<Workload> problems = mixed_problems();
+  const Alone alone(problems);
+  const RaggedBatch batch(problems);
+  Turn turn;
+  std::vector<DevicePool::Member> members;
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    members.push_back({devices[i].first, devices[i].second, turn.hook_of(i)});
+  DevicePool pool(std::move(members), {}, {});
+  for (std::size_t holder = 0; holder < devices.size(); ++holder) {
+    CAPTURE(holder);
+    turn.give(holder);
+    alone.check(pool.triangulate(batch.view(), {}));
+    CHECK(pool.report(holder).problems > 0);
+    std::uint64_t done = 0;
+    for (std::size_t i = 0; i < pool.size(); ++i) {
+      CHECK(!pool.report(i).lost);
+      done += pool.report(i).problems;
+    }
+    CHECK(done == problems.size());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the corpus, generated and smallest problems as one batch: one device") {
+  const std::vector<Workload> problems = mixed_problems();
+  Pool one(testDevice());
+  Alone(problems).check(one.triangulate(batch_of(problems)));
+}
+
+TEST_CASE("the same on two sub-devices") {
+  std::vector<std::pair<cl::Context, cl::Device>> halves;
+  for (const cl::CommandQueue& queue : half_devices())
+    halves.emplace_back(queue.getInfo<CL_QUEUE_CONTEXT>(), queue.getInfo<CL_QUEUE_DEVICE>());
+  REQUIRE(halves.size() == 2);
+  check_each_takes_part(halves);
+}
+
+TEST_CASE("the same on all devices of all vendors") {
+  REQUIRE_MESSAGE(all_of_them.size() >= 2, "this needs a second OpenCL driver (Debian and Ubuntu: mesa-opencl-icd)");
+  std::vector<std::pair<cl::Context, cl::Device>> devices;
+  for (const cl::Device& device : all_of_them) devices.emplace_back(cl::Context(), device);
+  check_each_takes_part(devices);
+}
+
+TEST_CASE("a pool of all devices by their name") {
+  const std::vector<Workload> problems = smallest_problems();
+  Pool all("all");
+  CHECK(all.devices().size() == all_of_them.size());
+  Alone(problems).check(all.triangulate(batch_of(problems)));
+  for (const PoolDevice& device : all.devices()) CHECK(!device.lost);
+}
