@@ -305,7 +305,7 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
   Lane& lane = lanes_[number];
   Options own = options;
   own.progress = {};
-  lane.runtime->give_up_when([&schedule, pack] { return schedule.needless(pack); });
+  lane.runtime->give_up_when([&schedule, pack] { return schedule.needless(*pack); });
   const auto start = Clock::now();
   const double built = lane.runtime->build_ms();
   Made made;

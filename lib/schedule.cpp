@@ -180,25 +180,37 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
     wanted = std::min(wanted, std::max(first_weight, share.speed.value() * least_milliseconds));
   }
   auto pack = std::make_shared<Pack>();
-  const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
-  std::uint64_t n = 0, m = 0;
-  auto end = begin;
-  for (; end != waiting_.end(); ++end) {
-    const std::uint64_t more_n = n + batch_.n(*end), more_m = m + batch_.m(*end);
-    const std::uint64_t problems = pack->problems.size() + 1;
-    if (problems > 1 &&
-        (outgrown(pack->problems[0]) || outgrown(*end) || static_cast<double>(pack->weight + weight(*end)) > wanted ||
-         more_n + problems > most_vertices || forest_bytes(problems, more_n, more_m) > most_bytes))
-      break;
-    pack->problems.push_back(*end);
-    pack->weight += weight(*end);
-    n = more_n, m = more_m;
-  }
+  const auto end =
+      begin + static_cast<std::ptrdiff_t>(that_fit(share, static_cast<std::size_t>(begin - waiting_.begin()), wanted));
+  pack->problems.assign(begin, end);
+  for (const std::uint32_t p : pack->problems) pack->weight += weight(p);
   waiting_.erase(begin, end);
   waiting_weight_ -= pack->weight;
   lanes_[lane].started = true;
   start(lane, pack, true);
   return pack;
+}
+
+// How many waiting problems from `begin` on make a pack, at least one. Memory is asked for at the end, and then by
+// halves, as the formula takes longer than all else here, and no lane gets on meanwhile.
+std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double most_weight) const {
+  std::vector<std::array<std::uint64_t, 2>> sums;  // vertices and constraints of so many and one
+  std::uint64_t n = 0, m = 0, all = 0;
+  for (std::size_t i = begin; i < waiting_.size(); ++i) {
+    const std::uint32_t p = waiting_[i];
+    n += batch_.n(p), m += batch_.m(p), all += weight(p);
+    const bool alone = outgrown(waiting_[begin]) || outgrown(p);
+    if (i > begin && (alone || static_cast<double>(all) > most_weight || n + i + 1 - begin > most_vertices)) break;
+    sums.push_back({n, m});
+  }
+  const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
+  const auto fits = [&](std::size_t count) {
+    return forest_bytes(count, sums[count - 1][0], sums[count - 1][1]) <= most_bytes;
+  };
+  if (fits(sums.size())) return sums.size();
+  std::size_t least = 1, most = sums.size();  // the first one fits, or is alone; `most` do not
+  while (most - least > 1) (fits(least + (most - least) / 2) ? least : most) = least + (most - least) / 2;
+  return least;
 }
 
 // Of a pack that is overdue nobody knows more than that it may take as long again.
@@ -239,29 +251,28 @@ void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool f
 
 bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
                       std::vector<std::pair<std::uint32_t, Error>> own_errors, double milliseconds) {
-  const Lock lock(mutex_);
+  Lock lock(mutex_);
   lanes_[lane].speed.add(static_cast<double>(pack->weight), milliseconds);
   const bool first = !pack->done;
-  if (first) {
-    pack->done = true;
-    const auto number = static_cast<std::uint32_t>(results.size());
-    for (std::uint32_t i = 0; i < result.problems.size(); ++i) {
-      places[result.problems[i]] = {number, i};
-      settle(result.problems[i]);
-    }
-    for (auto& [p, error] : own_errors) settle(p, std::move(error));
-    results.push_back(std::move(result));
+  if (!first) {
+    stop_running(pack);
+    return false;
   }
+  pack->done = true;
+  const auto number = static_cast<std::uint32_t>(results.size());
+  const std::vector<std::uint32_t> problems = result.problems;
+  results.push_back(std::move(result));
+  for (auto& [p, error] : own_errors) errors.emplace(p, std::move(error));
+  settled_weight_ += pack->weight;
+  unsettled_ -= pack->problems.size();
   stop_running(pack);
-  return first;
+  lock.unlock();  // nobody else writes these, nor reads them before all lanes have ended
+  for (std::uint32_t i = 0; i < problems.size(); ++i) places[problems[i]] = {number, i};
+  return true;
 }
 
 void Schedule::settle(std::uint32_t p, Error error) {
   errors.emplace(p, std::move(error));
-  settle(p);
-}
-
-void Schedule::settle(std::uint32_t p) {
   settled_weight_ += weight(p);
   --unsettled_;
 }
@@ -341,16 +352,6 @@ void Schedule::drop(std::size_t lane, const std::shared_ptr<Pack>& pack) {
     if (!speed.known() || most < speed.value()) speed = Speed(most);
   }
   put_back(pack);
-}
-
-bool Schedule::needless(const std::shared_ptr<Pack>& pack) {
-  const Lock lock(mutex_);
-  return cancelled_ || pack->done;
-}
-
-bool Schedule::cancelled() {
-  const Lock lock(mutex_);
-  return cancelled_;
 }
 
 void Schedule::cancel() {

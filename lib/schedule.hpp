@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <list>
@@ -24,9 +25,9 @@ constexpr std::uint64_t problem_weight = 48;
 /// Problems that go to a lane together.
 struct Pack {
   std::vector<std::uint32_t> problems;
-  std::uint64_t weight = 0;  ///< vertices and constraints, and `problem_weight` for each problem
+  std::uint64_t weight = 0;       ///< vertices and constraints, and `problem_weight` for each problem
+  std::atomic<bool> done{false};  ///< set under the schedule's lock, but asked before every launch
   // Under the schedule's lock:
-  bool done = false;
   unsigned runners = 0;                              ///< lanes at it
   std::size_t owner = 0;                             ///< the lane that took it first
   std::chrono::steady_clock::time_point began, due;  ///< when the owner did, and should be done; both if nobody knows
@@ -84,9 +85,9 @@ class Schedule {
   /// Whether the lane has to give its memory back before it ends.
   bool crowded_out(std::size_t lane);
   /// Whether a run of the pack may stop.
-  bool needless(const std::shared_ptr<Pack>& pack);
+  bool needless(const Pack& pack) const { return cancelled() || pack.done; }
   void cancel();
-  bool cancelled();
+  bool cancelled() const { return cancelled_; }
 
   /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all lanes have ended.
   double wait();
@@ -118,12 +119,12 @@ class Schedule {
   bool must_wait(std::size_t lane) const;
   bool crowd_out_others(std::size_t lane);
   std::shared_ptr<Pack> cut(std::size_t lane);
+  std::size_t that_fit(const LaneShare& share, std::size_t begin, double most_weight) const;
   static std::chrono::steady_clock::duration remaining(const Pack& pack);
   std::shared_ptr<Pack> steal(std::size_t lane);
   void start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first);
   void put_back(const std::shared_ptr<Pack>& pack);
   void stop_running(const std::shared_ptr<Pack>& pack);
-  void settle(std::uint32_t p);
   void settle(std::uint32_t p, Error error);
   void refuse_what_is_too_large();
 
@@ -137,7 +138,7 @@ class Schedule {
   std::uint64_t waiting_weight_ = 0, weight_ = 0, settled_weight_ = 0, unsettled_ = 0;
   std::list<std::shared_ptr<Pack>> running_;
   std::optional<Error> shortage_;  ///< the last one
-  bool cancelled_ = false;
+  std::atomic<bool> cancelled_{false};
 };
 
 }  // namespace gcdt

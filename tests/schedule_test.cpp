@@ -177,8 +177,8 @@ TEST_CASE("a lane takes over a pack of a slow device, but none of its own device
   const bool same = stolen == slow;
   CHECK(same);
   finish(schedule, 2, stolen, 500);
-  CHECK(schedule.needless(slow));
-  CHECK(!schedule.needless(second));
+  CHECK(schedule.needless(*slow));
+  CHECK(!schedule.needless(*second));
   CHECK(!schedule.finish(0, slow, result_of(*slow), {}, 1));
   finish(schedule, 1, second);
   for (std::size_t i = 0; i < 3; ++i) CHECK(bool(schedule.take(i)) == false);
@@ -197,7 +197,7 @@ TEST_CASE("a pack that is overdue is taken over, however soon it was to be done"
   const bool same = taken == first;
   CHECK(same);
   finish(schedule, 1, taken);
-  CHECK(schedule.needless(first));
+  CHECK(schedule.needless(*first));
   CHECK(!schedule.finish(0, first, result_of(*first), {}, 1));
   check_settled(schedule, 2);
 }
@@ -212,7 +212,7 @@ TEST_CASE("whose pack was done by another before it is known to be no faster tha
     const auto slow = schedule.take(0);
     finish(schedule, 1, schedule.take(1), 0.004);
     finish(schedule, 1, schedule.take(1), 0.004);  // taken over
-    CHECK(schedule.needless(slow));
+    CHECK(schedule.needless(*slow));
     schedule.drop(0, slow);
     CHECK(schedule.speed(0).known());
     CHECK(schedule.speed(0).value() < (5000.0 + problem_weight) / 5);  // no theft takes less than 5 ms
@@ -409,7 +409,7 @@ TEST_CASE("whatever lanes do, in any order, everything is settled once") {
             schedule.too_large(number, pack, shortage());
           } else if (chance == 4) {
             schedule.too_large(number, pack, shortage(), pack->problems[random() % pack->problems.size()]);
-          } else if (chance < 6 && schedule.needless(pack)) {
+          } else if (chance < 6 && schedule.needless(*pack)) {
             schedule.drop(number, pack);
           } else {
             std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
