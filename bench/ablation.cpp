@@ -138,7 +138,7 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
   return same;
 }
 
-/// A batch with several runs at once on the device, each in a context of its own, or all in one.
+/// A batch with several runs at once on the device, all in one context, or each in one of its own.
 void run_lanes(const cl::Device& device, int runs) {
   const bench::SketchBatch batch = bench::sketches(100000);
   const BatchInput input = {batch.size(),
@@ -151,8 +151,9 @@ void run_lanes(const cl::Device& device, int runs) {
               batch.size(), batch.vertices.size());
   std::printf("|---|---|---|---|---|\n");
   const auto measure_lanes = [&](std::uint32_t lanes, bool shared) {
-    DevicePool::Member member{shared ? cl::Context(device) : cl::Context(), device, {}};
+    DevicePool::Member member{cl::Context(), device, {}};
     member.hook.tuning.lanes = lanes;
+    member.hook.tuning.shares_context = shared;
     const auto start = std::chrono::steady_clock::now();
     DevicePool pool({member}, {}, {});
     double first = 0;
@@ -169,8 +170,8 @@ void run_lanes(const cl::Device& device, int runs) {
                 times[static_cast<std::size_t>(runs) / 2], static_cast<unsigned long long>(pool.report(0).runs), first);
     std::fflush(stdout);
   };
-  for (std::uint32_t lanes = 1; lanes <= 6; ++lanes) measure_lanes(lanes, false);
-  for (std::uint32_t lanes = 2; lanes <= 3; ++lanes) measure_lanes(lanes, true);
+  for (std::uint32_t lanes = 1; lanes <= 6; ++lanes) measure_lanes(lanes, true);
+  for (std::uint32_t lanes = 2; lanes <= 3; ++lanes) measure_lanes(lanes, false);
 }
 
 }  // namespace

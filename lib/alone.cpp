@@ -34,9 +34,9 @@ Points points_of(const BatchInput& batch, std::uint32_t p) {
 }
 
 /// Copies what a call has left on the device.
-class Download {
+class ResultCopy {
  public:
-  Download(Runtime& runtime, ForestResult& result) : runtime_(runtime), result_(result) {}
+  ResultCopy(Runtime& runtime, ForestResult& result) : runtime_(runtime), result_(result) {}
 
   void run(const DeviceTriangulation& made) {
     const OrderedMesh& mesh = made.mesh;
@@ -88,7 +88,7 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
   const DeviceTriangulation made = Pipeline(runtime, primitives, source, own).run();
   ForestResult result;
   runtime.tracer().begin_phase("copy");
-  Download(runtime, result).run(made);
+  ResultCopy(runtime, result).run(made);
   runtime.tracer().end_phase();
   result.problems = {number};
   result.grids = {made.statistics.grid};

@@ -18,17 +18,20 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Vertices and constraints of a pack. A CPU is fastest where a pack stays in its caches (2.0 microseconds a vertex with
+// The most that a pack weighs. A CPU is fastest where a pack stays in its caches (2.0 microseconds a vertex with
 // 75,000 vertices, 4.9 with 2.2 million); a GPU where it has so many that launches do not count, and results of one
 // pack are not so many that copies of them pile up on the host.
 constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 
-// A GPU stands still while results go to the host, which takes longer than to make them. Each lane has a context of its
-// own: NVIDIA's driver has one lock for a context, and lanes that share it wait for one another (bench/NOTES.md).
+// A GPU stands still while results go to the host, which takes longer than to make them. Lanes share a context: from
+// one context to another a GPU goes slowly, and each time that a lane waits (bench/NOTES.md).
 constexpr std::uint32_t gpu_lanes = 3;
 
-// Each time that a lane waits the GPU changes to another one's context, which costs more than rounds that find nothing.
+// Waiting costs more than rounds that find nothing, as other lanes' work stands before that which comes afterwards.
 constexpr std::uint32_t gpu_rounds_per_read = 16;
+
+// Milliseconds of some 300 launches and 30 waits (an H200 takes 4.4 for 100 sketches).
+constexpr double gpu_overhead = 4;
 
 // A rehearsal runs so many problems that each is one work-item's; so few that all have less than Tuning::few_vertices;
 // one; and one beside which others count for nothing, so that they go through all phases together, small and so large
@@ -91,10 +94,18 @@ void DevicePool::open(Member member, std::size_t device) {
   std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
   if (runtime::describe(member.device).is_gpu) rounds = std::max(rounds, gpu_rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
+  const bool shares =
+      count > 1 &&
+      (member.context() || member.hook.tuning.shares_context.value_or(runtime::describe(member.device).is_gpu));
   for (std::uint32_t number = 0; number < count; ++number) {
     Lane lane;
     lane.device = device;
-    lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
+    if (shares && number > 0)
+      lane.runtime = std::make_unique<runtime::Runtime>(*lanes_.back().runtime, log, trace);
+    else
+      lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
+    if (shares) lane.runtime->share_context();
+    lane.overhead = member.hook.tuning.pack_overhead.value_or(lane.runtime->info().is_gpu ? gpu_overhead : 0);
     lane.runtime->build_for_forests();
     lane.runtime->time_steps(lane.runtime->tracer().on());
     lane.runtime->tracer().set_lane(first + number * devices, number);
@@ -143,6 +154,7 @@ std::vector<LaneShare> DevicePool::shares() const {
     share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
     share.most_weight = report.info.is_gpu ? gpu_weight : cpu_weight;
     share.speed = lane.speed;
+    share.overhead = lane.overhead;
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
     share.beside_gpus = gpus && !report.info.is_gpu;
     share.started = share.beside_gpus && lane.sitting_out.now();

@@ -27,7 +27,7 @@ struct PoolResult {
 class DevicePool {
  public:
   struct Member {
-    cl::Context context;  ///< null: one of its own for each lane
+    cl::Context context;  ///< null: one of its own
     cl::Device device;
     runtime::CallHook hook;
   };
@@ -43,7 +43,7 @@ class DevicePool {
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
 
  private:
-  /// One stream of runs on a device: a queue, memory, programs, and in calls a thread. While one lane's results go to
+  /// One stream of runs on a device: a queue, memory, and in calls a thread. While one lane's results go to
   /// the host, and the host puts its next problems together, the device works for another.
   struct Lane {
     std::size_t device = 0;
@@ -51,6 +51,7 @@ class DevicePool {
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
     Speed speed;
+    double overhead = 0;  ///< see LaneShare
     SittingOut sitting_out;
     DeviceReport report;     ///< its part in the last batch
     bool rehearses = false;  ///< before it takes part in the first batch

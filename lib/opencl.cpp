@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 
+#include "download.hpp"
 #include "kernel_sources.hpp"
 
 namespace gcdt::runtime {
@@ -25,6 +27,10 @@ constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 constexpr std::size_t least_alignment = 128;
 // Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.
 constexpr std::size_t most_copied = std::size_t{1} << 16;
+// A thread that sleeps comes back some 70 microseconds later, which a run of small problems would feel.
+constexpr auto patience = std::chrono::microseconds(200), nap = std::chrono::microseconds(20);
+// After which a command is no longer one that takes its time.
+constexpr auto long_time = std::chrono::seconds(1);
 
 // PoCL loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last 128, and
 // in versions 4 and 5, when a launch ends, counts down whichever of the kernel's was used last (3 counts up too often
@@ -49,12 +55,20 @@ const char* bundle_of(const char* program) {
 Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
 
 Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace)
+    : Runtime(context, device, std::move(hook), std::move(log), std::move(trace), nullptr) {}
+
+Runtime::Runtime(const Runtime& sibling, Log log, Trace trace)
+    : Runtime(sibling.context_, sibling.device_, sibling.hook_, std::move(log), std::move(trace), &sibling) {}
+
+Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace,
+                 const Runtime* sibling)
     : device_(device),
       hook_(std::move(hook)),
       info_(describe(device)),
       context_(context),
       log_(std::move(log)),
-      tracer_(std::move(trace), info_.name) {
+      tracer_(std::move(trace), info_.name),
+      programs_(sibling ? sibling->programs_ : std::make_shared<Programs>()) {
   if (!context_())
     call("clCreateContext", info_.name.c_str(), [&] {
       cl_int code;
@@ -82,6 +96,10 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
   }
   // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
   alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
+  if (sibling) {  // which has tested the device
+    emulate_mul_hi_ = sibling->emulate_mul_hi_;
+    return;
+  }
   try {
     self_test();
   } catch (...) {
@@ -103,25 +121,27 @@ void Runtime::fail(const char* name, const char* detail, cl_int code) const {
       {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))}, 0, code);
 }
 
-cl::Program& Runtime::find_program(const char* program) {
-  auto& programs = built_[for_forests_].programs;
+// Siblings that need it as well wait for it.
+const cl::Program& Runtime::find_program(const char* program) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::lock_guard<std::mutex> lock(programs_->mutex);
+  auto& programs = programs_->built[for_forests_];
   auto found = programs.find(program);
   if (found == programs.end()) {
-    const auto start = std::chrono::steady_clock::now();
     found = programs.emplace(program, build_program(*this, program)).first;
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    build_ms_ += ms;
     log(GCDT_LOG_INFORMATION, "built " + std::string(program) + " in " + std::to_string(ms) + " ms");
   }
+  build_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return found->second;
 }
 
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   const auto key = std::make_pair(std::string(program), std::string(kernel));
-  auto& kernels = built_[for_forests_].kernels;
+  auto& kernels = kernels_[for_forests_];
   auto found = kernels.find(key);
   if (found != kernels.end()) return found->second;
-  cl::Program& built = find_program(contiguous_ ? bundle_of(program) : program);
+  const cl::Program& built = find_program(contiguous_ ? bundle_of(program) : program);
   Kernel k;
   k.name = kernel;
   call("clCreateKernel", kernel, [&] {
@@ -137,7 +157,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  const bool copied = contiguous_ && bytes <= most_copied;
+  const bool copied = (contiguous_ || asks_) && bytes <= most_copied;
   if (copied) {
     const auto* first = static_cast<const unsigned char*>(from);
     from = unwritten_.emplace_back(first, first + bytes).data();
@@ -152,15 +172,56 @@ void Runtime::write_later(cl_mem to, std::size_t offset, const void* from, std::
        [&] { return clEnqueueWriteBuffer(queue_(), to, CL_FALSE, offset, bytes, from, 0, nullptr, &written()); });
 }
 
+void Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read) {
+  call("clEnqueueReadBuffer", "",
+       [&] { return clEnqueueReadBuffer(queue_(), from, CL_FALSE, offset, bytes, to, 0, nullptr, &read()); });
+}
+
 void Runtime::wait(const cl::Event& event) {
-  call("clWaitForEvents", "", [&] { return clWaitForEvents(1, &event()); });
+  if (asks_) flush();
+  call("clWaitForEvents", "", [&] {
+    const cl_int code = asks_ ? ask_until_done(event()) : CL_SUCCESS;
+    return code == CL_SUCCESS ? clWaitForEvents(1, &event()) : code;  // asking alone does not synchronise memory
+  });
+}
+
+// Ends as clWaitForEvents does, or with an error of the queue, in case that a device that is lost leaves events as they
+// were.
+cl_int Runtime::ask_until_done(cl_event event) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  for (auto asked = start;;) {
+    cl_int status = CL_COMPLETE;
+    const cl_int code = clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr);
+    if (code != CL_SUCCESS) return code;
+    if (status <= CL_COMPLETE) return status;  // errors are negative
+    const auto now = Clock::now();
+    if (now - start < patience) {
+      std::this_thread::yield();
+      continue;
+    }
+    std::this_thread::sleep_for(nap);
+    if (now - asked < long_time) continue;
+    asked = now;
+    const cl_int lost = clFlush(queue_());
+    if (lost != CL_SUCCESS) return lost;
+  }
+}
+
+void Runtime::share_context() {
+  download_ = Download::make(*this);
+  asks_ = download_ != nullptr;
+  if (!asks_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its lanes wait for one another");
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
   ++read_backs_;
-  call("clEnqueueReadBuffer", "",
-       [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
+  if (download_)
+    download_->read(from, offset, to, bytes);
+  else
+    call("clEnqueueReadBuffer", "",
+         [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
   waited();
 }
 
@@ -228,7 +289,8 @@ void* Runtime::map_new(std::size_t bytes, cl::Buffer& buffer) {
   if (code == CL_SUCCESS)
     code = attempt("clEnqueueMapBuffer", "host memory", [&] {
       cl_int made;
-      mapped = clEnqueueMapBuffer(queue_(), buffer(), CL_TRUE, CL_MAP_WRITE, 0, bytes, 0, nullptr, nullptr, &made);
+      mapped = clEnqueueMapBuffer(queue_(), buffer(), CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes, 0, nullptr,
+                                  nullptr, &made);
       return made;
     });
   if (code == CL_SUCCESS) return mapped;
@@ -243,7 +305,14 @@ void Runtime::unmap(const cl::Buffer& buffer, void* mapped) {
 }
 
 void Runtime::finish() {
-  call("clFinish", "", [&] { return clFinish(queue_()); });
+  if (asks_) {
+    cl::Event reached;
+    call("clEnqueueMarkerWithWaitList", "",
+         [&] { return clEnqueueMarkerWithWaitList(queue_(), 0, nullptr, &reached()); });
+    wait(reached);
+  } else {
+    call("clFinish", "", [&] { return clFinish(queue_()); });
+  }
   unwritten_.clear();
 }
 

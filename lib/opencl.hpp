@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -98,6 +99,14 @@ struct CallHook {
 
 using Log = std::function<void(int level, const char* message)>;
 
+class Download;
+
+/// What has been built in a context for a device, by name; for one triangulation, and for many.
+struct Programs {
+  std::mutex mutex;
+  std::map<std::string, cl::Program> built[2];
+};
+
 class Runtime {
  public:
   /// Makes a context and an in-order queue on `device`, and makes sure that it computes rightly
@@ -106,6 +115,8 @@ class Runtime {
   /// The same on `device` of a context that is there, with a private in-order queue; a null context: a new one.
   /// The queue has profiling if there is a trace.
   Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace = {});
+  /// One for another thread, on the same device, with a queue of its own in the same context, and the same programs.
+  Runtime(const Runtime& sibling, Log log, Trace trace);
   ~Runtime();
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
@@ -193,13 +204,18 @@ class Runtime {
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a write: the host memory must not change before wait(written).
   void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
+  /// Queues a read: the host memory holds nothing before wait(read).
+  void read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read);
   void wait(const cl::Event& event);
+  /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
+  /// writes that are not write_later() do, and what follows an error.
+  void share_context();
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   /// All of them, and waits once. Whatever happens, none goes on afterwards.
   void read_all(const std::vector<HostRead>& reads);
   void flush();
-  /// The host's memory of a new buffer, mapped for writing; null if the driver has none.
+  /// The host's memory of a new buffer, mapped; null if the driver has none.
   void* map_new(std::size_t bytes, cl::Buffer& buffer);
   void unmap(const cl::Buffer& buffer, void* mapped);
 
@@ -252,6 +268,9 @@ class Runtime {
   [[noreturn]] void fail(const char* name, const char* detail, cl_int code) const;
 
  private:
+  Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace,
+          const Runtime* sibling);
+
   struct Kernel {
     std::string name;
     cl::Kernel handle;
@@ -262,8 +281,9 @@ class Runtime {
 
   void self_test();
   void waited();
+  cl_int ask_until_done(cl_event event);
   Kernel& find_kernel(const char* program, const char* kernel);
-  cl::Program& find_program(const char* program);
+  const cl::Program& find_program(const char* program);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
   void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
@@ -294,17 +314,16 @@ class Runtime {
   std::size_t widest_ = 0;
   std::shared_ptr<void> present_;                      ///< among the runtimes that need it
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
-  struct Built {
-    std::map<std::string, cl::Program> programs;
-    std::map<std::pair<std::string, std::string>, Kernel> kernels;
-  };
-  Built built_[2];  ///< for one triangulation, for many
+  std::shared_ptr<Programs> programs_;
+  std::map<std::pair<std::string, std::string>, Kernel> kernels_[2];  ///< for one triangulation, for many
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   bool contiguous_ = false;
   bool for_forests_ = false;
   bool times_steps_ = true;
-  bool emulate_mul_hi_ = false;  ///< the device's own is wrong
+  bool emulate_mul_hi_ = false;         ///< the device's own is wrong
+  bool asks_ = false;                   ///< instead of waiting in the driver
+  std::unique_ptr<Download> download_;  ///< if the context is shared; null if there is no memory for it
 };
 
 /// Builds the embedded program `name` for the runtime's device (lib/program.cpp).

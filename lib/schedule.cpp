@@ -13,11 +13,14 @@ using Clock = std::chrono::steady_clock;
 
 // A lane whose speed is not known gets so much first: enough to tell, little enough to lose no time on a slow one.
 constexpr double first_weight = 20000;
-// A pack should take so long at least: below, launches that find no work are the time. And of what a lane would have of
-// the rest it takes this part at once, as far as speeds can be trusted. 20 ms and a half: a fifth slower
-// (bench/NOTES.md, "Batches"). If the end is no farther than this, it takes all of it, and if it would leave less than
-// a lane does in that time, it takes the rest as well.
-constexpr double least_milliseconds = 40, part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10;
+// Of what a lane would have of the rest it takes this part at once, as far as speeds can be trusted, and all of it if
+// the end is no farther than `last`; if it would leave less than a lane does in `least_left`, it takes that as well.
+// First packs of lanes differ unless the end is nearer than `little` (bench/NOTES.md, "Batches").
+constexpr double part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10, little_milliseconds = 40;
+// What is in a pack takes so many times as long as what a pack takes by itself, at least.
+constexpr double least_overheads = 3;
+// Of what a small pack takes so much is its contents', whatever is thought of its overhead.
+constexpr double least_part_of_contents = 0.25;
 // A thief must be sure to win.
 constexpr double theft_margin = 1.5;
 // Stealing takes so long at least.
@@ -123,7 +126,7 @@ double Schedule::milliseconds_of_rest(std::size_t lane) const {
     if (i == lane || (!lanes_[i].lost && !lanes_[i].left_out)) lanes[i].speed = speed_of(lanes_[i].device);
   for (const auto& pack : running_) {
     const std::chrono::duration<double, std::milli> left = remaining(*pack);
-    if (!pack->done) lanes[pack->owner].milliseconds = left.count();
+    if (!pack->done && pack->owner != lane) lanes[pack->owner].milliseconds = left.count();
   }
   return common_end(std::move(lanes), static_cast<double>(waiting_weight_));
 }
@@ -140,10 +143,9 @@ double Schedule::wanted_weight(std::size_t lane) const {
   const double part = share.started ? 1 : share.first_part, speed = speed_of(share.device);
   if (speed <= 0)
     return part * (alike ? std::max(first_weight, rest / alive * part_of_rest) : std::min(first_weight, rest / alive));
-  const double end = milliseconds_of_rest(lane);
-  if (!share.started && end > least_milliseconds)
-    return part * speed * std::max(least_milliseconds, end * part_of_rest);
-  const double wanted = speed * (end <= last_milliseconds ? end : std::max(least_milliseconds, end * part_of_rest));
+  const double end = milliseconds_of_rest(lane), least = speed * share.overhead * least_overheads;
+  if (!share.started && end > little_milliseconds) return std::max(least, part * speed * end * part_of_rest);
+  const double wanted = std::max(least, speed * end * (end <= last_milliseconds ? 1 : part_of_rest));
   return rest - wanted < speed * least_left_milliseconds ? rest : wanted;
 }
 
@@ -177,7 +179,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   if (leaves(lane, *begin)) {
     lanes_[lane].left_out = true;
     if (share.started) return nullptr;
-    wanted = std::min(wanted, std::max(first_weight, share.speed.value() * least_milliseconds));
+    wanted = std::min(wanted, std::max(first_weight, share.speed.value() * little_milliseconds));
   }
   auto pack = std::make_shared<Pack>();
   const auto end =
@@ -233,7 +235,7 @@ std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
   if (bytes(*latest) > share.capacity) return nullptr;
   for (const std::uint32_t p : share.refused)
     if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
-  const double own = std::max(static_cast<double>(latest->weight) / speed, least_theft_milliseconds);
+  const double own = std::max(share.overhead + static_cast<double>(latest->weight) / speed, least_theft_milliseconds);
   if (nanoseconds(own * theft_margin) >= remaining(*latest)) return nullptr;
   start(lane, latest, false);
   return latest;
@@ -245,24 +247,26 @@ void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool f
   pack->owner = lane;
   const double speed = speed_of(lanes_[lane].device);
   pack->began = pack->due = Clock::now();
-  if (speed > 0) pack->due += nanoseconds(static_cast<double>(pack->weight) / speed);
+  if (speed > 0) pack->due += nanoseconds(lanes_[lane].overhead + static_cast<double>(pack->weight) / speed);
   running_.push_back(pack);
 }
 
 bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
                       std::vector<std::pair<std::uint32_t, Error>> own_errors, double milliseconds) {
+  const std::vector<std::uint32_t> problems = result.problems;
   Lock lock(mutex_);
-  lanes_[lane].speed.add(static_cast<double>(pack->weight), milliseconds);
-  const bool first = !pack->done;
-  if (!first) {
+  LaneShare& share = lanes_[lane];
+  share.speed.add(static_cast<double>(pack->weight),
+                  std::max(milliseconds - share.overhead, milliseconds * least_part_of_contents));
+  if (pack->done) {
     stop_running(pack);
     return false;
   }
-  pack->done = true;
+  // The pack is done when nothing more can throw.
   const auto number = static_cast<std::uint32_t>(results.size());
-  const std::vector<std::uint32_t> problems = result.problems;
   results.push_back(std::move(result));
-  for (auto& [p, error] : own_errors) errors.emplace(p, std::move(error));
+  for (auto& [p, error] : own_errors) errors.insert_or_assign(p, std::move(error));
+  pack->done = true;
   settled_weight_ += pack->weight;
   unsettled_ -= pack->problems.size();
   stop_running(pack);

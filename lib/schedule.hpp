@@ -39,7 +39,8 @@ struct LaneShare {
   std::uint64_t capacity = 0;     ///< bytes; a problem that needs more is not taken
   std::uint64_t most_bytes = 0;   ///< of a pack of several problems
   std::uint64_t most_weight = 0;  ///< likewise
-  Speed speed;                    ///< as far as it is known
+  Speed speed;                    ///< as far as it is known, beside the overhead
+  double overhead = 0;            ///< milliseconds that a pack takes whatever is in it
   /// Its first pack is this much of what it would take: lanes of a device that begin with different ones do not stay in
   /// step, all of them on the host or all on the device.
   double first_part = 1;
@@ -95,7 +96,7 @@ class Schedule {
   /// Whether the lane was left out of the batch, or would have been after its first pack.
   bool left_out(std::size_t lane);
 
-  /// By problem, when all is settled: the result and its place there, unless there is an error.
+  /// By problem, when all lanes have ended: the result and its place there, unless there is an error.
   struct Place {
     std::uint32_t result = 0, place = 0;
   };

@@ -8,8 +8,8 @@
 
 namespace gcdt {
 
-/// Weight a millisecond, as measured by runs: of the past as much as of the run before counts for half, and in each a
-/// run's weight, so that many small ones, whose launches are most of their time, do not hide what large ones take.
+/// Weight a millisecond, as measured by runs: each counts by its weight and time, and half as much after every other
+/// one. So one small run, whose launches are most of its time, does not hide what large ones before it took.
 class Speed {
  public:
   Speed() = default;

@@ -33,6 +33,11 @@ struct Tuning {
   std::optional<bool> prepares_host_memory;
   /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).
   std::optional<std::uint32_t> lanes;
+  /// Milliseconds that a run of a pool takes whatever is in it; none: by the kind of device.
+  std::optional<double> pack_overhead;
+  /// Whether these runs share a context, so that the device does not go from one to another whenever one waits; none:
+  /// on GPUs. (A context that the application brings is shared in any case.)
+  std::optional<bool> shares_context;
   /// Whether a pool has all the device's kernels launched once in the first batch (rehearsal.hpp), while others work on
   /// it; none: of a CPU beside GPUs.
   std::optional<bool> rehearses;

@@ -10,15 +10,11 @@ namespace {
 constexpr std::size_t gpu_chunk = std::size_t{1} << 20, cpu_chunk = std::size_t{1} << 18;
 }  // namespace
 
-UploadChunks::UploadChunks(Runtime& runtime)
-    : runtime_(runtime), bytes_(prepares_host_memory(runtime) ? gpu_chunk : cpu_chunk) {
-  if (prepares_host_memory(runtime)) mapped_ = runtime.map_new(2 * bytes_, buffer_);
-  auto* memory = mapped_ ? static_cast<unsigned char*>(mapped_) : plain_.make<unsigned char>(2 * bytes_);
+UploadChunks::UploadChunks(Runtime& runtime) : bytes_(prepares_host_memory(runtime) ? gpu_chunk : cpu_chunk) {
+  if (prepares_host_memory(runtime)) mapped_.emplace(runtime, 2 * bytes_);
+  if (mapped_ && !mapped_->get()) mapped_.reset();
+  auto* memory = mapped_ ? mapped_->get() : plain_.make<unsigned char>(2 * bytes_);
   chunks_[0].memory = memory, chunks_[1].memory = memory + bytes_;
-}
-
-UploadChunks::~UploadChunks() {
-  if (mapped_) runtime_.unmap(buffer_, mapped_);
 }
 
 void Upload::append(const unsigned char* from, std::size_t bytes) {

@@ -2,8 +2,10 @@
 // Bytes put together on the host for a device, chunk by chunk.
 #pragma once
 
+#include <optional>
+
 #include "host_array.hpp"
-#include "opencl.hpp"
+#include "mapped_memory.hpp"
 
 namespace gcdt::runtime {
 
@@ -20,15 +22,12 @@ class UploadChunks {
   explicit UploadChunks(Runtime& runtime);
   UploadChunks(const UploadChunks&) = delete;
   UploadChunks& operator=(const UploadChunks&) = delete;
-  ~UploadChunks();
   std::size_t chunk_bytes() const { return bytes_; }
 
  private:
   friend class Upload;
-  Runtime& runtime_;
   std::size_t bytes_;
-  cl::Buffer buffer_;
-  void* mapped_ = nullptr;
+  std::optional<MappedMemory> mapped_;
   HostArray plain_;
   struct Chunk {
     unsigned char* memory = nullptr;

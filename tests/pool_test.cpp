@@ -267,7 +267,8 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
   const auto two_lanes = [&](std::uint64_t k, bool for_good, cl_int code) {
     runtime::CallHook hook = failing(calls, k, for_good, code);
     hook.tuning.lanes = 2;
-    hook.tuning.prepares_host_memory = true;  // as on a GPU
+    hook.tuning.pack_overhead = 0;                                         // so that there is more than one pack
+    hook.tuning.prepares_host_memory = hook.tuning.shares_context = true;  // as on a GPU
     hook.tuning.rounds_per_read = 16;
     return hook;
   };
@@ -277,7 +278,7 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
   for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
     CHECK(outcome_of(pool, batch, expected).right);
     CHECK(pool.report(0).problems == problems.size());
-    CHECK(pool.report(0).runs >= 2);
+    if (round == 0) CHECK(pool.report(0).runs >= 2);  // later a fast lane may take all
   }
   const std::uint64_t all = *calls / 2;
   for (std::uint64_t k = 1; k < all; k += 1 + all / 40) {

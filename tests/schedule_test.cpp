@@ -132,6 +132,24 @@ TEST_CASE("when the end is near a lane takes all that it would have, and does no
   }
 }
 
+TEST_CASE("a pack is worth its overhead, which is no part of a lane's speed") {
+  const Sizes sizes = thousands(100);
+  const BatchInput batch = sizes.view();
+  LaneShare share = lane(0, 1000);  // 50 ms each
+  share.overhead = 20;
+  Schedule schedule(batch, {share, share});
+  const auto first = schedule.take(0);
+  CHECK(first->weight == 60 * 1000u);  // three overheads' worth
+  finish(schedule, 0, first, 80);
+  CHECK(schedule.speed(0).value() == doctest::Approx(1000));
+  CHECK(schedule.take(1)->weight == 40 * 1000u);
+  SUBCASE("whatever is thought of the overhead") {
+    Schedule other(batch, {share, share});
+    finish(other, 0, other.take(0), 16);  // at least a quarter
+    CHECK(other.speed(0).value() == doctest::Approx((500.0 + 60000) / (0.5 + 4)));
+  }
+}
+
 TEST_CASE("the first packs of a device's lanes differ as asked for, later ones do not") {
   const Sizes sizes = thousands(1000);
   const BatchInput batch = sizes.view();

@@ -34,16 +34,16 @@ typedef struct gcdt_pool_options {
 #define GCDT_POOL_OPTIONS_INIT \
   { sizeof(gcdt_pool_options), NULL, NULL, NULL, NULL, NULL }
 
-/* A pool of devices, each with one or more lanes: an OpenCL context, a queue, memory and programs, which it keeps, and
- * in calls a thread. A GPU has three, so that it works for one while the host puts the others' problems together and
- * takes their results (in a context of the application's all share that), each with 2 MiB of pinned host memory and, in
- * large runs, a second thread that makes room for results; in traces lane k of a device has the number of the device
- * plus k times the number of devices. Of a CPU beside GPUs all cores but two for each such lane are used, if it can be
- * divided. The CPU's driver may compile kernels only when they are first launched, for seconds: so, before it takes
- * part in a first call with given rules for crossings, domains or regions, the CPU launches what it may need for
- * problems of the pool's own, while the GPUs work; that call, whatever its batch, does not return before this is done
- * or the call is cancelled. If the CPU is slower than an eighth of a GPU it sits out most calls, unless it is needed.
- * Devices that fail are reported (gcdt_pool_device_get); an error only if all do. `options` may be null. */
+/* A pool of devices, each with an OpenCL context and programs, and one or more lanes: a queue and memory, which it
+ * keeps, and in calls a thread. A GPU has three, so that it works for one while the host puts the others' problems
+ * together and takes their results, each with 4 MiB of pinned host memory and, in large runs, a second thread that
+ * makes room for results; in traces lane k of a device has the number of the device plus k times the number of devices.
+ * Of a CPU beside GPUs all cores but two for each such lane are used, if it can be divided. The CPU's driver may
+ * compile kernels only when they are first launched, for seconds: so, before it takes part in a first call with given
+ * rules for crossings, domains or regions, the CPU launches what it may need for problems of the pool's own, while the
+ * GPUs work; that call, whatever its batch, does not return before this is done or the call is cancelled. If the CPU is
+ * slower than an eighth of a GPU it sits out most calls, unless it is needed. Devices that fail are reported
+ * (gcdt_pool_device_get); an error only if all do. `options` may be null. */
 GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
 
 /* Null is allowed. Batches may be released before or after. */
