@@ -46,6 +46,10 @@ std::uint32_t lanes_of(const DevicePool::Member& member) {
   return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? gpu_lanes : 1));
 }
 
+Error host_failed(const std::exception& error) {
+  return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
+}
+
 // The threads that feed GPUs, and those that make room for what comes from them (forest_copy.hpp), need cores, which a
 // CPU of the same pool would take from them.
 void leave_cores(std::vector<DevicePool::Member>& members) {
@@ -140,10 +144,9 @@ void DevicePool::lose(std::size_t device, const Error& error) {
 }
 
 // The lanes of a device share its memory, as long as there is enough for more than one run.
-std::vector<LaneShare> DevicePool::shares() const {
+std::vector<LaneShare> DevicePool::shares(bool gpus) const {
   std::vector<LaneShare> all;
   std::vector<std::uint32_t> numbers(reports_.size());
-  const bool gpus = has_gpus();
   for (const Lane& lane : lanes_) {
     const DeviceReport& report = reports_[lane.device];
     const auto siblings =
@@ -176,7 +179,7 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   for (Lane& lane : lanes_)
     lane.rehearses =
         lane.runtime && lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu);
-  const std::vector<LaneShare> lanes = shares();
+  const std::vector<LaneShare> lanes = shares(gpus);
   Schedule schedule(batch, lanes);
   std::vector<std::thread> threads;
   const auto join = [&] {
@@ -249,11 +252,10 @@ void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& 
         schedule.too_large(number, pack, error);
         continue;
       }
-      lose(lane.device, error);
+      give_up(number, schedule, pack, error);
     } catch (const std::exception& error) {
-      lose(lane.device, Error(Status::device_failed, std::string("the host failed it: ") + error.what()));
+      give_up(number, schedule, pack, host_failed(error));
     }
-    schedule.lose(number, pack);
   }
   if (schedule.crowded_out(number)) {
     lane.primitives->release();
@@ -262,6 +264,13 @@ void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& 
   lane.runtime->give_up_when({});
   lane.staging->offsets = {};
   schedule.end(number);
+}
+
+// The lane's device is out, and the pack, if there is one, is others'.
+void DevicePool::give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack,
+                         const Error& error) {
+  lose(lanes_[number].device, error);
+  schedule.lose(number, pack);
 }
 
 // Whatever has happened, nothing is left in the queue.
@@ -304,11 +313,9 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
     settle(lane);
     lane.runtime->memory().trim();
     if (error.status() == Status::cancelled || error.status() == Status::out_of_memory) return;
-    lose(lane.device, error);
-    schedule.lose(number, nullptr);
+    give_up(number, schedule, nullptr, error);
   } catch (const std::exception& error) {
-    lose(lane.device, Error(Status::device_failed, std::string("the host failed it: ") + error.what()));
-    schedule.lose(number, nullptr);
+    give_up(number, schedule, nullptr, host_failed(error));
   }
 }
 

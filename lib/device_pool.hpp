@@ -69,12 +69,13 @@ class DevicePool {
   };
   void open(Member member, std::size_t device);
   bool has_gpus() const;
-  std::vector<LaneShare> shares() const;
+  std::vector<LaneShare> shares(bool gpus) const;
   void work(std::size_t lane, Schedule& schedule, const BatchInput& batch, const Options& options);
   void rehearse(std::size_t lane, Schedule& schedule, const Options& options);
   void run(std::size_t lane, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
            const Options& options);
   Made make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
+  void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const Error& error);
   void settle(Lane& lane);
   void lose(std::size_t device, const Error& error);
   void add_reports();

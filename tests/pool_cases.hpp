@@ -99,11 +99,17 @@ inline std::vector<cl::CommandQueue> half_devices() {
   return queues;
 }
 
+/// Of a device that works.
+inline runtime::CallHook healthy() {
+  runtime::CallHook hook;
+  hook.keep_programs = true;  // hundreds of runtimes, each of which would compile
+  return hook;
+}
+
 /// Fails the k-th OpenCL call of a device, and, as a lost one would, all that follow if `for_good`.
 inline runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
                                  cl_int code) {
-  runtime::CallHook hook;
-  hook.keep_programs = true;  // hundreds of runtimes, each of which would compile
+  runtime::CallHook hook = healthy();
   hook.before = [=](const char*, const char*) {
     const std::uint64_t call = ++*calls;
     return call == k || (for_good && call > k) ? code : CL_SUCCESS;

@@ -238,8 +238,6 @@ TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes n
     REQUIRE(right(pool));
   }
   const std::uint64_t all = *calls;
-  runtime::CallHook healthy;
-  healthy.keep_programs = true;
   std::uint64_t lost = 0, tried = 0;
   for (std::uint64_t k = 1; k <= all; k += 1 + all / 40, ++tried) {
     CAPTURE(k);
@@ -247,7 +245,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes n
     const cl_int code = tried % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
     runtime::CallHook broken = failing(calls, k, tried % 2 == 0, code);
     broken.tuning.lanes = 1 + tried / 2 % 2;
-    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy}}, {}, {});
+    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy()}}, {}, {});
     CHECK(right(pool));
     CHECK(!pool.report(1).lost);
     lost += pool.report(0).lost.has_value();

@@ -208,8 +208,6 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
   const std::uint64_t all = *calls;
   MESSAGE(all << " calls");
   REQUIRE(all > 100);
-  runtime::CallHook healthy;
-  healthy.keep_programs = true;
   std::uint64_t failed = 0, lost = 0;
   for (std::uint64_t k = 1; k <= all; ++k) {
     CAPTURE(k);
@@ -218,8 +216,8 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
     if (k % 5 == 0) failed += fails_alone(calls, k, for_good, code, batch, expected);
     *calls = 0;
     DevicePool pool(
-        {{cl::Context(), app_device(), failing(calls, k, for_good, code)}, {cl::Context(), app_device(), healthy}}, {},
-        {});
+        {{cl::Context(), app_device(), failing(calls, k, for_good, code)}, {cl::Context(), app_device(), healthy()}},
+        {}, {});
     const Outcome outcome = outcome_of(pool, batch, expected);
     CAPTURE(outcome.message);
     CHECK(outcome.right);
@@ -287,10 +285,9 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
     // Once without memory, which may be the other lane's fault; or lost.
     const bool for_good = k % 2 == 0;
     const cl_int code = for_good ? CL_INVALID_COMMAND_QUEUE : CL_MEM_OBJECT_ALLOCATION_FAILURE;
-    runtime::CallHook healthy;
-    healthy.keep_programs = true;
     DevicePool both(
-        {{cl::Context(), app_device(), two_lanes(k, for_good, code)}, {cl::Context(), app_device(), healthy}}, {}, {});
+        {{cl::Context(), app_device(), two_lanes(k, for_good, code)}, {cl::Context(), app_device(), healthy()}}, {},
+        {});
     const Outcome outcome = outcome_of(both, batch, expected);
     CAPTURE(outcome.message);
     CHECK(outcome.right);
@@ -327,12 +324,6 @@ struct Watch {
     return hook;
   }
 };
-
-runtime::CallHook healthy() {
-  runtime::CallHook hook;
-  hook.keep_programs = true;
-  return hook;
-}
 
 std::vector<Workload> sketches(std::size_t count, bool crossing) {
   std::vector<Workload> all;
