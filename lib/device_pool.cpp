@@ -96,20 +96,18 @@ void DevicePool::open(Member member, std::size_t device) {
                              : Trace();
   const std::uint32_t count = lanes_of(member);
   std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
-  if (runtime::describe(member.device).is_gpu) rounds = std::max(rounds, gpu_rounds_per_read);
+  const bool gpu = reports_[device].info.is_gpu;
+  if (gpu) rounds = std::max(rounds, gpu_rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
-  const bool shares =
-      count > 1 &&
-      (member.context() || member.hook.tuning.shares_context.value_or(runtime::describe(member.device).is_gpu));
+  const bool shared = count > 1 && (member.context() || member.hook.tuning.shares_context.value_or(gpu));
   for (std::uint32_t number = 0; number < count; ++number) {
     Lane lane;
     lane.device = device;
-    if (shares && number > 0)
+    if (shared && number > 0)
       lane.runtime = std::make_unique<runtime::Runtime>(*lanes_.back().runtime, log, trace);
     else
       lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
-    if (shares) lane.runtime->share_context();
-    lane.overhead = member.hook.tuning.pack_overhead.value_or(lane.runtime->info().is_gpu ? gpu_overhead : 0);
+    if (shared) lane.runtime->share_context();
     lane.runtime->build_for_forests();
     lane.runtime->time_steps(lane.runtime->tracer().on());
     lane.runtime->tracer().set_lane(first + number * devices, number);
@@ -157,7 +155,8 @@ std::vector<LaneShare> DevicePool::shares(bool gpus) const {
     share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
     share.most_weight = report.info.is_gpu ? gpu_weight : cpu_weight;
     share.speed = lane.speed;
-    share.overhead = lane.overhead;
+    if (lane.runtime)
+      share.overhead = lane.runtime->tuning().pack_overhead.value_or(report.info.is_gpu ? gpu_overhead : 0);
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
     share.beside_gpus = gpus && !report.info.is_gpu;
     share.started = share.beside_gpus && lane.sitting_out.now();

@@ -51,7 +51,6 @@ class DevicePool {
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
     Speed speed;
-    double overhead = 0;  ///< see LaneShare
     SittingOut sitting_out;
     DeviceReport report;     ///< its part in the last batch
     bool rehearses = false;  ///< before it takes part in the first batch

@@ -157,7 +157,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  const bool copied = (contiguous_ || asks_) && bytes <= most_copied;
+  const bool copied = (contiguous_ || download_) && bytes <= most_copied;
   if (copied) {
     const auto* first = static_cast<const unsigned char*>(from);
     from = unwritten_.emplace_back(first, first + bytes).data();
@@ -178,9 +178,9 @@ void Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t 
 }
 
 void Runtime::wait(const cl::Event& event) {
-  if (asks_) flush();
+  if (download_) flush();
   call("clWaitForEvents", "", [&] {
-    const cl_int code = asks_ ? ask_until_done(event()) : CL_SUCCESS;
+    const cl_int code = download_ ? ask_until_done(event()) : CL_SUCCESS;
     return code == CL_SUCCESS ? clWaitForEvents(1, &event()) : code;  // asking alone does not synchronise memory
   });
 }
@@ -210,8 +210,7 @@ cl_int Runtime::ask_until_done(cl_event event) {
 
 void Runtime::share_context() {
   download_ = Download::make(*this);
-  asks_ = download_ != nullptr;
-  if (!asks_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its lanes wait for one another");
+  if (!download_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its lanes wait for one another");
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
@@ -305,7 +304,7 @@ void Runtime::unmap(const cl::Buffer& buffer, void* mapped) {
 }
 
 void Runtime::finish() {
-  if (asks_) {
+  if (download_) {
     cl::Event reached;
     call("clEnqueueMarkerWithWaitList", "",
          [&] { return clEnqueueMarkerWithWaitList(queue_(), 0, nullptr, &reached()); });

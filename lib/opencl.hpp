@@ -322,8 +322,7 @@ class Runtime {
   bool for_forests_ = false;
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;         ///< the device's own is wrong
-  bool asks_ = false;                   ///< instead of waiting in the driver
-  std::unique_ptr<Download> download_;  ///< if the context is shared; null if there is no memory for it
+  std::unique_ptr<Download> download_;  ///< if the context is shared: then it asks, and does not wait in the driver
 };
 
 /// Builds the embedded program `name` for the runtime's device (lib/program.cpp).

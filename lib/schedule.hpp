@@ -57,11 +57,11 @@ struct LaneShare {
 ///
 /// A lane takes from the front of a list in order of size, most of what it would have of the rest if that were shared
 /// out so that all lanes end together (if it is alone, all that it can take at once), so packs shrink towards the end;
-/// when the end is near, all of that. A CPU beside a much faster GPU takes one
-/// small pack a call, to be measured again, and what the GPU has no memory for. When the list is empty a lane that
-/// would be done with a pack before the other device that has it takes it as well; the first result counts, the other
-/// run is cancelled. A pack that comes back, since its device is lost or has too little memory, goes into the list
-/// again. Every problem is settled once: by the first result of its pack, or by an error of its own.
+/// when the end is near, all of that. A CPU beside a much faster GPU takes one small pack a call, to be measured again,
+/// and what the GPU has no memory for. When the list is empty a lane that would be done with a pack before the other
+/// device that has it takes it as well; the first result counts, the other run is cancelled. A pack that comes back,
+/// since its device is lost or has too little memory, goes into the list again. Every problem is settled once: by the
+/// first result of its pack, or by an error of its own.
 class Schedule {
  public:
   Schedule(const BatchInput& batch, std::vector<LaneShare> lanes);

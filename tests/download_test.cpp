@@ -5,16 +5,13 @@
 #include <map>
 #include <numeric>
 
-#include "opencl.hpp"
-#include "solver_fixture.hpp"
+#include "opencl_app.hpp"
 
 using namespace gcdt;
 using namespace gcdt::runtime;
 using namespace gcdt::test;
 
 namespace {
-
-cl::Device test_device() { return all_devices().at(select_device(testDevice())); }
 
 constexpr std::size_t mebi = std::size_t{1} << 20;
 
@@ -43,7 +40,7 @@ void check_reads(Runtime& runtime) {
 }  // namespace
 
 TEST_CASE("runtimes that share a context read what is there") {
-  Runtime first(cl::Context(), test_device(), {}, {});
+  Runtime first(cl::Context(), app_device(), {}, {});
   first.share_context();
   Runtime second(first, {}, {});
   second.share_context();
@@ -60,7 +57,7 @@ TEST_CASE("and so if the driver has no memory of its own for it, of which the lo
       return refuse ? CL_MEM_OBJECT_ALLOCATION_FAILURE : CL_SUCCESS;
     };
     std::string told;
-    Runtime runtime(cl::Context(), test_device(), hook, [&](int, const char* message) { told += message; });
+    Runtime runtime(cl::Context(), app_device(), hook, [&](int, const char* message) { told += message; });
     runtime.share_context();
     CHECK(told.find("no pinned host memory") != std::string::npos);
     check_reads(runtime);
@@ -75,7 +72,7 @@ TEST_CASE("a read that failed leaves nothing behind in those after it") {
     return (name == "clEnqueueReadBuffer" || name == "clWaitForEvents") && left-- == 0 ? CL_OUT_OF_RESOURCES
                                                                                        : CL_SUCCESS;
   };
-  Runtime runtime(cl::Context(), test_device(), hook, {});
+  Runtime runtime(cl::Context(), app_device(), hook, {});
   runtime.share_context();
   const auto ones = runtime.allocate<cl_uint>("ones", mebi);
   runtime.fill<cl_uint>(ones, 1, mebi);
@@ -95,7 +92,7 @@ TEST_CASE("a program is built once for all that share a context") {
     if (std::string(call) == "clBuildProgram") ++built[detail];
     return CL_SUCCESS;
   };
-  Runtime first(cl::Context(), test_device(), hook, {});
+  Runtime first(cl::Context(), app_device(), hook, {});
   Runtime second(first, {}, {});
   for (Runtime* runtime : {&first, &second}) {
     const auto marks = runtime->allocate<cl_uint>("marks", 10);

@@ -6,7 +6,7 @@
 
 #include "batch_cases.hpp"
 #include "forest.hpp"
-#include "solver_fixture.hpp"
+#include "opencl_app.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -16,9 +16,7 @@ namespace {
 struct Device {
   runtime::Runtime runtime;
   Primitives primitives;
-  Device() : runtime(runtime::all_devices().at(select_device(testDevice()))), primitives(runtime) {
-    runtime.build_for_forests();
-  }
+  Device() : runtime(app_device()), primitives(runtime) { runtime.build_for_forests(); }
 };
 
 Device& device() {
@@ -188,7 +186,7 @@ TEST_CASE("a launch wider than the forest") {
 }
 
 TEST_CASE("programs that were built for one problem are built anew for forests") {
-  runtime::Runtime runtime(runtime::all_devices().at(select_device(testDevice())));
+  runtime::Runtime runtime(app_device());
   Primitives primitives(runtime);
   const Workload problem = workload("random_pslg", 40);
   const Points points = problem.points;
@@ -208,7 +206,7 @@ TEST_CASE("programs that were built for one problem are built anew for forests")
 TEST_CASE("results are the same in room that was made beforehand, whether it is too large or too small") {
   runtime::CallHook hook;
   hook.tuning.prepares_host_memory = true;
-  runtime::Runtime runtime(runtime::all_devices().at(select_device(testDevice())), hook);
+  runtime::Runtime runtime(app_device(), hook);
   runtime.build_for_forests();
   Primitives primitives(runtime);
   Staging staging(runtime);

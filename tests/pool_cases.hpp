@@ -65,11 +65,9 @@ struct Alone {
     REQUIRE(result.size() == meshes.size());
     std::uint64_t failed = 0;
     for (std::size_t p = 0; p < meshes.size(); ++p) {
-      CAPTURE(p);
       const std::optional<Error> error = result.error(p);
-      CHECK((error ? error->what() : std::string()) == errors[p]);
       if (error) ++failed;
-      if (errors[p].empty()) CHECK(difference(part_of(result, p), meshes[p]) == "");
+      check(p, error ? error->what() : "", [&] { return part_of(result, p); });
     }
     CHECK(result.statistics().failed == failed);
   }
@@ -77,13 +75,19 @@ struct Alone {
   void check(const PoolResult& result) const {
     REQUIRE(result.places.size() == meshes.size());
     for (std::uint32_t p = 0; p < meshes.size(); ++p) {
-      CAPTURE(p);
       const auto error = result.errors.find(p);
-      CHECK((error != result.errors.end() ? error->second.what() : std::string()) == errors[p]);
       const Schedule::Place place = result.places[p];
-      if (errors[p].empty())
-        CHECK(difference(test::part_of(result.results.at(place.result), place.place), meshes[p]) == "");
+      check(p, error != result.errors.end() ? error->second.what() : "",
+            [&] { return test::part_of(result.results.at(place.result), place.place); });
     }
+  }
+
+ private:
+  template <class Part>
+  void check(std::size_t p, const std::string& error, const Part& part) const {
+    CAPTURE(p);
+    CHECK(error == errors[p]);
+    if (errors[p].empty()) CHECK(difference(part(), meshes[p]) == "");
   }
 };
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "solver_fixture.hpp"
+#include "opencl_app.hpp"
 #include "upload.hpp"
 
 using namespace gcdt;
@@ -21,7 +21,7 @@ Runtime mapping_runtime(const char* refused = nullptr) {
     const bool refuse = refused && std::string(detail) == "host memory" && std::string(call) == refused;
     return refuse ? CL_MEM_OBJECT_ALLOCATION_FAILURE : CL_SUCCESS;
   };
-  return Runtime(all_devices().at(select_device(testDevice())), hook);
+  return Runtime(app_device(), hook);
 }
 
 /// Bytes that are different in every upload.
@@ -66,7 +66,7 @@ void check_uploads(Runtime& runtime) {
 
 TEST_CASE("uploads bring every byte to its place") {
   SUBCASE("as the device has it") {
-    Runtime runtime(all_devices().at(select_device(testDevice())));
+    Runtime runtime(app_device());
     check_uploads(runtime);
   }
   SUBCASE("through memory of the driver's own") {
