@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -138,28 +139,40 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
   return same;
 }
 
-/// A batch with several runs at once on the device, all in one context, or each in one of its own.
-void run_lanes(const cl::Device& device, int runs) {
-  const bench::SketchBatch batch = bench::sketches(100000);
-  const BatchInput input = {batch.size(),
-                            Points::Type::float64,
-                            batch.vertices.data(),
-                            batch.vertex_offsets.data(),
-                            batch.constraints.data(),
-                            batch.constraint_offsets.data()};
-  std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs | first call ms |\n",
-              batch.size(), batch.vertices.size());
-  std::printf("|---|---|---|---|---|\n");
-  const auto measure_lanes = [&](std::uint32_t lanes, bool shared) {
+/// A batch on one device.
+struct Lanes {
+  const cl::Device& device;
+  const bench::SketchBatch batch;
+
+  explicit Lanes(const cl::Device& on) : device(on), batch(bench::sketches(100000)) {}
+  BatchInput input() const {
+    return {batch.size(),
+            Points::Type::float64,
+            batch.vertices.data(),
+            batch.vertex_offsets.data(),
+            batch.constraints.data(),
+            batch.constraint_offsets.data()};
+  }
+  DevicePool pool(std::uint32_t lanes, bool shared, Trace trace) const {
     DevicePool::Member member{cl::Context(), device, {}};
     member.hook.tuning.lanes = lanes;
     member.hook.tuning.shares_context = shared;
+    return DevicePool({member}, {}, std::move(trace));
+  }
+};
+
+/// A batch with several runs at once on the device, all in one context, or each in one of its own.
+void run_lanes(const Lanes& on, int runs) {
+  std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs | first call ms |\n",
+              on.batch.size(), on.batch.vertices.size());
+  std::printf("|---|---|---|---|---|\n");
+  const auto measure_lanes = [&](std::uint32_t lanes, bool shared) {
     const auto start = std::chrono::steady_clock::now();
-    DevicePool pool({member}, {}, {});
+    DevicePool pool = on.pool(lanes, shared, {});
     double first = 0;
     std::vector<double> times;
     for (int i = -1; i < runs; ++i) {
-      const double ms = pool.triangulate(input, {}).milliseconds;
+      const double ms = pool.triangulate(on.input(), {}).milliseconds;
       if (i >= 0)
         times.push_back(ms);
       else
@@ -172,6 +185,32 @@ void run_lanes(const cl::Device& device, int runs) {
   };
   for (std::uint32_t lanes = 1; lanes <= 6; ++lanes) measure_lanes(lanes, true);
   for (std::uint32_t lanes = 2; lanes <= 3; ++lanes) measure_lanes(lanes, false);
+}
+
+/// What each kernel takes in such a batch, one run at a time, so that no other's launches are beside it.
+void run_kernels(const Lanes& on) {
+  struct Sum {
+    std::uint64_t launches = 0, ns = 0;
+  };
+  std::map<std::string, Sum> kernels;
+  Sum all;
+  bool counted = false;
+  DevicePool pool = on.pool(1, true, [&](const TraceSpan& span) {
+    if (!counted || !span.on_device) return;
+    for (Sum* sum : {&kernels[span.phase + " " + span.name], &all})
+      ++sum->launches, sum->ns += span.end_ns - span.begin_ns;
+  });
+  for (const bool count : {false, false, true}) {  // programs are built, then memory is made
+    counted = count;
+    pool.triangulate(on.input(), {});
+  }
+  std::vector<std::pair<std::string, Sum>> sorted(kernels.begin(), kernels.end());
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second.ns > b.second.ns; });
+  sorted.emplace_back("all", all);
+  std::printf("\n| phase, kernel | launches | ms | share |\n|---|---|---|---|\n");
+  for (const auto& [name, sum] : sorted)
+    std::printf("| %s | %llu | %.2f | %.3f |\n", name.c_str(), static_cast<unsigned long long>(sum.launches),
+                1e-6 * static_cast<double>(sum.ns), static_cast<double>(sum.ns) / static_cast<double>(all.ns));
 }
 
 }  // namespace
@@ -189,7 +228,9 @@ int main(int count, char** arguments) try {
   if (!batches)
     for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
       same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
-  run_lanes(device, std::max(1, std::min(runs, 5)));
+  const Lanes lanes(device);
+  run_lanes(lanes, std::max(1, std::min(runs, 5)));
+  run_kernels(lanes);
   return same ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "gcdt_bench_ablation: %s\n", error.what());

@@ -74,7 +74,7 @@ kernel void output_few(uint faces, global const Levels* levels, uint bits, globa
     if (key_face(f, levels, bits, face_data, keys, refs)) ++count;
   *triangles = count;
   if (sort_by_digits(faces, 2u * bits, keys, refs, other_keys, other_refs)) refs = other_refs;
-  for (uint i = 0; i < faces; ++i) place_face(i, count, refs, positions);
+  for (uint i = 0; i < faces; ++i) positions[GCDT_REF_FACE(refs[i])] = i < count ? (int)i : -1;
   for (uint i = 0; i < count; ++i)
     gather_triangle(i, face_data, edge_faces, edge_marks, refs, positions, corners, neighbours, constrained);
 }

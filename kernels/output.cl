@@ -44,17 +44,12 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
   if (finite != 0) atomic_add(triangles, finite);
 }
 
-static inline void place_face(uint i, uint triangles, global const uint* refs, global int* positions) {
-  positions[GCDT_REF_FACE(refs[i])] = i < triangles ? (int)i : -1;
-}
-
-// One work-item per face, in sorted order.
-// Reads refs: every face once, the finite ones first.
-// Writes positions[f] for the face of refs[i].
-// Every face stands in refs once: every word has one writer.
+// One work-item per triangle, in canonical order.
+// Reads refs: every finite face once. Writes positions[f] for the face of refs[i]; those of others are -1.
+// Every finite face stands in refs once: every word has one writer.
 // After this kernel positions[f] is the number of face f in canonical order, -1 for symbolic faces.
-kernel void place_faces(const uint count, const uint triangles, global const uint* refs, global int* positions) {
-  FOR_EACH(i, count) place_face(i, triangles, refs, positions);
+kernel void place_faces(const uint count, global const uint* refs, global int* positions) {
+  FOR_EACH(i, count) positions[GCDT_REF_FACE(refs[i])] = (int)i;
 }
 
 // Triangle i, in canonical order.

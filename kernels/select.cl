@@ -14,14 +14,10 @@ kernel void select_finite(const uint count, const uint n, global const uint4* fa
 }
 
 // One work-item per face.
-// Reads before, the scan of `finite` (count + 1 elements). Writes refs at the face's place.
-// Finite faces go to [0, T) by the scan and the others, of which before face f there are f - before[f], to
-// [T, count): every face has a place of its own.
-// After this kernel refs holds the reference of the first corner of every face, finite faces first.
+// Reads before, the scan of `finite` (count + 1 elements). Writes refs at the places of finite faces.
+// The scan gives each of them a place of its own.
+// After this kernel refs holds the reference of the first corner of every finite face.
 kernel void select_refs(const uint count, global const uint* before, global uint* refs) {
-  const uint triangles = before[count];
-  FOR_EACH(f, count) {
-    const uint place = before[f + 1] != before[f] ? before[f] : triangles + (f - before[f]);
-    refs[place] = GCDT_FACE_REF(f, 0u);
-  }
+  FOR_EACH(f, count)
+  if (before[f + 1] != before[f]) refs[before[f]] = GCDT_FACE_REF(f, 0u);
 }

@@ -87,15 +87,18 @@ class ForestOrdering {
     if (!invalid.errors.empty()) throw invalid;
   }
 
-  // By key, then by problem: least significant first, both stable. One problem is sorted by its key.
+  // Each problem by its key, within its own places, or all by key, then by problem: least significant first, both
+  // stable. One problem is sorted by its key.
   void sort(Primitives& primitives, cl_uint n) {
     if (problems_ == 1) return primitives.sort(keys_, values_, n, morton_bits);
+    if (primitives.sorts_segments(largest()))
+      return primitives.sort_segments(keys_, values_, ranges_.first_input_buffer, problems_);
     if (problem_by_problem(runtime_, problems_, largest(), n)) {
       const auto other_keys = runtime_.allocate<cl_ulong>("other half of the keys", n);
       const auto other_values = runtime_.allocate<cl_uint>("other half of the values", n);
       runtime_.launch("arrange", "arrange_keys", runtime::over_large(problems_), problems_, ranges_.first_input_buffer,
                       keys_, values_, other_keys, other_values);
-      return;  // each stays within the places of its problem
+      return;
     }
     auto key_of_input = runtime_.allocate<cl_ulong>("Morton codes of inputs", n);
     runtime_.copy(keys_, key_of_input, n);

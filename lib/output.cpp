@@ -12,8 +12,7 @@ using runtime::Runtime;
 
 namespace {
 
-/// Enqueues the sort of face references by canonical order, symbolic faces last, and returns the
-/// number of finite ones. The keys are gone on return.
+/// Sorts the references of finite faces by canonical order, and returns how many they are.
 std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
                          Buffer<cl_uint>& refs) {
   const cl_uint bits = bit_width(mesh.n);
@@ -23,7 +22,8 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.face_data,
                  keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
-  if (triangles != 0) primitives.sort_by_prefix(keys, refs, mesh.faces(), 2 * bits, bits);
+  // The first corner's rank is a bucket: most vertices are the first of some triangles, few of many.
+  if (triangles != 0) primitives.sort_by_buckets(keys, refs, mesh.faces(), triangles, 2 * bits, bits, mesh.n);
   primitives.release();
   return triangles;
 }
@@ -84,7 +84,8 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   allocate(runtime, ordered, count);
   if (count == 0) return ordered;
   auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
-  runtime.launch("output", "place_faces", over(mesh.faces()), mesh.faces(), count, refs, positions);
+  runtime.fill<cl_int>(positions, -1, mesh.faces());
+  runtime.launch("output", "place_faces", over(count), count, refs, positions);
   runtime.launch("output", "gather_triangles", over(count), count, mesh.face_data, mesh.edge_faces, mesh.edge_marks,
                  refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
   return ordered;

@@ -23,7 +23,8 @@ constexpr std::size_t few_keys = 2048;
 // So many keys a CPU sorts faster by one work-item than by launches for each digit.
 constexpr std::size_t few_keys_alone = 8192;
 constexpr unsigned alone_digit_bits = 8;
-// Runs that a work-item sorts by insertion are so long at most; below so many keys the radix passes are launches only.
+// Runs that a work-item sorts by insertion are so long at most (longer ones a work-group: few_keys); below so many keys
+// the radix passes are launches only.
 constexpr cl_uint longest_run = 32;
 constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
@@ -44,8 +45,7 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
   const std::size_t even_span = std::max(least_span, (count + most_parts - 1) / most_parts);
   const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
-  return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
-          runtime::over_large(parts * runtime_.geometry().local)};
+  return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts), groups_of(parts)};
 }
 
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
@@ -98,19 +98,17 @@ void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size
 
 void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   if (count < 2 || bits == 0) return;
-  match(runtime_, other_keys64_, "other half of the keys", keys.size());
-  match(runtime_, other_values_, "other half of the values", values.size());
-  if (alone()) {
-    runtime_.launch("sort_finish", "sort_alone", runtime::one_group(), static_cast<cl_uint>(count), cl_uint{bits}, keys,
-                    values, other_keys64_, other_values_);
-    if ((bits + alone_digit_bits - 1) / alone_digit_bits % 2 == 0) return;
-    std::swap(keys, other_keys64_);
-    std::swap(values, other_values_);
+  const auto n = static_cast<cl_uint>(count);
+  if (!alone()) {
+    const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
+    runtime_.launch("sort_finish", "sort_small", runtime::one_group(), n, mask, keys, values);
     return;
   }
-  const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
-  runtime_.launch("sort_finish", "sort_small", runtime::one_group(), static_cast<cl_uint>(count), mask, keys, values,
-                  other_keys64_, other_values_);
+  match(runtime_, other_keys64_, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  runtime_.launch("sort_finish", "sort_alone", runtime::one_group(), n, cl_uint{bits}, keys, values, other_keys64_,
+                  other_values_);
+  if ((bits + alone_digit_bits - 1) / alone_digit_bits % 2 == 0) return;
   std::swap(keys, other_keys64_);
   std::swap(values, other_values_);
 }
@@ -120,13 +118,54 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
   const unsigned digit = walk_ == Walk::serial ? serial_digit_bits : group_digit_bits;
   prefix = (prefix + digit - 1) / digit * digit;
   if (count < least_by_prefix || prefix + digit >= bits) return sort(keys, values, count, bits);
-  const cl_uint low = bits - prefix, n = static_cast<cl_uint>(count);
+  const unsigned low = bits - prefix;
   sort_pairs(sort64(), keys, values, count, low, bits, other_keys64_);
+  sort_runs(keys, values, count, low, bits);
+}
+
+void Primitives::sort_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
+                                 unsigned bits, unsigned low, std::size_t buckets) {
+  if (walk_ == Walk::serial || count < least_by_prefix) return sort_by_prefix(keys, values, count, bits, bits - low);
+  match(runtime_, other_keys64_, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  const auto n = static_cast<cl_uint>(count), number = static_cast<cl_uint>(buckets);
+  runtime_.reserve(buckets_, "buckets", buckets + 1);
+  runtime_.fill<cl_uint>(buckets_, 0, buckets);
+  runtime_.launch("sort_finish", "bucket_count", runtime::over(count), n, cl_uint{low}, number, keys, buckets_);
+  exclusive_scan(buckets_, buckets_, buckets);
+  runtime_.launch("sort_finish", "bucket_move", runtime::over(count), n, cl_uint{low}, number, keys, values, buckets_,
+                  other_keys64_, other_values_);
+  std::swap(keys, other_keys64_);
+  std::swap(values, other_values_);
+  sort_runs(keys, values, kept, low, bits);
+}
+
+void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned low,
+                           unsigned bits) {
+  const auto n = static_cast<cl_uint>(count);
   runtime_.reserve(unordered_, "order of keys", 1);
+  runtime_.reserve(long_runs_, "long runs", 1 + count / longest_run);
   runtime_.fill<cl_uint>(unordered_, 0, 1);
-  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, low, longest_run, keys, values);
+  runtime_.fill<cl_uint>(long_runs_, 0, 1);
+  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, longest_run, keys, values,
+                  long_runs_);
+  if (walk_ == Walk::group)
+    runtime_.launch("sort_finish", "sort_long_runs", groups_of(count / few_keys), n, cl_uint{low}, long_runs_, keys,
+                    values);
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
+}
+
+bool Primitives::sorts_segments(std::size_t longest) const { return walk_ == Walk::group && longest <= few_keys; }
+
+void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,
+                               const Buffer<cl_uint>& first, std::size_t segments) {
+  runtime_.launch("sort_finish", "sort_segments", groups_of(segments), static_cast<cl_uint>(segments), first, keys,
+                  values);
+}
+
+runtime::Range Primitives::groups_of(std::size_t items) const {
+  return runtime::over_large(std::max<std::size_t>(items, 1) * runtime_.geometry().local);
 }
 
 void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
@@ -135,7 +174,9 @@ void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_
 }
 
 void Primitives::release() {
-  for (auto* scratch : {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_}) *scratch = {};
+  for (auto* scratch :
+       {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_, &buckets_, &long_runs_})
+    *scratch = {};
   other_keys64_ = {};
 }
 

@@ -6,7 +6,8 @@
 
 namespace gcdt {
 
-/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host but sort_by_prefix.
+/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host but sort_by_prefix and
+/// sort_by_buckets.
 class Primitives {
  public:
   /// How a part of the input is walked (kernels/primitives.cl): `serial` by one work-item, which suits
@@ -34,9 +35,22 @@ class Primitives {
 
   /// The same order by other work: sorts by the highest `prefix` of the `bits`, then mends the runs of keys that agree
   /// in them. Keys have no bit from `bits` on. Cheaper if such runs are short, dearer by that first sort if one is
-  /// longer than some tens. May block.
+  /// longer than some tens (`serial`) or thousands (`group`). May block.
   void sort_by_prefix(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                       unsigned bits, unsigned prefix);
+
+  /// Sorts the pairs whose keys are below buckets * 2^low, of which there are `kept`, and leaves the others out: what
+  /// the buffers hold from `kept` on is undefined afterwards. Keys kept are distinct, and none has a bit from `bits`
+  /// on. On GPUs each pair goes to its bucket, its key from bit `low` on, in one pass, which is cheapest if buckets are
+  /// about as many as keys, and a pair's is near its place; dear as above are buckets of thousands. May block.
+  void sort_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
+                       std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
+
+  /// Whether segments of pairs, none longer than `longest`, can be sorted by sort_segments: by groups, in local memory.
+  bool sorts_segments(std::size_t longest) const;
+  /// Sorts each segment [first[s], first[s + 1]) where it stands, ascending by the whole key and stable.
+  void sort_segments(const runtime::Buffer<cl_ulong>& keys, const runtime::Buffer<cl_uint>& values,
+                     const runtime::Buffer<cl_uint>& first, std::size_t segments);
 
   /// Releases the scratch.
   void release();
@@ -52,13 +66,18 @@ class Primitives {
   void sort_pairs(const char* program, runtime::Buffer<Key>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                   unsigned low, unsigned bits, runtime::Buffer<Key>& other_keys);
   void sort_few(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
+  /// Orders pairs that are in order of their keys' bits from `low` on.
+  void sort_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned low,
+                 unsigned bits);
+  /// A work-group each.
+  runtime::Range groups_of(std::size_t items) const;
   /// Whether one work-item sorts few keys.
   bool alone() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;
   Walk walk_;
-  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_;
+  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_, buckets_, long_runs_;
   runtime::Buffer<cl_ulong> other_keys64_;
 };
 

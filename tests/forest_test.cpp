@@ -15,8 +15,11 @@ namespace {
 
 struct Device {
   runtime::Runtime runtime;
-  Primitives primitives;
-  Device() : runtime(app_device()), primitives(runtime) { runtime.build_for_forests(); }
+  Primitives primitives, by_groups;
+  Primitives* used = &primitives;
+  Device() : runtime(app_device()), primitives(runtime), by_groups(runtime, Primitives::Walk::group) {
+    runtime.build_for_forests();
+  }
 };
 
 Device& device() {
@@ -24,11 +27,13 @@ Device& device() {
   return instance;
 }
 
+void sort_by_groups(bool groups) { device().used = groups ? &device().by_groups : &device().primitives; }
+
 runtime::Geometry& geometry() { return device().runtime.geometry(); }
 
 ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& numbers, const Options& options) {
   Staging staging(device().runtime);
-  return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options, staging);
+  return triangulate_forest(device().runtime, *device().used, batch.view(), numbers, options, staging);
 }
 
 /// What is wrong with a problem alone.
@@ -173,6 +178,18 @@ TEST_CASE("crossing constraints in one of many problems") {
 
 TEST_CASE("equal problems have equal parts") {
   check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
+}
+
+TEST_CASE("problems that work-groups put in order, as on GPUs: few vertices each, or many") {
+  sort_by_groups(true);
+  std::vector<Workload> problems = smallest_problems();
+  for (const std::string& name : workloadNames()) problems.push_back(workload(name, 60));
+  problems.push_back(uniform(2048));
+  check_same_as_alone(problems);
+  problems.push_back(workload("fan", 5000));  // more triangles at a vertex than a group sorts
+  problems.push_back(workload("star", 20000));
+  check_same_as_alone(problems);
+  sort_by_groups(false);
 }
 
 // A launch with a work-item for each vertex and more, as on a CPU with many cores: some work-items of its last group

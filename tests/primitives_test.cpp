@@ -243,8 +243,72 @@ TEST_CASE("a sort by prefix equals the sort, with short runs, long ones, and equ
       check_sort(primitives, steps, 62, 32);
       std::sort(steps.begin(), steps.end());
       check_sort(primitives, steps, 62, 32);
+      // the longest run that a work-group sorts, one longer than that, and equal keys in both
+      for (std::size_t run : {33u, 2048u, 2049u, 5000u}) {
+        for (std::size_t i = 0; i < count; ++i) steps[i] = i / run << 30 | (i * 7919 % run / 2);
+        check_sort(primitives, steps, 62, 32);
+      }
     }
   });
+}
+
+TEST_CASE("a sort by buckets puts the kept pairs in order, however many a bucket has") {
+  for_all_walks_and_geometries([](Primitives& primitives) {
+    for (std::size_t count : {std::size_t{1000}, std::size_t{16384}, std::size_t{20000}})
+      for (std::size_t in_a_bucket : {1u, 3u, 40u, 2048u, 3000u}) {
+        CAPTURE(count);
+        CAPTURE(in_a_bucket);
+        const std::size_t buckets = std::max<std::size_t>(count / in_a_bucket / 2, 1);  // the other pairs are left out
+        std::vector<std::pair<cl_ulong, cl_uint>> pairs(count);
+        for (std::size_t i = 0; i < count; ++i)
+          pairs[i] = {cl_ulong{i / in_a_bucket} << 12 | (i * 2311 % 4096), static_cast<cl_uint>(i)};
+        std::shuffle(pairs.begin(), pairs.end(), std::mt19937(31));
+        std::vector<cl_ulong> keys;
+        Words values;
+        for (const auto& [key, value] : pairs) keys.push_back(key), values.push_back(value);
+        std::sort(pairs.begin(), pairs.end());
+        std::vector<cl_ulong> keys_wanted;
+        Words values_wanted;
+        for (const auto& [key, value] : pairs)
+          if (key >> 12 < buckets) keys_wanted.push_back(key), values_wanted.push_back(value);
+        auto key_buffer = guarded(keys);
+        auto value_buffer = guarded(values);
+        const std::size_t kept = keys_wanted.size();
+        primitives.sort_by_buckets(key_buffer, value_buffer, count, kept, 62, 12, buckets);
+        CHECK(contents(key_buffer, kept) == keys_wanted);
+        CHECK(contents(value_buffer, kept) == values_wanted);
+      }
+  });
+}
+
+TEST_CASE("segments are sorted where they stand") {
+  for (const Geometry& geometry : geometries) {
+    CAPTURE(geometry.local);
+    CAPTURE(geometry.max_groups);
+    Shaken shaken(test_runtime(), geometry);
+    Primitives primitives(test_runtime(), Primitives::Walk::group);
+    REQUIRE(primitives.sorts_segments(2048));
+    CHECK(!primitives.sorts_segments(2049));
+    Words first = {5};  // a few pairs stand before the first segment
+    for (cl_uint size : {0u, 1u, 2u, 3u, 0u, 64u, 65u, 1000u, 2047u, 2048u, 0u}) first.push_back(first.back() + size);
+    const std::size_t count = first.back();
+    const std::vector<cl_ulong> keys = random_keys(count, 41, 0xF00000000000000Full);  // many are equal
+    Words values(count);
+    std::iota(values.begin(), values.end(), 7u);
+    Words order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    for (std::size_t s = 0; s + 1 < first.size(); ++s)
+      std::stable_sort(order.begin() + first[s], order.begin() + first[s + 1],
+                       [&](cl_uint a, cl_uint b) { return keys[a] < keys[b]; });
+    std::vector<cl_ulong> keys_wanted;
+    Words values_wanted;
+    for (cl_uint i : order) keys_wanted.push_back(keys[i]), values_wanted.push_back(values[i]);
+    const auto key_buffer = guarded(keys);
+    const auto value_buffer = guarded(values);
+    primitives.sort_segments(key_buffer, value_buffer, guarded(first), first.size() - 1);
+    CHECK(contents(key_buffer, count + 16) == with_guards(keys_wanted, count + 16));
+    CHECK(contents(value_buffer, count + 16) == with_guards(values_wanted, count + 16));
+  }
 }
 
 TEST_CASE("few keys sort by their low bits, equal ones in order") {
