@@ -4,7 +4,7 @@
 // A round: every edge in the list is tested, and an illegal one claims its two faces (flip_test); an
 // edge that owns both is flipped, and its work-item goes on flipping around it, taking faces that
 // nobody claimed in this round by try-lock (flip_propagate). One round is these two kernels, or one
-// pass of flip_rounds, which does whole rounds inside one work-group with the same functions.
+// pass of flip_rounds or flip_problems, which do whole rounds inside one work-group with the same functions.
 //
 // The queue: the edges to be tested next have the mark GCDT_MARK_QUEUED. While they are many, that is all, and
 // a round finds them by a sweep over the marks: in order of their numbers, which is nearly the order in the plane,
@@ -132,24 +132,19 @@ static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
 #endif
 }
 
-static void test_tiles(Mesh mesh, global uint* edge_marks, Claim c, global const uint* list, uint count,
-                       Appender illegal) {
-  FOR_EACH_TILE(tile, count) {
-    const uint i = tile + get_local_id(0);
-    if (i < count && leaves_queue(edge_marks, list[i])) test_and_claim(mesh, c, list[i], illegal);
-    append_flush(illegal, APPEND_CAPACITY / 2u);
-  }
-  append_flush(illegal, 0u);
+// A tile of the edges to be tested, by the whole group.
+static void test_tile(Mesh mesh, global uint* edge_marks, Claim c, global const uint* list, uint count, uint tile,
+                      Appender illegal) {
+  const uint i = tile + get_local_id(0);
+  if (i < count && leaves_queue(edge_marks, list[i])) test_and_claim(mesh, c, list[i], illegal);
+  append_flush(illegal, APPEND_CAPACITY / 2u);
 }
 
-static uint flip_tiles(Mesh mesh, Claim c, global const uint* illegal, uint count, Queue queue) {
-  uint flips = 0;
-  FOR_EACH_TILE(tile, count) {
-    const uint i = tile + get_local_id(0);
-    if (i < count) flips += flip_if_won(mesh, c, illegal[i], queue);
-    append_flush(queue.list, APPEND_CAPACITY / 2u);
-  }
-  append_flush(queue.list, 0u);
+// A tile of illegal edges, by the whole group. Returns the work-item's flips.
+static uint flip_tile(Mesh mesh, Claim c, global const uint* illegal, uint count, uint tile, Queue queue) {
+  const uint i = tile + get_local_id(0);
+  const uint flips = i < count ? flip_if_won(mesh, c, illegal[i], queue) : 0u;
+  append_flush(queue.list, APPEND_CAPACITY / 2u);
   return flips;
 }
 
@@ -261,7 +256,8 @@ kernel void flip_test(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, g
   const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
   const uint count = counters->list_test[round % 3u];
   if (get_global_id(0) == 0) counters->list_test[(round + 1u) % 3u] = 0u;
-  test_tiles(mesh, edge_marks, c, list, count, a);
+  FOR_EACH_TILE(tile, count) test_tile(mesh, edge_marks, c, list, count, tile, a);
+  append_flush(a, 0u);
 }
 
 // One work-item per illegal edge. Writes words of faces that it owns: claimed in flip_test (both), or
@@ -279,37 +275,122 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
   const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
   const uint count = counters->list_flip[round & 1u];
   if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
-  const uint flips = flip_tiles(mesh, c, illegal, count, make_list_queue(edge_marks, a));
+  uint flips = 0;
+  FOR_EACH_TILE(tile, count) flips += flip_tile(mesh, c, illegal, count, tile, make_list_queue(edge_marks, a));
+  append_flush(a, 0u);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }
 
-// One work-group. Does up to `most` rounds from `round` on; barriers order what two kernels do
-// otherwise, and the same arguments hold for each part. Ends when the list is empty or after `most`
-// rounds. After: list_test of the next round holds what is left; counters->rounds the rounds done.
+// ---- Rounds of one work-group ----------------------------------------------------------------------
+
+// Lists of edges that one work-group works off by itself, and how long they are.
+typedef struct OwnLists {
+  global uint *list, *illegal;
+  volatile global uint *tests, *found;
+} OwnLists;
+
+// One work-group, all of it with the same arguments. Up to `most` rounds, of which the first tests the edges of the
+// list; barriers order what two kernels do otherwise, and the same arguments hold for each part. Nobody else touches
+// the faces that these edges lead to. Ends when the list is empty or after `most` rounds. Returns how many were done;
+// the list is what is left.
+static uint rounds_of_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
+                            local uint* items, local uint* gathered, private uint* flips) {
+  uint done = 0;
+  for (;;) {
+    const uint tests = *own.tests;
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    if (tests == 0u || done == most) break;
+    const Claim c = make_claim(stamp + done, bits);
+    if (get_local_id(0) == 0) *own.tests = *own.found = 0u;
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    const Appender illegal = make_appender(items, gathered, own.illegal, own.found);
+    FOR_ALL_TILES(tile, tests) test_tile(mesh, edge_marks, c, own.list, tests, tile, illegal);
+    append_flush(illegal, 0u);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    const uint count = *own.found;
+    const Appender queue = make_appender(items, gathered, own.list, own.tests);
+    FOR_ALL_TILES(tile, count)
+    *flips += flip_tile(mesh, c, own.illegal, count, tile, make_list_queue(edge_marks, queue));
+    append_flush(queue, 0u);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    ++done;
+  }
+  return done;
+}
+
+// One work-group. Does up to `most` rounds from `round` on. After: list_test of the next round holds what is left;
+// counters->rounds the rounds done.
 kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                         global uint* list, global uint* illegal, volatile global Counters* counters) {
   DECLARE_APPENDER(gathered);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  uint flips = 0, done = 0;
-  for (;;) {
-    const uint now = round + done;
-    const uint tests = counters->list_test[now % 3u];
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    if (tests == 0u || done == most) break;
-    const Claim c = make_claim(stamp + done, bits);
-    if (get_local_id(0) == 0) counters->list_test[(now + 1u) % 3u] = 0u;
-    const Appender found = make_appender(gathered_items, gathered_gathered, illegal, &counters->list_flip[now & 1u]);
-    test_tiles(mesh, edge_marks, c, list, tests, found);
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    const uint count = counters->list_flip[now & 1u];
-    if (get_local_id(0) == 0) counters->list_flip[(now + 1u) & 1u] = 0u;
-    const Appender queue =
-        make_appender(gathered_items, gathered_gathered, list, &counters->list_test[(now + 1u) % 3u]);
-    flips += flip_tiles(mesh, c, illegal, count, make_list_queue(edge_marks, queue));
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    ++done;
+  OwnLists own;
+  own.list = list;
+  own.illegal = illegal;
+  own.tests = &counters->list_test[round % 3u];
+  own.found = &counters->list_flip[round & 1u];
+  uint flips = 0;
+  const uint done =
+      rounds_of_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
+  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
+  if (get_local_id(0) == 0) {
+    counters->list_test[(round + done) % 3u] = *own.tests;
+    counters->list_flip[0] = counters->list_flip[1] = 0u;
+    counters->rounds += done;
+  }
+}
+
+#ifdef GCDT_FOREST
+
+static inline uint problem_of_face(Mesh mesh, uint face) {
+  const uint v = mesh.face_data[GCDT_CORNERS(face)].x;
+  return v < mesh.n ? problem_of(mesh.points, mesh.n, v) : (v - mesh.n) / 3u;
+}
+
+// The part of each list that is problem p's: as long as it has edges.
+static inline uint place_of_problem(Mesh mesh, uint p) { return 3u * (first_rank(mesh.points, mesh.n, p) + p); }
+
+// One work-item per edge. Deals those that may be flipped to the lists of their problems. (Which edges are whose is not
+// said by their numbers: where constraints were enforced, problems may have exchanged slots.)
+// Reads: the mesh. Writes: list, and lengths[2p], which were 0, by atomic_inc, which gives each place once.
+// After: list has lengths[2p] edges of problem p from its place on, in any order.
+kernel void flip_deal(uint edges, GCDT_MESH_PARAMETERS, global const uint* edge_marks, global uint* list,
+                      volatile global uint* lengths) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(e, edges) {
+    const uint2 refs = faces_of_edge(mesh, e);
+    if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || (edge_marks[e] & GCDT_MARK_CONSTRAINED)) continue;
+    const uint p = problem_of_face(mesh, GCDT_REF_FACE(refs.x));
+    list[place_of_problem(mesh, p) + atomic_inc(lengths + 2u * p)] = e;
+  }
+}
+
+// One work-group per problem. Does up to `most` rounds, of which the first tests the edges of the problem's list.
+// Reads, writes: the problem's faces and edges, its part of both lists, and lengths[2p], lengths[2p + 1], theirs.
+// A problem has one work-group, and a flip leads to no other problem (forest.h).
+// After: list_test[0], which was 0, counts the problems that have edges left; counters->rounds is the most rounds done.
+kernel void flip_problems(uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
+                          global uint* list, global uint* illegal, volatile global uint* lengths,
+                          volatile global Counters* counters) {
+  DECLARE_APPENDER(gathered);
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  uint flips = 0, rounds = 0;
+  for (uint p = get_group_id(0); p < mesh.roots; p += get_num_groups(0)) {
+    const uint place = place_of_problem(mesh, p);
+    OwnLists own;
+    own.list = list + place;
+    own.illegal = illegal + place;
+    own.tests = lengths + 2u * p;
+    own.found = own.tests + 1;
+    const uint done =
+        rounds_of_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
+    rounds = max(rounds, done);
+    if (get_local_id(0) == 0 && *own.tests > 0u) atomic_inc(&counters->list_test[0]);
   }
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
-  if (get_local_id(0) == 0) counters->rounds += done;
+  if (get_local_id(0) == 0) atomic_max(&counters->rounds, rounds);
 }
+
+#endif

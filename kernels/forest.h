@@ -31,13 +31,19 @@ static inline uint root_of(global const int2* points, uint n, uint v) { return p
 // Which of the three directions symbolic vertex v >= n stands for.
 static inline uint symbol_of(uint v, uint n) { return (v - n) % 3u; }
 
+// The vertices of a problem in the levels up to `level`, as ranks in units of stride[level]: from x up to y.
+static inline uint2 units_of_problem(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                     uint problem) {
+  const uint stride = levels->stride[level];
+  return (uint2)((first_rank(points, n, problem) + stride - 1u) / stride,
+                 (first_rank(points, n, problem + 1u) + stride - 1u) / stride);
+}
+
 // The vertices of v's problem that are coarser than `level`, as ranks in units of stride[level - 1]: from x up to y.
 static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
                                  uint v) {
-  const uint stride = levels->stride[level - 1u], problem = problem_of(points, n, v);
   (void)coarse;
-  return (uint2)((first_rank(points, n, problem) + stride - 1u) / stride,
-                 (first_rank(points, n, problem + 1u) + stride - 1u) / stride);
+  return units_of_problem(levels, level - 1u, points, n, problem_of(points, n, v));
 }
 
 #else

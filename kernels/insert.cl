@@ -3,8 +3,8 @@
 //
 // A round: every vertex not yet inserted (Active in a face, or OnEdge) locates itself among the
 // children of what was split and votes for its face, or for both faces of its edge; winners split.
-// One round is two kernels, or one pass of insert_rounds, which does whole rounds inside one
-// work-group; both run the same functions.
+// One round is two kernels, or one pass of insert_rounds or insert_problems, which do whole rounds inside one
+// work-group; all run the same functions.
 #include "append.h"
 #include "history.h"
 #include "split_face.h"
@@ -16,15 +16,21 @@
 typedef struct Round {
   u32 number;  // from 1; stands in `shape` of the vertices that it inserts
   u32 stamp, bits;
+  u32 first;  // of the vertices that have tickets for the same faces
 } Round;
 
-static inline Round make_round(uint number, uint stamp, uint bits) {
+static inline Round make_round(uint number, uint stamp, uint bits, uint first) {
   Round r;
   r.number = number;
   r.stamp = stamp;
   r.bits = bits;
+  r.first = first;
   return r;
 }
+
+static inline Round next_round(Round r) { return make_round(r.number + 1u, r.stamp + 1u, r.bits, r.first); }
+
+static inline uint ticket_of(Round r, uint v) { return make_ticket(r.stamp, r.bits, v - r.first); }
 
 static inline bool inserted_in(History h, uint v, uint round) {
   return v >= h.begin && v < h.end && (h.shape[v - h.begin] >> 8) == round;
@@ -76,8 +82,8 @@ static inline uint2 faces_of_location(Mesh mesh, uint location) {
   return (uint2)(GCDT_REF_FACE(mesh.edge_faces[2u * e]), GCDT_REF_FACE(mesh.edge_faces[2u * e + 1u]));
 }
 
-static void vote(Mesh mesh, History h, Round r, uint v, uint location) {
-  const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
+static void vote(Mesh mesh, Round r, uint v, uint location) {
+  const uint ticket = ticket_of(r, v);
   const uint2 f = faces_of_location(mesh, location);
   atomic_max(claim_word(mesh.face_data, f.x), ticket);
   if (f.y != f.x) atomic_max(claim_word(mesh.face_data, f.y), ticket);
@@ -102,7 +108,7 @@ static bool relocate_and_vote(Mesh mesh, History h, Round r, uint v) {
     }
   }
   h.nodes[i] = (uint4)(location, depth, 0u, 0u);
-  vote(mesh, h, r, v, location);
+  vote(mesh, r, v, location);
   return true;
 }
 
@@ -152,7 +158,7 @@ static void insert_on_edge(Mesh mesh, History h, Round r, uint v, uint e) {
 // an edge's face that a winner has replaced: whatever it reads is not its ticket. Returns 1 if an edge was split.
 static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global Counters* counters) {
   const uint location = h.nodes[v - h.begin].x;
-  const uint ticket = make_ticket(r.stamp, r.bits, v - h.begin);
+  const uint ticket = ticket_of(r, v);
   const uint2 f = faces_of_location(mesh, location);
   if (*claim_word(mesh.face_data, f.x) != ticket || *claim_word(mesh.face_data, f.y) != ticket) return 0u;
   const uint depth = h.nodes[v - h.begin].y + 1u;
@@ -184,47 +190,51 @@ kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMET
   }
 }
 
-// One work-item per vertex of the level. Reads the top layer; walks from the coarser vertex before it
-// on the curve. Writes its own record and shape, its place in the list, and its first vote
-// (atomic_max: the greatest ticket wins whatever the order); work-item 0 the list's length. After:
+// Vertex v's first location, found by a walk in the top layer from the coarser vertex before it on the curve; and its
+// vote there.
+static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Round r, uint v,
+                            private uint* steps, volatile global Counters* counters) {
+  const uint from = coarse_vertex_near(levels, level, mesh.points, mesh.n, h, v);
+  Germ g;
+  g.p = load_vertex(mesh.points, mesh.n, v);
+  g.q = g.p;
+  g.k = 0;
+  g.parts = 1;
+  uint zero;
+  const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, steps, &zero);
+  uint location = t;
+  if (t == GCDT_NONE)
+    atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;
+  else if (zero != 3u)
+    location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(t)], zero));
+  h.nodes[v - h.begin] = (uint4)(location, 0u, 0u, 0u);
+  h.shape[v - h.begin] = 0u;
+  vote(mesh, r, v, location);
+}
+
+// One work-item per vertex of the level. Reads the top layer. Writes its own record and shape, its place in the list,
+// and its first vote (atomic_max: the greatest ticket wins whatever the order); work-item 0 the list's length. After:
 // every vertex of the level has a location, and round 1's votes are cast.
 kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                           GCDT_HISTORY_PARAMETERS, global uint* list, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const Round r = make_round(1u, 1u, bits, begin);
   uint steps = 0;
   if (get_global_id(0) == 0) counters->list_insert[1] = end - begin;
   FOR_EACH(i, end - begin) {
-    const uint v = begin + i;
-    const uint from = coarse_vertex_near(levels, level, points, n, h, v);
-    Germ g;
-    g.p = load_vertex(points, n, v);
-    g.q = g.p;
-    g.k = 0;
-    g.parts = 1;
-    uint zero;
-    const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, &steps, &zero);
-    uint location = t;
-    if (t == GCDT_NONE)
-      atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;
-    else if (zero != 3u)
-      location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(t)], zero));
-    h.nodes[i] = (uint4)(location, 0u, 0u, 0u);
-    h.shape[i] = 0u;
-    list[i] = v;
-    vote(mesh, h, make_round(1u, 1u, bits), v, location);
+    list[i] = begin + i;
+    locate_and_vote(levels, level, mesh, h, r, begin + i, &steps, counters);
   }
   add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
 }
 
-static void vote_tiles(Mesh mesh, History h, Round r, global const uint* list, uint count, Appender left) {
-  FOR_EACH_TILE(tile, count) {
-    const uint i = tile + get_local_id(0);
-    if (i < count && relocate_and_vote(mesh, h, r, list[i])) append(left, list[i]);
-    append_flush(left, APPEND_CAPACITY / 2u);
-  }
-  append_flush(left, 0u);
+// A tile of the vertices in a list, by the whole group: those not inserted yet locate themselves and vote.
+static void vote_tile(Mesh mesh, History h, Round r, global const uint* list, uint count, uint tile, Appender left) {
+  const uint i = tile + get_local_id(0);
+  if (i < count && relocate_and_vote(mesh, h, r, list[i])) append(left, list[i]);
+  append_flush(left, APPEND_CAPACITY / 2u);
 }
 
 // One work-item per vertex in the list of the round before. Reads the mesh; writes its own record and
@@ -237,7 +247,10 @@ kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const Appender a = make_appender(left_items, left_gathered, list, &counters->list_insert[number & 1u]);
-  vote_tiles(mesh, h, make_round(number, stamp, bits), list_before, counters->list_insert[(number & 1u) ^ 1u], a);
+  const Round r = make_round(number, stamp, bits, begin);
+  const uint count = counters->list_insert[(number & 1u) ^ 1u];
+  FOR_EACH_TILE(tile, count) vote_tile(mesh, h, r, list_before, count, tile, a);
+  append_flush(a, 0u);
 }
 
 // One work-item per vertex in the list. Reads the votes; a winner writes its faces, its three new
@@ -249,7 +262,7 @@ kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETER
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const Round r = make_round(number, stamp, bits);
+  const Round r = make_round(number, stamp, bits, begin);
   const uint count = counters->list_insert[number & 1u];
   if (get_global_id(0) == 0) counters->list_insert[(number & 1u) ^ 1u] = 0u;
   uint on_edges = 0;
@@ -257,41 +270,6 @@ kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETER
   on_edges += split_if_won(mesh, h, r, list[i], counters);
   on_edges = sum_of_group(&sum, on_edges);
   if (get_local_id(0) == 0 && on_edges > 0u) atomic_add(&counters->edge_splits, on_edges);
-}
-
-// One work-group. Does up to `most` rounds from round `number` on, whose votes are cast: split, then
-// relocate and vote for the next. Barriers order what two kernels do otherwise; the same argument
-// holds for each part. The loop ends: a round with vertices left has a winner. After: list_insert of
-// the next round's parity counts the vertices left, counters->rounds the rounds done.
-kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
-                          global uint* list_even, global uint* list_odd, volatile global Counters* counters) {
-  DECLARE_APPENDER(left);
-  local uint sum;
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  uint done = 0, on_edges = 0;
-  for (;;) {
-    const Round r = make_round(number + done, stamp + done, bits);
-    const uint now = r.number & 1u;
-    const uint count = counters->list_insert[now];
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    if (count == 0u || done == most) break;
-    global uint* list = now ? list_odd : list_even;
-    global uint* list_next = now ? list_even : list_odd;
-    if (get_local_id(0) == 0) counters->list_insert[now ^ 1u] = 0u;
-    for (uint i = get_local_id(0); i < count; i += get_local_size(0))
-      on_edges += split_if_won(mesh, h, r, list[i], counters);
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    const Appender a = make_appender(left_items, left_gathered, list_next, &counters->list_insert[now ^ 1u]);
-    vote_tiles(mesh, h, make_round(r.number + 1u, r.stamp + 1u, bits), list, count, a);
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    ++done;
-  }
-  on_edges = sum_of_group(&sum, on_edges);
-  if (get_local_id(0) == 0) {
-    counters->rounds += done;
-    counters->edge_splits += on_edges;
-  }
 }
 
 // One work-item per vertex in the list. Re-casts this round's vote with a new stamp after the claim
@@ -302,5 +280,105 @@ kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETE
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint count = counters->list_insert[number & 1u];
   FOR_EACH(i, count)
-  vote(mesh, h, make_round(number, stamp, bits), list[i], h.nodes[list[i] - begin].x);
+  vote(mesh, make_round(number, stamp, bits, begin), list[i], h.nodes[list[i] - begin].x);
 }
+
+// ---- Rounds of one work-group ----------------------------------------------------------------------
+
+// One work-group, all of it with the same arguments. Up to `most` rounds from r on, whose votes are cast: split, then
+// relocate and vote for the next. Lists are by parity of the round, as are lengths[0 .. 1]. Barriers order what two
+// kernels do otherwise; the same argument holds for each part. Nobody else touches the faces that these vertices lie
+// in. The loop ends: a round with vertices left has a winner. Returns how many were done; the list of the next round
+// holds the vertices left.
+static uint rounds_of_group(Mesh mesh, History h, Round r, uint most, global uint* list_even, global uint* list_odd,
+                            volatile global uint* lengths, volatile global Counters* counters, local uint* items,
+                            local uint* gathered, private uint* on_edges) {
+  uint done = 0;
+  for (;; r = next_round(r)) {
+    const uint now = r.number & 1u;
+    const uint count = lengths[now];
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    if (count == 0u || done == most) break;
+    global uint* list = now ? list_odd : list_even;
+    global uint* list_next = now ? list_even : list_odd;
+    if (get_local_id(0) == 0) lengths[now ^ 1u] = 0u;
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0))
+      *on_edges += split_if_won(mesh, h, r, list[i], counters);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    const Appender a = make_appender(items, gathered, list_next, &lengths[now ^ 1u]);
+    FOR_ALL_TILES(tile, count) vote_tile(mesh, h, next_round(r), list, count, tile, a);
+    append_flush(a, 0u);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    ++done;
+  }
+  return done;
+}
+
+// One work-group. After up to `most` rounds: list_insert of the next round's parity counts the vertices left,
+// counters->rounds the rounds done.
+kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+                          global uint* list_even, global uint* list_odd, volatile global Counters* counters) {
+  DECLARE_APPENDER(left);
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  uint on_edges = 0;
+  const uint done = rounds_of_group(mesh, h, make_round(number, stamp, bits, begin), most, list_even, list_odd,
+                                    counters->list_insert, counters, left_items, left_gathered, &on_edges);
+  on_edges = sum_of_group(&sum, on_edges);
+  if (get_local_id(0) == 0) {
+    counters->rounds += done;
+    counters->edge_splits += on_edges;
+  }
+}
+
+#ifdef GCDT_FOREST
+
+// One work-group per problem. Inserts its vertices of the level in up to `most` rounds from round `number` on; in round
+// 1 it locates them first. Tickets count from the problem's first such vertex, so `bits` are as many as the largest
+// problem needs, and stamps are the rounds' numbers.
+// Reads: the top layer. Writes: the problem's faces, edges, and records of vertices, its part of both lists, and
+//   lengths[2p], lengths[2p + 1], theirs.
+// A problem has one work-group, and its vertices lie in faces of its own (forest.h).
+// After: list_insert[0] is greater by the vertices left; counters->rounds is the number of the last round done.
+kernel void insert_problems(uint level, uint number, uint bits, uint most, GCDT_LEVELS_POINTER levels,
+                            GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, global uint* list_even,
+                            global uint* list_odd, global uint* lengths, volatile global Counters* counters) {
+  DECLARE_APPENDER(left);
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  uint steps = 0, on_edges = 0, last = 0;
+  for (uint p = get_group_id(0); p < mesh.roots; p += get_num_groups(0)) {
+    const uint2 units = units_of_problem(levels, level, points, n, p);
+    const uint first = gcdt_vertices_before(level, units.x), count = gcdt_vertices_before(level, units.y) - first;
+    const Round r = make_round(number, number, bits, begin + first);
+    volatile global uint* own = lengths + 2u * p;
+    if (number == 1u) {
+      for (uint i = first + get_local_id(0); i < first + count; i += get_local_size(0)) {
+        list_odd[i] = begin + i;
+        locate_and_vote(levels, level, mesh, h, r, begin + i, &steps, counters);
+      }
+      if (get_local_id(0) == 0) own[1] = count;
+      barrier(CLK_GLOBAL_MEM_FENCE);
+    }
+    const uint next = number + rounds_of_group(mesh, h, r, most, list_even + first, list_odd + first, own, counters,
+                                               left_items, left_gathered, &on_edges);
+    last = max(last, next - 1u);
+    if (get_local_id(0) == 0) {
+      const uint vertices_left = own[next & 1u];
+      if (vertices_left > 0u)
+        atomic_add(&counters->list_insert[0], vertices_left);
+      else
+        own[0] = own[1] = 0u;  // whatever the number of the round that a further launch begins with
+    }
+  }
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
+  on_edges = sum_of_group(&sum, on_edges);
+  if (get_local_id(0) == 0) {
+    if (on_edges > 0u) atomic_add(&counters->edge_splits, on_edges);
+    atomic_max(&counters->rounds, last);
+  }
+}
+
+#endif

@@ -52,6 +52,12 @@ GCDT_INLINE u32 gcdt_vertex_of_rank(GCDT_LEVELS_POINTER levels, u32 last, u32 ra
   return j == 0 ? r : levels->begin[j] + r - r / GCDT_LEVEL_RATIO - 1u;
 }
 
+// How many vertices of `level` come before rank `unit` of the curve, which counts in units of stride[level]: of these
+// ranks, every R-th is coarser.
+GCDT_INLINE u32 gcdt_vertices_before(u32 level, u32 unit) {
+  return level == 0 ? unit : unit - (unit + GCDT_LEVEL_RATIO - 1u) / GCDT_LEVEL_RATIO;
+}
+
 // 62-bit Morton code of a grid point: bit 2i is bit i of x, bit 2i+1 is bit i of y.
 GCDT_INLINE u64 gcdt_spread_bits(u64 v) {
   v = (v | (v << 16)) & 0x0000FFFF0000FFFFul;

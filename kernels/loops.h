@@ -52,4 +52,7 @@ static inline uint dealt_first(uint count) {
 
 #define FOR_EACH_TILE(tile, count) FOR_EACH_TILE_OF(tile, (uint)get_local_size(0), count)
 
+// All tiles: of what one work-group does by itself.
+#define FOR_ALL_TILES(tile, count) for (uint tile = 0; tile < (count); tile += (uint)get_local_size(0))
+
 #endif

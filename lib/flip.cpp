@@ -46,6 +46,30 @@ class Flipping {
     return finish(swept ? counters_.read().list_test[round_ % 3] : edges_, ticker);
   }
 
+  /// The rounds of all problems, each by one work-group. Ends: see run().
+  FlipResult by_problem(Ticker& ticker) {
+    const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
+    runtime_.fill<cl_uint>(lengths, 0, lengths.size());
+    runtime_.launch("flip", "flip_deal", runtime::over(edges_), edges_, mesh_.n, vertices_.points, mesh_.face_data,
+                    mesh_.edge_faces, mesh_.edge_marks, lists_.first, lengths);
+    FlipResult result;
+    for (cl_uint pending = mesh_.roots; pending > 0;) {
+      renew_stamps();
+      counters_.zero();
+      runtime_.launch("flip", "flip_problems", runtime_.over_groups(mesh_.roots), cl_uint(stamps_.current() + 1),
+                      stamps_.bits(), cl_uint{stamps_.left()}, mesh_.n, vertices_.points, mesh_.face_data,
+                      mesh_.edge_faces, mesh_.edge_marks, lists_.first, lists_.second, lengths, counters_.buffer());
+      const device::Counters& c = counters_.read();
+      stamps_.take(c.rounds);
+      result.rounds += c.rounds;
+      result.flips += wide(c.flips_low, c.flips_high);
+      pending = c.list_test[0];
+      check(result.rounds, ticker);
+    }
+    mesh_.claims_below = stamps_.claims_below();
+    return result;
+  }
+
   /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
   FlipResult finish(std::uint32_t pending, Ticker& ticker) {
     std::uint64_t total = round_;
@@ -140,7 +164,8 @@ class Flipping {
 FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
                 PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
   counters.zero();
-  return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh).run(ticker);
+  Flipping flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh);
+  return one_group_each(runtime, vertices) ? flipping.by_problem(ticker) : flipping.run(ticker);
 }
 
 FlipResult flip_queued(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,

@@ -32,12 +32,29 @@ class LevelInsertion {
         remaining_(history.end - history.begin) {}
 
   void locate() {
-    const cl_uint faces = mesh_.faces(history_.begin);
-    runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
-    launch("insert_freeze", runtime::over(faces), std::tie(faces));
+    freeze();
     stamps_.take();
     launch("insert_locate", over_level(),
            std::forward_as_tuple(history_.level, stamps_.bits(), vertices_.levels_buffer), list(1), counters_.buffer());
+  }
+
+  /// All rounds of all problems, each by one work-group. Ends: see round_limit.
+  std::uint64_t by_problem(Ticker& ticker) {
+    freeze();
+    const cl_uint bits = Stamps(vertices_.largest).bits();  // leaves stamps for more rounds than round_limit
+    const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
+    for (std::uint32_t left_before = 0; remaining_ > 0;) {
+      launch("insert_problems", runtime_.over_groups(mesh_.roots),
+             std::forward_as_tuple(history_.level, round_, bits, one_group_rounds, vertices_.levels_buffer), list(0),
+             list(1), lengths, counters_.buffer());
+      const device::Counters& c = counters_.read();
+      round_ = c.rounds + 1;
+      remaining_ = c.list_insert[0] - left_before;  // the device adds up what launches leave
+      left_before = c.list_insert[0];
+      check(c, ticker);
+    }
+    mesh_.claims_below = std::uint64_t{round_} << bits;
+    return round_ - 1;
   }
 
   /// Ends: see round_limit.
@@ -48,19 +65,29 @@ class LevelInsertion {
       else
         for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i) round();
       const device::Counters& c = counters_.read();
-      if (c.failed) throw Error(Status::round_limit, "insert: point location left the mesh");
       round_ += c.rounds - rounds_seen_;
       stamps_.take(c.rounds - rounds_seen_);
       rounds_seen_ = c.rounds;
       remaining_ = c.list_insert[round_ & 1];
-      if (round_ > round_limit) throw Error(Status::round_limit, "insert: vertices are left after the limit of rounds");
-      ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
+      check(c, ticker);
     }
     mesh_.claims_below = stamps_.claims_below();
     return round_ - 1;
   }
 
  private:
+  void freeze() {
+    const cl_uint faces = mesh_.faces(history_.begin);
+    runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
+    launch("insert_freeze", runtime::over(faces), std::tie(faces));
+  }
+
+  void check(const device::Counters& c, Ticker& ticker) const {
+    if (c.failed) throw Error(Status::round_limit, "insert: point location left the mesh");
+    if (round_ > round_limit) throw Error(Status::round_limit, "insert: vertices are left after the limit of rounds");
+    ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
+  }
+
   void round() {
     renew_stamps(1);
     launch("insert_split", over_remaining(), standing_round(), list(round_), counters_.buffer());
@@ -159,6 +186,7 @@ std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, 
   history.end = vertices.levels.begin[level + 1];
   counters.zero();
   LevelInsertion insertion(runtime, vertices, mesh, history, lists, counters);
+  if (one_group_each(runtime, vertices)) return insertion.by_problem(ticker);
   insertion.locate();
   return insertion.finish(ticker);
 }

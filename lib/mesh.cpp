@@ -5,6 +5,11 @@
 
 namespace gcdt {
 
+namespace {
+// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before.
+constexpr std::uint32_t most_of_a_group = 2048;
+}  // namespace
+
 Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
   Mesh mesh;
   mesh.n = n;
@@ -23,6 +28,10 @@ void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t fac
 WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
   const std::size_t edges = device::gcdt_forest_edges(n, roots);
   return {runtime.allocate<cl_uint>("work list", edges), runtime.allocate<cl_uint>("second work list", edges)};
+}
+
+bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices) {
+  return !runtime.contiguous() && vertices.roots > 1 && vertices.largest <= most_of_a_group;
 }
 
 unsigned bit_width(std::uint64_t value) {

@@ -18,6 +18,10 @@ struct WorkLists {
 };
 WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots = 1);
 
+/// Whether each problem of a forest is one work-group's business, which then needs no launch and no read between its
+/// rounds: where work-items are not threads' loops, and no problem is large.
+bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices);
+
 /// Bits that hold `value`; 0 for 0.
 unsigned bit_width(std::uint64_t value);
 

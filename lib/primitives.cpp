@@ -45,7 +45,8 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
   const std::size_t even_span = std::max(least_span, (count + most_parts - 1) / most_parts);
   const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
-  return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts), groups_of(parts)};
+  return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
+          runtime_.over_groups(parts)};
 }
 
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
@@ -150,8 +151,8 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
   runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, longest_run, keys, values,
                   long_runs_);
   if (walk_ == Walk::group)
-    runtime_.launch("sort_finish", "sort_long_runs", groups_of(count / few_keys), n, cl_uint{low}, long_runs_, keys,
-                    values);
+    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_groups(count / few_keys), n, cl_uint{low},
+                    long_runs_, keys, values);
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }
@@ -160,12 +161,8 @@ bool Primitives::sorts_segments(std::size_t longest) const { return walk_ == Wal
 
 void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,
                                const Buffer<cl_uint>& first, std::size_t segments) {
-  runtime_.launch("sort_finish", "sort_segments", groups_of(segments), static_cast<cl_uint>(segments), first, keys,
-                  values);
-}
-
-runtime::Range Primitives::groups_of(std::size_t items) const {
-  return runtime::over_large(std::max<std::size_t>(items, 1) * runtime_.geometry().local);
+  runtime_.launch("sort_finish", "sort_segments", runtime_.over_groups(segments), static_cast<cl_uint>(segments), first,
+                  keys, values);
 }
 
 void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {

@@ -69,8 +69,6 @@ class Primitives {
   /// Orders pairs that are in order of their keys' bits from `low` on.
   void sort_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned low,
                  unsigned bits);
-  /// A work-group each.
-  runtime::Range groups_of(std::size_t items) const;
   /// Whether one work-item sorts few keys.
   bool alone() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }

@@ -15,25 +15,31 @@ namespace {
 
 struct Device {
   runtime::Runtime runtime;
-  Primitives primitives, by_groups;
-  Primitives* used = &primitives;
-  Device() : runtime(app_device()), primitives(runtime), by_groups(runtime, Primitives::Walk::group) {
+  Primitives primitives;
+  explicit Device(const cl::Device& device) : runtime(device), primitives(runtime) { runtime.build_for_forests(); }
+  Device(const cl::Device& device, Primitives::Walk walk) : runtime(device), primitives(runtime, walk) {
     runtime.build_for_forests();
   }
 };
 
+Device* other_device = nullptr;
+
 Device& device() {
-  static Device instance;
-  return instance;
+  static Device usual(app_device());
+  return other_device ? *other_device : usual;
 }
 
-void sort_by_groups(bool groups) { device().used = groups ? &device().by_groups : &device().primitives; }
+// Forests run on another device for its life.
+struct On {
+  explicit On(Device& device) { other_device = &device; }
+  ~On() { other_device = nullptr; }
+};
 
 runtime::Geometry& geometry() { return device().runtime.geometry(); }
 
 ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& numbers, const Options& options) {
   Staging staging(device().runtime);
-  return triangulate_forest(device().runtime, *device().used, batch.view(), numbers, options, staging);
+  return triangulate_forest(device().runtime, device().primitives, batch.view(), numbers, options, staging);
 }
 
 /// What is wrong with a problem alone.
@@ -180,16 +186,43 @@ TEST_CASE("equal problems have equal parts") {
   check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
 }
 
-TEST_CASE("problems that work-groups put in order, as on GPUs: few vertices each, or many") {
-  sort_by_groups(true);
+std::vector<Workload> small_problems() {
   std::vector<Workload> problems = smallest_problems();
   for (const std::string& name : workloadNames()) problems.push_back(workload(name, 60));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) problems.push_back(randomPslg(400, 4000, 120, seed));
   problems.push_back(uniform(2048));
+  return problems;
+}
+
+TEST_CASE("problems that work-groups put in order, as on GPUs: few vertices each, or many") {
+  Device by_groups(app_device(), Primitives::Walk::group);
+  const On on(by_groups);
+  std::vector<Workload> problems = small_problems();
   check_same_as_alone(problems);
   problems.push_back(workload("fan", 5000));  // more triangles at a vertex than a group sorts
   problems.push_back(workload("star", 20000));
   check_same_as_alone(problems);
-  sort_by_groups(false);
+}
+
+// insert_problems and flip_problems, as on GPUs; with large problems the rounds of all are one launch after the other.
+TEST_CASE("problems that a work-group triangulates, on every device whose work-items are not threads' loops") {
+  std::size_t devices = 0;
+  for (const cl::Device& each : runtime::all_devices()) {
+    Device device(each);
+    if (device.runtime.contiguous()) continue;
+    CAPTURE(device.runtime.info().name);
+    ++devices;
+    const On on(device);
+    std::vector<Workload> problems = small_problems();
+    check_same_as_alone(problems);
+    Options domain;
+    domain.domain = Domain::even_odd;
+    check_same_as_alone(problems, domain);
+    check_same_as_alone(std::vector<Workload>(70, workload("random_pslg", 8)));
+    problems.push_back(uniform(2049));
+    check_same_as_alone(problems);
+  }
+  REQUIRE_MESSAGE(devices > 0, "this needs a GPU, or Mesa's driver (Debian and Ubuntu: mesa-opencl-icd)");
 }
 
 // A launch with a work-item for each vertex and more, as on a CPU with many cores: some work-items of its last group
