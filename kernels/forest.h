@@ -10,8 +10,9 @@
 // Problem p has the root face p, the root edges 3p .. 3p+2, and symbolic vertices of its own, n + 3p .. n + 3p+2,
 // which stand for the same three directions in all problems: so no directed edge occurs twice in the forest.
 // Ranks run through the problems one after the other: those of problem p are [first rank, next first rank).
-// Each problem's faces are linked among themselves only, and slot p is always one of them: a split leaves the
-// first child in the slot, a flip exchanges faces of one problem.
+// Each problem's faces are linked among themselves only. Until constraints are enforced, slot p is one of them, and so
+// are those that the problem's vertices bring: a split leaves the first child in the slot, a flip exchanges faces of
+// one problem. Enforcement hands out the slots of all crossed faces and edges together, so that problems exchange some.
 #ifndef GCDT_FOREST_H
 #define GCDT_FOREST_H
 

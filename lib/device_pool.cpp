@@ -30,8 +30,8 @@ constexpr std::uint32_t gpu_lanes = 3;
 // Waiting costs more than rounds that find nothing, as other lanes' work stands before that which comes afterwards.
 constexpr std::uint32_t gpu_rounds_per_read = 16;
 
-// Milliseconds of some 300 launches and 30 waits (an H200 takes 4.4 for 100 sketches).
-constexpr double gpu_overhead = 4;
+// Milliseconds of some 120 launches and 20 waits (an H200 takes 3.7 for 100 sketches).
+constexpr double gpu_overhead = 2;
 
 // A rehearsal runs so many problems that each is one work-item's; so few that all have less than Tuning::few_vertices;
 // one; and one beside which others count for nothing, so that they go through all phases together, small and so large

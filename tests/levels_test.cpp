@@ -35,6 +35,7 @@ void check_levels(u32 n, u32 coarsest, u32 step) {
     REQUIRE(rank % levels.stride[j] == 0);
     if (j > 0) REQUIRE(rank % levels.stride[j - 1] != 0);
     REQUIRE(gcdt_vertex_of_rank(&levels, j, rank / levels.stride[j]) == v);
+    REQUIRE(gcdt_vertices_before(j, rank / levels.stride[j]) == v - levels.begin[j]);
     // Along the curve inside a level.
     if (v + 1 < levels.begin[j + 1]) REQUIRE(gcdt_rank_of_vertex(&levels, u32(v + 1)) > rank);
   }

@@ -105,6 +105,19 @@ TEST_CASE("the same on two sub-devices") {
   check_each_takes_part(halves);
 }
 
+// Four GPUs where there are four; else each is taken several times, in contexts of its own.
+TEST_CASE("the same on four devices") {
+  std::vector<cl::Device> each;
+  for (const cl::Device& device : all_of_them)
+    if (app_device().getInfo<CL_DEVICE_TYPE>() & device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU)
+      each.push_back(device);
+  if (each.empty())
+    for (const cl::CommandQueue& queue : half_devices()) each.push_back(queue.getInfo<CL_QUEUE_DEVICE>());
+  std::vector<std::pair<cl::Context, cl::Device>> four;
+  for (std::size_t i = 0; i < 4; ++i) four.emplace_back(cl::Context(each[i % each.size()]), each[i % each.size()]);
+  check_each_takes_part(four);
+}
+
 TEST_CASE("the same on all devices of all vendors") {
   REQUIRE_MESSAGE(all_of_them.size() >= 2, "this needs a second OpenCL driver (Debian and Ubuntu: mesa-opencl-icd)");
   std::vector<std::pair<cl::Context, cl::Device>> devices;
