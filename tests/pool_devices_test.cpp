@@ -60,18 +60,19 @@ class Turn {
   bool over_ = true;
 };
 
-/// Every device in turn makes the first pack of a batch; then all do what they can.
+/// Every device in turn makes the first pack of a pool's first batch, in which nobody takes all that there is, as no
+/// speeds are known; then all do what they can.
 void check_each_takes_part(const std::vector<std::pair<cl::Context, cl::Device>>& devices) {
   const std::vector<Workload> problems = mixed_problems();
   const Alone alone(problems);
   const RaggedBatch batch(problems);
-  Turn turn;
-  std::vector<DevicePool::Member> members;
-  for (std::size_t i = 0; i < devices.size(); ++i)
-    members.push_back({devices[i].first, devices[i].second, turn.hook_of(i)});
-  DevicePool pool(std::move(members), {}, {});
   for (std::size_t holder = 0; holder < devices.size(); ++holder) {
     CAPTURE(holder);
+    Turn turn;
+    std::vector<DevicePool::Member> members;
+    for (std::size_t i = 0; i < devices.size(); ++i)
+      members.push_back({devices[i].first, devices[i].second, turn.hook_of(i)});
+    DevicePool pool(std::move(members), {}, {});
     turn.give(holder);
     Options options;
     options.progress = [&](const char*, double done) {
