@@ -293,15 +293,18 @@ typedef struct OwnLists {
 // list; barriers order what two kernels do otherwise, and the same arguments hold for each part. Nobody else touches
 // the faces that these edges lead to. Ends when the list is empty or after `most` rounds. Returns how many were done;
 // the list is what is left.
-static uint rounds_of_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
-                            local uint* items, local uint* gathered, private uint* flips) {
+static uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
+                          local uint* items, local uint* gathered, private uint* flips) {
   uint done = 0;
   for (;;) {
     const uint tests = *own.tests;
     barrier(CLK_GLOBAL_MEM_FENCE);
     if (tests == 0u || done == most) break;
     const Claim c = make_claim(stamp + done, bits);
-    if (get_local_id(0) == 0) *own.tests = *own.found = 0u;
+    if (get_local_id(0) == 0) {
+      *own.tests = 0u;
+      *own.found = 0u;
+    }
     barrier(CLK_GLOBAL_MEM_FENCE);
     const Appender illegal = make_appender(items, gathered, own.illegal, own.found);
     FOR_ALL_TILES(tile, tests) test_tile(mesh, edge_marks, c, own.list, tests, tile, illegal);
@@ -309,8 +312,9 @@ static uint rounds_of_group(Mesh mesh, global uint* edge_marks, uint stamp, uint
     barrier(CLK_GLOBAL_MEM_FENCE);
     const uint count = *own.found;
     const Appender queue = make_appender(items, gathered, own.list, own.tests);
-    FOR_ALL_TILES(tile, count)
-    *flips += flip_tile(mesh, c, own.illegal, count, tile, make_list_queue(edge_marks, queue));
+    FOR_ALL_TILES(tile, count) {
+      *flips += flip_tile(mesh, c, own.illegal, count, tile, make_list_queue(edge_marks, queue));
+    }
     append_flush(queue, 0u);
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
@@ -331,8 +335,7 @@ kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_
   own.tests = &counters->list_test[round % 3u];
   own.found = &counters->list_flip[round & 1u];
   uint flips = 0;
-  const uint done =
-      rounds_of_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
+  const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
   if (get_local_id(0) == 0) {
     counters->list_test[(round + done) % 3u] = *own.tests;
@@ -366,18 +369,18 @@ kernel void flip_deal(uint edges, GCDT_MESH_PARAMETERS, global const uint* edge_
   }
 }
 
-// One work-group per problem. Does up to `most` rounds, of which the first tests the edges of the problem's list.
-// Reads, writes: the problem's faces and edges, its part of both lists, and lengths[2p], lengths[2p + 1], theirs.
-// A problem has one work-group, and a flip leads to no other problem (forest.h).
-// After: list_test[0], which was 0, counts the problems that have edges left; counters->rounds is the most rounds done.
-kernel void flip_problems(uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
-                          global uint* list, global uint* illegal, volatile global uint* lengths,
-                          volatile global Counters* counters) {
+// One work-group per problem from `begin` up to `end`. Does up to `most` rounds, of which the first tests the edges of
+// the problem's list. Reads, writes: the problem's faces and edges, its part of both lists, and lengths[2p], lengths[2p
+// + 1], theirs. A problem has one work-group, and a flip leads to no other problem (forest.h). After: list_test[0] is
+// greater by the problems that have edges left; counters->rounds is the most rounds done.
+kernel void flip_problems(uint begin, uint end, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS,
+                          global uint* edge_marks, global uint* list, global uint* illegal,
+                          volatile global uint* lengths, volatile global Counters* counters) {
   DECLARE_APPENDER(gathered);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   uint flips = 0, rounds = 0;
-  for (uint p = get_group_id(0); p < mesh.roots; p += get_num_groups(0)) {
+  for (uint p = begin + get_group_id(0); p < end; p += get_num_groups(0)) {
     const uint place = place_of_problem(mesh, p);
     OwnLists own;
     own.list = list + place;
@@ -385,7 +388,7 @@ kernel void flip_problems(uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS
     own.tests = lengths + 2u * p;
     own.found = own.tests + 1;
     const uint done =
-        rounds_of_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
+        flip_in_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
     rounds = max(rounds, done);
     if (get_local_id(0) == 0 && *own.tests > 0u) atomic_inc(&counters->list_test[0]);
   }

@@ -204,7 +204,7 @@ static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, H
   const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, steps, &zero);
   uint location = t;
   if (t == GCDT_NONE)
-    atomic_or(&counters->failed, GCDT_FAILED_WALK), location = 0;
+    atomic_or(&counters->failed, GCDT_FAILED_WALK), location = root_of(mesh.points, mesh.n, v);
   else if (zero != 3u)
     location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(t)], zero));
   h.nodes[v - h.begin] = (uint4)(location, 0u, 0u, 0u);
@@ -290,7 +290,7 @@ kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETE
 // kernels do otherwise; the same argument holds for each part. Nobody else touches the faces that these vertices lie
 // in. The loop ends: a round with vertices left has a winner. Returns how many were done; the list of the next round
 // holds the vertices left.
-static uint rounds_of_group(Mesh mesh, History h, Round r, uint most, global uint* list_even, global uint* list_odd,
+static uint insert_in_group(Mesh mesh, History h, Round r, uint most, global uint* list_even, global uint* list_odd,
                             volatile global uint* lengths, volatile global Counters* counters, local uint* items,
                             local uint* gathered, private uint* on_edges) {
   uint done = 0;
@@ -323,7 +323,7 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_ME
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   uint on_edges = 0;
-  const uint done = rounds_of_group(mesh, h, make_round(number, stamp, bits, begin), most, list_even, list_odd,
+  const uint done = insert_in_group(mesh, h, make_round(number, stamp, bits, begin), most, list_even, list_odd,
                                     counters->list_insert, counters, left_items, left_gathered, &on_edges);
   on_edges = sum_of_group(&sum, on_edges);
   if (get_local_id(0) == 0) {
@@ -334,22 +334,23 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint most, GCDT_ME
 
 #ifdef GCDT_FOREST
 
-// One work-group per problem. Inserts its vertices of the level in up to `most` rounds from round `number` on; in round
-// 1 it locates them first. Tickets count from the problem's first such vertex, so `bits` are as many as the largest
-// problem needs, and stamps are the rounds' numbers.
-// Reads: the top layer. Writes: the problem's faces, edges, and records of vertices, its part of both lists, and
+// One work-group per problem from `begin_problem` up to `end_problem`. Inserts its vertices of the level in up to
+// `most` rounds from round `number` on; in round 1 it locates them first. Tickets count from the problem's first such
+// vertex, so `bits` are as many as the largest problem needs, and stamps are the rounds' numbers. Reads: the top layer.
+// Writes: the problem's faces, edges, and records of vertices, its part of both lists, and
 //   lengths[2p], lengths[2p + 1], theirs.
 // A problem has one work-group, and its vertices lie in faces of its own (forest.h).
 // After: list_insert[0] is greater by the vertices left; counters->rounds is the number of the last round done.
-kernel void insert_problems(uint level, uint number, uint bits, uint most, GCDT_LEVELS_POINTER levels,
-                            GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, global uint* list_even,
-                            global uint* list_odd, global uint* lengths, volatile global Counters* counters) {
+kernel void insert_problems(uint begin_problem, uint end_problem, uint level, uint number, uint bits, uint most,
+                            GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+                            global uint* list_even, global uint* list_odd, global uint* lengths,
+                            volatile global Counters* counters) {
   DECLARE_APPENDER(left);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   uint steps = 0, on_edges = 0, last = 0;
-  for (uint p = get_group_id(0); p < mesh.roots; p += get_num_groups(0)) {
+  for (uint p = begin_problem + get_group_id(0); p < end_problem; p += get_num_groups(0)) {
     const uint2 units = units_of_problem(levels, level, points, n, p);
     const uint first = gcdt_vertices_before(level, units.x), count = gcdt_vertices_before(level, units.y) - first;
     const Round r = make_round(number, number, bits, begin + first);
@@ -362,7 +363,7 @@ kernel void insert_problems(uint level, uint number, uint bits, uint most, GCDT_
       if (get_local_id(0) == 0) own[1] = count;
       barrier(CLK_GLOBAL_MEM_FENCE);
     }
-    const uint next = number + rounds_of_group(mesh, h, r, most, list_even + first, list_odd + first, own, counters,
+    const uint next = number + insert_in_group(mesh, h, r, most, list_even + first, list_odd + first, own, counters,
                                                left_items, left_gathered, &on_edges);
     last = max(last, next - 1u);
     if (get_local_id(0) == 0) {

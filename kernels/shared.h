@@ -76,7 +76,7 @@ typedef struct Counters {
   u32 list_test[3];  // lengths of the flip phase's lists, by round modulo 3 and 2
   u32 list_flip[2];
   u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2
-  u32 rounds;          // rounds done inside one work-group
+  u32 rounds;          // rounds done inside one work-group; of problems by groups of their own: the most
   u32 flips_low, flips_high;
   u32 steps_low, steps_high;  // triangles visited by point location
   u32 pairs_low, pairs_high;  // crossed (triangle, constraint) pairs

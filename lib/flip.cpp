@@ -10,7 +10,6 @@ namespace {
 // Up to this many edges are tested by one work-group that loops by itself (design: the tail of small
 // rounds needs no launch and no read).
 constexpr std::uint32_t one_group_edges = 2048;
-constexpr std::uint32_t one_group_rounds = 1024;
 // From so many edges on, rounds sweep over the marks of all edges, and for as long as a round has at least this
 // share of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
 constexpr std::uint32_t least_sweep = 1u << 17, sweep_share = 128;
@@ -56,9 +55,13 @@ class Flipping {
     for (cl_uint pending = mesh_.roots; pending > 0;) {
       renew_stamps();
       counters_.zero();
-      runtime_.launch("flip", "flip_problems", runtime_.over_groups(mesh_.roots), cl_uint(stamps_.current() + 1),
-                      stamps_.bits(), cl_uint{stamps_.left()}, mesh_.n, vertices_.points, mesh_.face_data,
-                      mesh_.edge_faces, mesh_.edge_marks, lists_.first, lists_.second, lengths, counters_.buffer());
+      const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
+      for (cl_uint begin = 0, end = 0; begin < mesh_.roots; begin = end) {
+        end = std::min(begin + problems_of_launch(runtime_, vertices_), mesh_.roots);
+        runtime_.launch("flip", "flip_problems", runtime_.over_groups(end - begin), begin, end, stamp, stamps_.bits(),
+                        most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
+                        lists_.first, lists_.second, lengths, counters_.buffer());
+      }
       const device::Counters& c = counters_.read();
       stamps_.take(c.rounds);
       result.rounds += c.rounds;
@@ -135,7 +138,7 @@ class Flipping {
   // How many rounds were done stands in the counters.
   std::uint32_t rounds_in_one_group() {
     renew_stamps();
-    const cl_uint most = std::min(stamps_.left(), one_group_rounds);
+    const cl_uint most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
     runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
                     most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
                     lists_.second, counters_.buffer());

@@ -7,7 +7,8 @@
 namespace gcdt {
 
 struct FlipResult {
-  std::uint64_t rounds = 0, flips = 0;
+  std::uint64_t rounds = 0;  ///< of problems by work-groups of their own: the most of each launch, added up
+  std::uint64_t flips = 0;
 };
 
 /// Makes the mesh of the first `vertices_in_mesh` finite vertices (constrained) Delaunay with the tie rule.

@@ -10,8 +10,6 @@ namespace {
 // Up to this many vertices are inserted by one work-group that loops by itself: a round there costs
 // about a microsecond, two launches cost ten times that.
 constexpr std::uint32_t one_group_vertices = 1024;
-// Rounds inside one launch of that group at most, which bounds the launch.
-constexpr std::uint32_t one_group_rounds = 1024;
 // Every round inserts at least the vertex with the best ticket, and a face with k vertices loses about
 // two thirds of them to each child: real inputs take tens of rounds. The limit only stops a device
 // that computes wrongly.
@@ -21,14 +19,14 @@ constexpr std::uint32_t round_limit = 1u << 20;
 class LevelInsertion {
  public:
   LevelInsertion(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const History& history,
-                 const WorkLists& lists, PhaseCounters& counters)
+                 const WorkLists& lists, PhaseCounters& counters, std::uint32_t candidates)
       : runtime_(runtime),
         vertices_(vertices),
         mesh_(mesh),
         history_(history),
         lists_(lists),
         counters_(counters),
-        stamps_(history.end - history.begin),
+        stamps_(candidates),
         remaining_(history.end - history.begin) {}
 
   void locate() {
@@ -38,22 +36,26 @@ class LevelInsertion {
            std::forward_as_tuple(history_.level, stamps_.bits(), vertices_.levels_buffer), list(1), counters_.buffer());
   }
 
-  /// All rounds of all problems, each by one work-group. Ends: see round_limit.
+  /// All rounds of all problems, each by one work-group. Stamps are the rounds' numbers: of tickets for so few
+  /// candidates there are more than round_limit. Ends: see round_limit.
   std::uint64_t by_problem(Ticker& ticker) {
     freeze();
-    const cl_uint bits = Stamps(vertices_.largest).bits();  // leaves stamps for more rounds than round_limit
     const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
     for (std::uint32_t left_before = 0; remaining_ > 0;) {
-      launch("insert_problems", runtime_.over_groups(mesh_.roots),
-             std::forward_as_tuple(history_.level, round_, bits, one_group_rounds, vertices_.levels_buffer), list(0),
-             list(1), lengths, counters_.buffer());
+      for (cl_uint begin = 0, end = 0; begin < mesh_.roots; begin = end) {
+        end = std::min(begin + problems_of_launch(runtime_, vertices_), mesh_.roots);
+        launch("insert_problems", runtime_.over_groups(end - begin),
+               std::forward_as_tuple(begin, end, history_.level, round_, stamps_.bits(),
+                                     runtime_.tuning().rounds_of_group, vertices_.levels_buffer),
+               list(0), list(1), lengths, counters_.buffer());
+      }
       const device::Counters& c = counters_.read();
       round_ = c.rounds + 1;
       remaining_ = c.list_insert[0] - left_before;  // the device adds up what launches leave
       left_before = c.list_insert[0];
       check(c, ticker);
     }
-    mesh_.claims_below = std::uint64_t{round_} << bits;
+    mesh_.claims_below = std::uint64_t{round_} << stamps_.bits();
     return round_ - 1;
   }
 
@@ -98,7 +100,7 @@ class LevelInsertion {
 
   void rounds_in_one_group() {
     renew_stamps(1);
-    const cl_uint most = std::min(stamps_.left(), one_group_rounds);
+    const cl_uint most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
     launch("insert_rounds", runtime::one_group(), std::make_tuple(round_, stamps_.current(), stamps_.bits(), most),
            list(0), list(1), counters_.buffer());
   }
@@ -185,8 +187,9 @@ std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, 
   history.begin = vertices.levels.begin[level];
   history.end = vertices.levels.begin[level + 1];
   counters.zero();
-  LevelInsertion insertion(runtime, vertices, mesh, history, lists, counters);
-  if (one_group_each(runtime, vertices)) return insertion.by_problem(ticker);
+  if (one_group_each(runtime, vertices))
+    return LevelInsertion(runtime, vertices, mesh, history, lists, counters, vertices.largest).by_problem(ticker);
+  LevelInsertion insertion(runtime, vertices, mesh, history, lists, counters, history.end - history.begin);
   insertion.locate();
   return insertion.finish(ticker);
 }

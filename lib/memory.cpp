@@ -61,9 +61,9 @@ std::uint64_t stitch_step(const Sizes& s) {
          24 * (s.crossed_faces / 4 + 1) + 45 * s.crossed_faces;
 }
 
-// Keys and face references with the other halves of their sort; then the result and positions.
+// Keys and face references with the other halves of their sort, buckets and long runs; then the result and positions.
 std::uint64_t output_step(const Sizes& s) {
-  const std::uint64_t sorting = 24 * s.faces, gathered = (12 + 12 + 1 + 4 + 4) * s.faces;
+  const std::uint64_t sorting = 24 * s.faces + 4 * s.n + s.faces / 8, gathered = (12 + 12 + 1 + 4 + 4) * s.faces;
   return vertex_bytes(s) + mesh_bytes(s) + piece_bytes(s) + std::max(sorting, gathered);
 }
 

@@ -6,8 +6,11 @@
 namespace gcdt {
 
 namespace {
-// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before.
-constexpr std::uint32_t most_of_a_group = 2048;
+// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before. On
+// llvmpipe all loops of a work-item end, silently, after 65535 rounds in all.
+constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_on_cpus = 256;
+// Vertices of a launch of many problems: 12 ms on an H200.
+constexpr std::uint32_t most_of_a_launch = 1u << 24;
 }  // namespace
 
 Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
@@ -31,7 +34,13 @@ WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint3
 }
 
 bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices) {
-  return !runtime.contiguous() && vertices.roots > 1 && vertices.largest <= most_of_a_group;
+  return !runtime.contiguous() && vertices.roots > 1 &&
+         vertices.largest <= (runtime.info().is_cpu ? most_of_a_group_on_cpus : most_of_a_group);
+}
+
+std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices) {
+  const auto groups = static_cast<std::uint32_t>(runtime.geometry().max_groups);
+  return runtime.info().is_cpu ? groups : std::max(groups, most_of_a_launch / std::max(1u, vertices.largest));
 }
 
 unsigned bit_width(std::uint64_t value) {

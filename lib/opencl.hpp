@@ -232,6 +232,7 @@ class Runtime {
     if (log_) log_(level, message.c_str());
   }
   Geometry& geometry() { return geometry_; }
+  const Geometry& geometry() const { return geometry_; }
   /// So many work-groups, for kernels of which each takes an item.
   Range over_groups(std::size_t items) const { return over_large(std::max<std::size_t>(items, 1) * geometry_.local); }
   /// Work-items of a launch at most, whatever it wants.

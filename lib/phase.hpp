@@ -22,6 +22,9 @@ WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint3
 /// rounds: where work-items are not threads' loops, and no problem is large.
 bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices);
 
+/// So many of them are one launch, which must not last for seconds on a slow device.
+std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices);
+
 /// Bits that hold `value`; 0 for 0.
 unsigned bit_width(std::uint64_t value);
 

@@ -16,7 +16,7 @@ constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
 constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
 // Digits as in sort_serial.h and sort_group.h.
 constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
-// The most elements that one work-item walks: llvmpipe silently ends any loop after 65535 rounds.
+// The most elements that one work-item walks: llvmpipe silently ends loops after 65535 rounds.
 constexpr std::size_t longest_walk = 60000;
 // So many keys one work-group sorts in local memory (SORT_SMALL in sort_finish.cl).
 constexpr std::size_t few_keys = 2048;

@@ -15,6 +15,8 @@ struct Tuning {
   /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
   /// on a pool's GPUs: device_pool.cpp.)
   std::uint32_t rounds_per_read = 4;
+  /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
+  std::uint32_t rounds_of_group = 1024;
   /// Parts of constraints beyond one each, at most; none: by the device (walk.cpp). 0: one work-item a constraint.
   std::optional<std::uint32_t> part_pool;
   /// Crossed faces of a part, about: enough to be worth finding its first face.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "batch_cases.hpp"
+#include "device_list.hpp"
 #include "forest.hpp"
 #include "opencl_app.hpp"
 
@@ -13,10 +14,16 @@ using namespace gcdt::test;
 
 namespace {
 
+// Before any test lists devices.
+const std::vector<cl::Device> all_of_them = every_device();
+
 struct Device {
   runtime::Runtime runtime;
   Primitives primitives;
-  explicit Device(const cl::Device& device) : runtime(device), primitives(runtime) { runtime.build_for_forests(); }
+  explicit Device(const cl::Device& device, const runtime::CallHook& hook = {})
+      : runtime(device, hook), primitives(runtime) {
+    runtime.build_for_forests();
+  }
   Device(const cl::Device& device, Primitives::Walk walk) : runtime(device), primitives(runtime, walk) {
     runtime.build_for_forests();
   }
@@ -31,8 +38,9 @@ Device& device() {
 
 // Forests run on another device for its life.
 struct On {
+  Device* const before = other_device;
   explicit On(Device& device) { other_device = &device; }
-  ~On() { other_device = nullptr; }
+  ~On() { other_device = before; }
 };
 
 runtime::Geometry& geometry() { return device().runtime.geometry(); }
@@ -204,23 +212,28 @@ TEST_CASE("problems that work-groups put in order, as on GPUs: few vertices each
   check_same_as_alone(problems);
 }
 
-// insert_problems and flip_problems, as on GPUs; with large problems the rounds of all are one launch after the other.
+// As on GPUs, with problems that are small enough for CPUs.
 TEST_CASE("problems that a work-group triangulates, on every device whose work-items are not threads' loops") {
+  std::vector<Workload> small;
+  for (const Workload& problem : small_problems())
+    if (problem.points.size() <= 256) small.push_back(problem);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) small.push_back(randomPslg(150, 9, 150, seed));
+  REQUIRE(small.size() > 30);
   std::size_t devices = 0;
-  for (const cl::Device& each : runtime::all_devices()) {
+  for (const cl::Device& each : all_of_them) {
     Device device(each);
     if (device.runtime.contiguous()) continue;
     CAPTURE(device.runtime.info().name);
     ++devices;
     const On on(device);
-    std::vector<Workload> problems = small_problems();
-    check_same_as_alone(problems);
-    Options domain;
-    domain.domain = Domain::even_odd;
-    check_same_as_alone(problems, domain);
-    check_same_as_alone(std::vector<Workload>(70, workload("random_pslg", 8)));
-    problems.push_back(uniform(2049));
-    check_same_as_alone(problems);
+    check_same_as_alone(small);
+    device.runtime.geometry().max_groups = 3;  // several launches on CPUs, several problems a group on GPUs
+    check_same_as_alone(small);
+    runtime::CallHook two_rounds;  // a launch: the next goes on with what is left
+    two_rounds.tuning.rounds_of_group = 2;
+    Device haltingly(each, two_rounds);
+    const On then(haltingly);
+    check_same_as_alone(small);
   }
   REQUIRE_MESSAGE(devices > 0, "this needs a GPU, or Mesa's driver (Debian and Ubuntu: mesa-opencl-icd)");
 }
