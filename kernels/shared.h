@@ -75,7 +75,8 @@ typedef struct Counters {
   u32 chunks;        // of owned vertices, taken from the pool by walks (constrain.cl)
   u32 list_test[3];  // lengths of the flip phase's lists, by round modulo 3 and 2
   u32 list_flip[2];
-  u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2
+  u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2; where problems have lists of their own
+                       // list_test[0] is the problems that have edges left, list_insert[0] the vertices left
   u32 rounds;          // rounds done inside one work-group; of problems by groups of their own: the most
   u32 flips_low, flips_high;
   u32 steps_low, steps_high;  // triangles visited by point location

@@ -45,29 +45,27 @@ class Flipping {
     return finish(swept ? counters_.read().list_test[round_ % 3] : edges_, ticker);
   }
 
-  /// The rounds of all problems, each by one work-group. Ends: see run().
+  /// The rounds of all problems, each by one work-group. The counters are zero. Ends: see run().
   FlipResult by_problem(Ticker& ticker) {
     const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
     runtime_.fill<cl_uint>(lengths, 0, lengths.size());
     runtime_.launch("flip", "flip_deal", runtime::over(edges_), edges_, mesh_.n, vertices_.points, mesh_.face_data,
                     mesh_.edge_faces, mesh_.edge_marks, lists_.first, lengths);
     FlipResult result;
-    for (cl_uint pending = mesh_.roots; pending > 0;) {
+    for (;; counters_.zero()) {
       renew_stamps();
-      counters_.zero();
       const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
-      for (cl_uint begin = 0, end = 0; begin < mesh_.roots; begin = end) {
-        end = std::min(begin + problems_of_launch(runtime_, vertices_), mesh_.roots);
+      for_launches(runtime_, vertices_, [&](cl_uint begin, cl_uint end) {
         runtime_.launch("flip", "flip_problems", runtime_.over_groups(end - begin), begin, end, stamp, stamps_.bits(),
                         most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
                         lists_.first, lists_.second, lengths, counters_.buffer());
-      }
+      });
       const device::Counters& c = counters_.read();
       stamps_.take(c.rounds);
       result.rounds += c.rounds;
       result.flips += wide(c.flips_low, c.flips_high);
-      pending = c.list_test[0];
       check(result.rounds, ticker);
+      if (c.list_test[0] == 0) break;
     }
     mesh_.claims_below = stamps_.claims_below();
     return result;

@@ -42,13 +42,12 @@ class LevelInsertion {
     freeze();
     const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
     for (std::uint32_t left_before = 0; remaining_ > 0;) {
-      for (cl_uint begin = 0, end = 0; begin < mesh_.roots; begin = end) {
-        end = std::min(begin + problems_of_launch(runtime_, vertices_), mesh_.roots);
+      for_launches(runtime_, vertices_, [&](cl_uint begin, cl_uint end) {
         launch("insert_problems", runtime_.over_groups(end - begin),
                std::forward_as_tuple(begin, end, history_.level, round_, stamps_.bits(),
                                      runtime_.tuning().rounds_of_group, vertices_.levels_buffer),
                list(0), list(1), lengths, counters_.buffer());
-      }
+      });
       const device::Counters& c = counters_.read();
       round_ = c.rounds + 1;
       remaining_ = c.list_insert[0] - left_before;  // the device adds up what launches leave

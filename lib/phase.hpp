@@ -25,6 +25,13 @@ bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices);
 /// So many of them are one launch, which must not last for seconds on a slow device.
 std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices);
 
+/// Calls launch(begin, end) for the problems of each launch.
+template <class Launch>
+void for_launches(const runtime::Runtime& runtime, const Vertices& vertices, Launch&& launch) {
+  const cl_uint problems = vertices.roots, most = problems_of_launch(runtime, vertices);
+  for (cl_uint begin = 0; begin < problems; begin += most) launch(begin, std::min(begin + most, problems));
+}
+
 /// Bits that hold `value`; 0 for 0.
 unsigned bit_width(std::uint64_t value);
 
