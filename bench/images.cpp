@@ -77,6 +77,8 @@ Workload outlines(const Image& image) {
   return work;
 }
 
+}  // namespace
+
 Workload shuffled(const Workload& work, Random& random) {
   std::vector<std::uint32_t> position(work.points.size());
   for (std::size_t i = 0; i < position.size(); ++i) position[i] = index(i);
@@ -88,6 +90,8 @@ Workload shuffled(const Workload& work, Random& random) {
   test::shuffle(result.constraints, random);
   return result;
 }
+
+namespace {
 
 /// A leaf: what two discs of radius `r` share, `length` from tip to tip, its axis along `axis`.
 void draw_leaf(Image& image, Point centre, Point axis, double length, double r) {

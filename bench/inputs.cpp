@@ -50,6 +50,7 @@ std::vector<Input> inputs(List list, const std::vector<std::string>& maps) {
   add(rows, "spiral", {100000});
   for (const std::string& path : maps) rows.push_back({stem(path), 0, path});
   add(rows, "dirty", {million});
+  add(rows, "coasts", {415000});
   add(rows, "leafs", {1700000});
   add(rows, "uniform", {3 * million, 5 * million});
   if (!gpu) return rows;
@@ -57,6 +58,7 @@ std::vector<Input> inputs(List list, const std::vector<std::string>& maps) {
   for (const char* name : {"gaussian", "ring"}) add(rows, name, {3 * million, 5 * million});
   for (const char* name : {"uniform", "gaussian", "ring"}) add(rows, name, {7 * million, 9 * million});
   add(rows, "uniform", {10 * million});
+  add(rows, "coasts", {10 * million});
   return rows;
 }
 
@@ -83,6 +85,7 @@ Workload make(const Input& input,
   if (!input.path.empty()) return read_poly(input.path);
   if (input.name == "leafs") return leafs(input.size);
   if (input.name == "airport") return airport(input.size);
+  if (input.name == "coasts") return coasts(input.size);
   if (input.name == "dirty") return dirty(input.size);
   const std::string synthetic = "synthetic_cons_";
   if (input.name.compare(0, synthetic.size(), synthetic) != 0) return test::workload(input.name, input.size);

@@ -41,6 +41,11 @@ Workload leafs(std::size_t n);
 /// Few lines across the whole scene, and clusters of outlines of very different sizes between them.
 Workload airport(std::size_t n);
 
+/// Shorelines of islands, lakes and islands in them: segments and outlines of many scales.
+Workload coasts(std::size_t n);
+/// The same with vertices and constraints in random order.
+Workload shuffled(const Workload& work, test::Random& random);
+
 /// About n points of a square of integers and as many constraints along its rows and columns, 0 to 7 steps long: what
 /// cleaning has to do with overlaps, vertices inside constraints, repeated ones and such without length.
 Workload dirty(std::size_t n);

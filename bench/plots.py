@@ -25,7 +25,7 @@ def draw(rows, machine, stem, labels, times, phases):
 
     place = range(len(rows))
     figure, axes = pyplot.subplots(figsize=(10, 1.5 + 0.3 * len(rows)))
-    axes.barh([i + 0.2 for i in place], times, 0.38, label="gcdt, " + ("core" if machine["kind"] == "gpu" else "full"))
+    axes.barh([i + 0.2 for i in place], times, 0.38, label="gcdt, " + ("core" if machine["kind"] == "gpu" else "call"))
     for source, colour, title in (
         ("measured", "tab:red", "best peer, same run"),
         ("", "tab:orange", "best peer, figure taken before"),

@@ -101,6 +101,7 @@ std::string describe(const Row& row, const DeviceInfo& device, const std::string
   Object phases;
   phases.add("order", median(row, &Ms::order)).add("insert", median(row, &Ms::insert));
   phases.add("constrain", median(row, &Ms::constrain)).add("clean", median(row, &Ms::clean));
+  phases.add("walk", median(row, &Ms::walk)).add("gather", median(row, &Ms::gather));
   phases.add("flip", median(row, &Ms::flip)).add("check", median(row, &Ms::check));
   phases.add("output", spread(row.order_ms).median);
   phases.add("copy", median(row, &Ms::output) - spread(row.order_ms).median);

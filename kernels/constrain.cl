@@ -98,23 +98,55 @@ static inline bool is_hexagon(volatile global uint* near, uint4 s) {
   return a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2;
 }
 
+// How the two pieces lie in the face that are met first from the ends of its edge e = {u, v} across from corner k,
+// which is w (paper, figure 6), as a 1 in one place. x: both cut off the same corner; y: both come from w; z: one cuts
+// off u, one v; w: one comes from w, the other cuts off u or v; nowhere: there are no two. A piece that crosses e comes
+// from w or crosses one more edge. p, the first from u, cuts u off if it is the first from u on {u, w}, too (L6), and
+// if it cuts v off, so does q, which is nearer to v.
+static inline uint4 intersection_case(volatile global uint* near, uint4 c, uint4 s, uint k, global const uint2* ends) {
+  const uint p = *near_right(near, element(s, k)), q = *near_left(near, element(s, k));
+  if (p == q) return (uint4)(0u);
+  const uint w = element(c, k);
+  const uint2 of_p = ends[p], of_q = ends[q];
+  const uint from = (of_p.x == w || of_p.y == w) + (of_q.x == w || of_q.y == w);
+  if (from > 0u) return (uint4)(0u, from == 2u, 0u, from == 1u);
+  const bool cuts_u = *near_left(near, element(s, previous_corner(k))) == p;
+  const bool cuts_v = *near_right(near, element(s, next_corner(k))) == q;
+  return (uint4)(!(cuts_u && cuts_v), 0u, cuts_u && cuts_v, 0u);
+}
+
+// Adds the group's amounts to a counter, by one atomic.
+static inline void add_count(volatile local uint* sum, volatile global uint* counter, uint amount) {
+  const uint all = sum_of_group(sum, amount);
+  if (get_local_id(0) == 0 && all > 0u) atomic_add(counter, all);
+}
+
 // One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. Writes the
 // claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
-// After: counters->hexagons.
+// After: counters->hexagons and pairs_of_two.
 kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, volatile global uint* near,
-                                    global uint* crossed, volatile global Counters* counters) {
+                                    global const uint2* ends, global uint* crossed,
+                                    volatile global Counters* counters) {
+  local uint sum;
+  uint4 pairs = (uint4)(0u);
   DECLARE_APPENDER(list);
   const Appender list = make_appender(list_items, list_gathered, crossed, &counters->crossed_faces);
   FOR_EACH_TILE(tile, faces) {
     const uint t = tile + get_local_id(0);
     if (t < faces && *claim_word(face_data, t) >= claim) {
       append(list, t);
-      if (is_hexagon(near, face_data[GCDT_SIDES(t)]))
-        *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
+      const uint4 corners = face_data[GCDT_CORNERS(t)], sides = face_data[GCDT_SIDES(t)];
+      pairs += intersection_case(near, corners, sides, 0u, ends) + intersection_case(near, corners, sides, 1u, ends) +
+               intersection_case(near, corners, sides, 2u, ends);
+      if (is_hexagon(near, sides)) *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);
+  add_count(&sum, counters->pairs_of_two, pairs.x);
+  add_count(&sum, counters->pairs_of_two + 1, pairs.y);
+  add_count(&sum, counters->pairs_of_two + 2, pairs.z);
+  add_count(&sum, counters->pairs_of_two + 3, pairs.w);
 }
 
 // One work-item per edge. Lists crossed edges, in any order; a crossed edge that is a piece means that two pieces

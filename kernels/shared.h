@@ -89,7 +89,7 @@ typedef struct Counters {
   u32 owned_left, owned_right;       // vertices of all chains
   u32 hits;                          // vertices inside constraints (clean.cl)
   u32 zero_length;                   // constraints without a length (enforce.cl)
-  u32 reserved[4];
+  u32 pairs_of_two[4];               // by intersection_case() (constrain.cl)
 } Counters;
 
 // ---- Layers of minima over the chains (kernels/constrain.cl) ------------------------------------------

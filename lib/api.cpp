@@ -278,15 +278,16 @@ int32_t gcdt_solver_trim(gcdt_solver* solver) {
 int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcdt_options* options,
                          gcdt_result** result) {
   return guarded_call(solver ? solver->state.get() : nullptr, [&] {
-    require(result, "result is null");
     State& state = *solver->state;
-    const gcdt_input given = read_struct(input, "gcdt_input");
-    const Points points = read_points(given);
-    const Constraints constraints = read_constraints(given);
-    const Options wanted = read_options(options);
-    const InputSource source = {given.vertex_count, given.constraint_count, [&] {
-                                  return DeviceInput{stage(state.runtime, points), stage(state.runtime, constraints)};
-                                }};
-    *result = new gcdt_result(solver->state, state.triangulate(source, wanted));
+    give_result(solver->state, result, [&] {
+      const gcdt_input given = read_struct(input, "gcdt_input");
+      const Points points = read_points(given);
+      const Constraints constraints = read_constraints(given);
+      const Options wanted = read_options(options);
+      const InputSource source = {given.vertex_count, given.constraint_count, [&] {
+                                    return DeviceInput{stage(state.runtime, points), stage(state.runtime, constraints)};
+                                  }};
+      return state.triangulate(source, wanted);
+    });
   });
 }

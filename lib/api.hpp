@@ -6,6 +6,7 @@
 #include <gcdt/gcdt.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <new>
@@ -13,6 +14,7 @@
 
 #include "derived.hpp"
 #include "pipeline.hpp"
+#include "step.hpp"
 
 namespace gcdt::api {
 
@@ -148,3 +150,17 @@ struct gcdt_result {
   gcdt::DeviceTriangulation data;
   mutable gcdt::Derived derived;
 };
+
+namespace gcdt::api {
+
+/// Gives the caller a result of what make() returns, and tells it how long that took on the caller's clock.
+template <class Make>
+void give_result(const std::shared_ptr<State>& state, gcdt_result** result, Make&& make) {
+  require(result, "result is null");
+  const auto start = std::chrono::steady_clock::now();
+  auto made = std::make_unique<gcdt_result>(state, make());
+  made->data.statistics.ms.call = milliseconds_since(start);
+  *result = made.release();
+}
+
+}  // namespace gcdt::api

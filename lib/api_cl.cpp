@@ -142,27 +142,28 @@ int32_t gcdt_cl_solver_create(cl_command_queue queue, const gcdt_solver_options*
 int32_t gcdt_cl_triangulate(gcdt_solver* solver, const gcdt_cl_input* input, const gcdt_options* options,
                             cl_uint wait_count, const cl_event* wait_list, gcdt_result** result) {
   return guarded_call(solver ? solver->state.get() : nullptr, [&] {
-    require(result, "result is null");
     State& state = *solver->state;
-    require(state.their_queue() != nullptr, "the solver was not made on an application's queue");
-    const gcdt_cl_input given = read_struct(input, "gcdt_cl_input");
-    const Points::Type type = read_type(given.coordinate_type);
-    const std::size_t words = words_per_vertex(type);
-    Options wanted = read_options(options);
-    if (type == Points::Type::int32 && !wanted.grid) wanted.grid = FixedGrid{};
-    check_input(state, given, 8 * words);
-    const InputSource source = {
-        given.vertex_count, given.constraint_count, [&] {
-          DeviceInput loaded;
-          loaded.points = {static_cast<cl_uint>(given.vertex_count), coordinates_type(type),
-                           from_start<cl_ulong>(state.runtime, "coordinates", given.vertices,
-                                                words * given.vertex_offset, words * given.vertex_count)};
-          loaded.constraints = from_start<cl_uint2>(state.runtime, "constraints", given.constraints,
-                                                    given.constraint_offset, given.constraint_count);
-          return loaded;
-        }};
-    wait_for_order(state, wait_count, wait_list);
-    *result = new gcdt_result(solver->state, state.triangulate(source, wanted));
+    give_result(solver->state, result, [&] {
+      require(state.their_queue() != nullptr, "the solver was not made on an application's queue");
+      const gcdt_cl_input given = read_struct(input, "gcdt_cl_input");
+      const Points::Type type = read_type(given.coordinate_type);
+      const std::size_t words = words_per_vertex(type);
+      Options wanted = read_options(options);
+      if (type == Points::Type::int32 && !wanted.grid) wanted.grid = FixedGrid{};
+      check_input(state, given, 8 * words);
+      const InputSource source = {
+          given.vertex_count, given.constraint_count, [&] {
+            DeviceInput loaded;
+            loaded.points = {static_cast<cl_uint>(given.vertex_count), coordinates_type(type),
+                             from_start<cl_ulong>(state.runtime, "coordinates", given.vertices,
+                                                  words * given.vertex_offset, words * given.vertex_count)};
+            loaded.constraints = from_start<cl_uint2>(state.runtime, "constraints", given.constraints,
+                                                      given.constraint_offset, given.constraint_count);
+            return loaded;
+          }};
+      wait_for_order(state, wait_count, wait_list);
+      return state.triangulate(source, wanted);
+    });
   });
 }
 

@@ -104,9 +104,10 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
     const auto start = std::chrono::steady_clock::now();
     result->state->runtime.read_all(reads);
     Statistics& s = result->data.statistics;
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms = milliseconds_since(start);
     s.ms.output += ms;
     s.ms.full += ms;
+    s.ms.call += ms;
     ++s.read_backs;
   });
 }
@@ -140,6 +141,9 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.triangles_removed = s.triangles_removed;
     c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
     c.constraints_split = s.constraints_split, c.constraint_move = s.constraint_move;
+    c.ms_call = s.ms.call, c.ms_walk = s.ms.walk, c.ms_gather = s.ms.gather;
+    c.pairs_cut_one_corner = s.cases.pairs_cut_one_corner, c.pairs_from_one_corner = s.cases.pairs_from_one_corner;
+    c.pairs_cut_two_corners = s.cases.pairs_cut_two_corners, c.pairs_cut_and_from = s.cases.pairs_cut_and_from;
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrange.hpp"
 
+#include "step.hpp"
+
 namespace gcdt {
 
 using runtime::over_large;
@@ -8,6 +10,7 @@ using runtime::over_large;
 ArrangedForest arrange_problems(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
                                 const Vertices& vertices) {
   const cl_uint problems = mesh.roots;
+  Step gathering(runtime, "gather");
   ArrangedForest result;
   result.first_triangle = runtime.allocate<cl_uint>("first triangles", std::size_t{problems} + 1);
   auto least = runtime.allocate<cl_uint>("triangles by least corner", mesh.n);
@@ -27,6 +30,7 @@ ArrangedForest arrange_problems(runtime::Runtime& runtime, Primitives& primitive
   runtime.launch("arrange", "arrange_problems", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces, mesh.edge_marks, result.first_triangle, least, second, refs, in_order, positions,
                  ordered.corners, ordered.neighbours, ordered.constrained);
+  ordered.gather_ms = gathering.end();
   return result;
 }
 

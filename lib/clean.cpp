@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "step.hpp"
+
 namespace gcdt {
 
 using runtime::over;
@@ -100,6 +102,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
       wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
   CleanResult result;
   result.zero_length = selected - kept.count;
+  runtime_.end_step();
+  Step walking(runtime_, "walk");
   const Parts parts = parts_by_length(runtime_, primitives_, vertices_, kept.ends, kept.count);
   auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
   auto crossed = runtime_.allocate<cl_uint>("faces crossed by constraints", count_);
@@ -114,6 +118,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   walk(0, offsets);
   primitives_.exclusive_scan(offsets, offsets, parts.capacity);
   if (counters.read().failed) throw Error(Status::check_failed, "clean: a walk along a constraint left the mesh");
+  result.walk_ms = walking.end();
   const cl_uint hits = counters.last().hits;
   result.hits = hits;
   auto hit_list = runtime_.allocate<cl_uint>("vertices on constraints", hits);

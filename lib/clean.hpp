@@ -10,6 +10,7 @@ struct CleanResult {
   Pieces pieces;
   std::uint64_t zero_length = 0;  ///< constraints whose ends are one vertex
   std::uint64_t hits = 0;         ///< vertices found inside constraints, once per constraint
+  double walk_ms = 0;  ///< wall time of cutting into parts and of the first walk, which enforcement needs, too
 };
 
 /// Copies constraints from host memory.

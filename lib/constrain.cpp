@@ -53,6 +53,7 @@ class Constraining {
     result.chain_vertices = c.owned_left + c.owned_right;
     result.holes = c.hexagons;
     result.symbolic_chain_vertices = c.symbolic_chain_vertices;
+    std::copy(std::begin(c.pairs_of_two), std::end(c.pairs_of_two), result.pairs_of_two.begin());
     result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
     result.steps = wide(c.steps_low, c.steps_high);
     return result;
@@ -91,7 +92,7 @@ class Constraining {
     crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
     crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
     runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), claim_, mesh_.face_data,
-                    near_, crossed_, counters_.buffer());
+                    near_, pieces_.ends, crossed_, counters_.buffer());
     runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
                     crossed_edges_, counters_.buffer());
   }

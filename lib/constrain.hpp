@@ -2,6 +2,8 @@
 // Phase 2 on the host: all constraints at once (kernels/constrain.cl, retriangulate.cl, stitch.cl; paper, section 6).
 #pragma once
 
+#include <array>
+
 #include "walk.hpp"
 
 namespace gcdt {
@@ -14,6 +16,7 @@ struct ConstrainResult {
   bool mesh_changed = false;
   std::uint64_t existing_edges = 0, walked = 0, chain_vertices = 0, holes = 0, symbolic_chain_vertices = 0;
   std::uint64_t crossed_pairs = 0, steps = 0;
+  std::array<std::uint32_t, 4> pairs_of_two = {};  ///< by intersection_case() of constrain.cl
 };
 
 /// Makes every piece an edge of the mesh and marks it. `walked` is the mesh with all vertices, not flipped

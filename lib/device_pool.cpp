@@ -7,16 +7,11 @@
 
 #include "alone.hpp"
 #include "grid.hpp"
+#include "step.hpp"
 
 namespace gcdt {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // The most that a pack weighs. A CPU is fastest where a pack stays in its caches (2.0 microseconds a vertex with
 // 75,000 vertices, 4.9 with 2.2 million); a GPU where it has so many that launches do not count, and results of one
@@ -167,7 +162,7 @@ std::vector<LaneShare> DevicePool::shares(bool gpus) const {
 }
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   // What is wrong with the options is no device's fault.
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
@@ -324,8 +319,7 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
   Options own = options;
   own.progress = {};
   lane.runtime->give_up_when([&schedule, pack] { return schedule.needless(*pack); });
-  const auto start = Clock::now();
-  const double built = lane.runtime->build_ms();
+  const Stopwatch stopwatch(*lane.runtime);
   Made made;
   try {
     made = make(lane, batch, pack->problems, own);
@@ -335,7 +329,7 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
     schedule.too_large(number, pack, shortage.error, shortage.problem);
     return;
   }
-  const double ms = milliseconds_since(start) - (lane.runtime->build_ms() - built);
+  const double ms = stopwatch.milliseconds();
   if (!schedule.finish(number, pack, std::move(made.result), std::move(made.errors), ms)) return;
   DeviceReport& report = lane.report;
   report.problems += pack->problems.size();

@@ -99,6 +99,7 @@ class ForestPipeline final : public Pipeline {
         ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, true);
         first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
       }
+      ms.gather = ordered.gather_ms;
       mesh_ = {};
       first_piece = begins("first pieces", pieces_.count, 2, pieces_.ends);
     });

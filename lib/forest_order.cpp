@@ -2,12 +2,12 @@
 #include "forest_order.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include "grid.hpp"
 #include "grow.hpp"
 #include "phase.hpp"
 #include "problems.h"
+#include "step.hpp"
 
 namespace gcdt {
 
@@ -232,16 +232,13 @@ ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, Inpu
   ordering.choose_grids(fixed);
   ordering.quantise();
   runtime.end_step();
-  const double built = runtime.build_ms();
-  const auto start = std::chrono::steady_clock::now();
+  Step sorting(runtime, "sort");
   ordering.sort(primitives, n);
   primitives.release();
   ForestOrder result;
   result.ordered = ordering.number(primitives, n, coarsest_level);
   result.grids = ordering.grids();
-  runtime.end_step();
-  result.ordered.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
-                           (runtime.build_ms() - built);
+  result.ordered.sort_ms = sorting.end();
   return result;
 }
 

@@ -2,13 +2,13 @@
 #include "order.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
 #include "few.h"
 #include "few.hpp"
 #include "grid.hpp"
 #include "phase.hpp"
+#include "step.hpp"
 
 namespace gcdt {
 
@@ -167,14 +167,12 @@ OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::
   vertices.levels_buffer = runtime.allocate<device::Levels>("levels", 1);
   vertices.points = runtime.allocate<cl_int2>("points", n);
   vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
-  const double built = runtime.build_ms();
-  const auto start = std::chrono::steady_clock::now();
+  Step sorting(runtime, "sort");
   runtime.launch("few", "order_few", runtime::one_group(), n, points.type, points.coordinates, cl_uint(!!given),
                  cl_uint{coarsest_level}, report_buffer, keys, numbers, other_keys, other_numbers,
                  vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
   report = runtime.read_one(report_buffer);
-  result.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
-                   (runtime.build_ms() - built);
+  result.sort_ms = sorting.end();
   const Survey found = checked_survey(points.type, report.surveyed);
   const ChosenGrid chosen = given                        ? *given
                             : report.decimal_digits >= 0 ? *decimal_grid(found, report.decimal_digits)
@@ -238,9 +236,8 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   if (are_few(runtime, n)) return order_few(runtime, std::move(points), fixed, coarsest_level);
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
   points = {};
-  runtime.finish();
-  const double built = runtime.build_ms();
-  const auto start = std::chrono::steady_clock::now();
+  runtime.end_step();
+  Step sorting(runtime, "sort");
   primitives.sort_by_prefix(keys.codes, keys.numbers, n, morton_bits, bit_width(n) + spare_bits);
   primitives.release();
 
@@ -258,9 +255,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   set_levels(runtime, vertices, distinct, coarsest_level);
   runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,
                  before, vertices.points, vertices.vertex_input, vertices.input_vertex);
-  runtime.finish();
-  result.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
-                   (runtime.build_ms() - built);
+  result.sort_ms = sorting.end();
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include "few.hpp"
 #include "phase.hpp"
+#include "step.hpp"
 
 namespace gcdt {
 
@@ -12,9 +13,11 @@ using runtime::Runtime;
 
 namespace {
 
-/// Sorts the references of finite faces by canonical order, and returns how many they are.
+/// Sorts the references of finite faces by canonical order, and returns how many they are. Adds to `gather_ms` what
+/// finding them takes.
 std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
-                         Buffer<cl_uint>& refs) {
+                         Buffer<cl_uint>& refs, double& gather_ms) {
+  Step gathering(runtime, "gather");
   const cl_uint bits = bit_width(mesh.n);
   auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
   auto finite = runtime.allocate<cl_uint>("output count", 1);
@@ -22,20 +25,25 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.face_data,
                  keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
+  gather_ms += gathering.end();
   // The first corner's rank is a bucket: most vertices are the first of some triangles, few of many.
   if (triangles != 0) primitives.sort_by_buckets(keys, refs, mesh.faces(), triangles, 2 * bits, bits, mesh.n);
   primitives.release();
+  runtime.end_step();
   return triangles;
 }
 
 /// The same without an order: finite faces by number, each with its first corner.
-std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, Buffer<cl_uint>& refs) {
+std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, Buffer<cl_uint>& refs,
+                           double& gather_ms) {
+  Step gathering(runtime, "gather");
   auto before = runtime.allocate<cl_uint>("output finite faces", std::size_t{mesh.faces()} + 1);
   runtime.launch("select", "select_finite", over(mesh.faces()), mesh.faces(), mesh.n, mesh.face_data, before);
   primitives.exclusive_scan(before, before, mesh.faces());
   const std::uint32_t triangles = runtime.read_one(before, mesh.faces());
   runtime.launch("select", "select_refs", over(mesh.faces()), mesh.faces(), before, refs);
   primitives.release();
+  gather_ms += gathering.end();
   return triangles;
 }
 
@@ -48,6 +56,7 @@ void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
 
 /// All of it by one work-item (kernels/few.cl).
 OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
+  Step gathering(runtime, "gather");
   OrderedMesh ordered;
   const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
   allocate(runtime, ordered, faces);
@@ -64,6 +73,7 @@ OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertic
   ordered.corners.shrink(std::size_t{3} * ordered.triangles);
   ordered.neighbours.shrink(std::size_t{3} * ordered.triangles);
   ordered.constrained.shrink(ordered.triangles);
+  ordered.gather_ms = gathering.end();
   return ordered;
 }
 
@@ -78,9 +88,10 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   OrderedMesh ordered;
   auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
   if (mesh.n >= 3)
-    ordered.triangles = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs)
-                                  : select_faces(runtime, primitives, mesh, refs);
+    ordered.triangles = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs, ordered.gather_ms)
+                                  : select_faces(runtime, primitives, mesh, refs, ordered.gather_ms);
   const cl_uint count = ordered.triangles;
+  Step gathering(runtime, "gather");
   allocate(runtime, ordered, count);
   if (count == 0) return ordered;
   auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
@@ -88,6 +99,7 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   runtime.launch("output", "place_faces", over(count), count, refs, positions);
   runtime.launch("output", "gather_triangles", over(count), count, mesh.face_data, mesh.edge_faces, mesh.edge_marks,
                  refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
+  ordered.gather_ms += gathering.end();
   return ordered;
 }
 

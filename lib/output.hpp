@@ -14,6 +14,9 @@ struct OrderedMesh {
   runtime::Buffer<cl_uint> corners;       ///< 3T vertices, counter-clockwise
   runtime::Buffer<cl_int> neighbours;     ///< 3T: [3t + k] is across from corner k; -1: none
   runtime::Buffer<cl_uchar> constrained;  ///< T: bit k tells of the edge across from corner k
+  /// Wall time of finding the finite faces and of writing all this from them, which `core` of the statistics includes;
+  /// sorting is not in it, but where one work-item, or one a problem, does all of it (few.hpp, arrange.hpp).
+  double gather_ms = 0;
 };
 
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it

@@ -75,7 +75,7 @@ void Pipeline::run_steps() {
   timed("flip", ms.flip, [&] { flip_all(); });
   ticker_.enter(flip_share, 1);
   output();
-  ms.core = sort_ms_ + ms.insert + ms.constrain - ms.clean + ms.flip;
+  ms.core = sort_ms_ + ms.insert + ms.constrain - (ms.clean - ms.walk) + ms.flip + ms.gather;
   ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain;
   ms.build = runtime_.build_ms() - built;
   statistics_.launches = runtime_.launches() - launches;
@@ -156,6 +156,7 @@ void Pipeline::clean(const std::vector<cl_uint>& wanted) {
   counters_.zero();
   CleanResult cleaned = cleaner_->clean(WalkedMesh{vertices_, mesh_, history_}, wanted, counters_);
   pieces_ = std::move(cleaned.pieces);
+  statistics_.ms.walk += cleaned.walk_ms;
   const device::Counters& c = counters_.last();
   statistics_.location_steps += wide(c.steps_low, c.steps_high);
   if (wanted.empty()) {
@@ -174,6 +175,8 @@ ConstrainResult Pipeline::enforce() {
   cases.chain_vertices = r.chain_vertices;
   cases.holes = r.holes;
   cases.symbolic_chain_vertices = r.symbolic_chain_vertices;
+  cases.pairs_cut_one_corner = r.pairs_of_two[0], cases.pairs_from_one_corner = r.pairs_of_two[1];
+  cases.pairs_cut_two_corners = r.pairs_of_two[2], cases.pairs_cut_and_from = r.pairs_of_two[3];
   statistics_.crossed_pairs = r.crossed_pairs;
   statistics_.location_steps += r.steps;
   return r;
@@ -270,6 +273,7 @@ void Pipeline::output() {
     history_ = {};
     lists_ = {};
     ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, options_.canonical);
+    ms.gather = ordered.gather_ms;
     mesh_ = {};
   });
   if (options_.check) timed("check", ms.check, [&] { check(runtime_, primitives_, ordered, vertices_, pieces_); });

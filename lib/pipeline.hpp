@@ -2,8 +2,6 @@
 // The paper on one screen: order, insert, constrain, flip, then output and check.
 #pragma once
 
-#include <chrono>
-
 #include "clean.hpp"
 #include "constrain.hpp"
 #include "domain.hpp"
@@ -12,6 +10,7 @@
 #include "order.hpp"
 #include "output.hpp"
 #include "split.hpp"
+#include "step.hpp"
 
 namespace gcdt {
 
@@ -61,8 +60,8 @@ class Pipeline {
   [[noreturn]] void fail_without_crossings(const ConstrainResult& failed) const;
 
   /// Runs a step and adds its wall time, without building programs, to `ms`. `phase` is its name in a trace.
-  template <class Step>
-  void timed(const char* phase, double& ms, Step&& step);
+  template <class F>
+  void timed(const char* phase, double& ms, F&& f);
 
  private:
   void insert();
@@ -105,16 +104,11 @@ class Pipeline {
   double sort_ms_ = 0;
 };
 
-template <class Step>
-void Pipeline::timed(const char* phase, double& ms, Step&& step) {
-  runtime_.tracer().begin_phase(phase);
-  const double built = runtime_.build_ms();
-  const auto start = std::chrono::steady_clock::now();
-  step();
-  runtime_.end_step();
-  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() -
-        (runtime_.build_ms() - built);
-  runtime_.tracer().end_phase();
+template <class F>
+void Pipeline::timed(const char* phase, double& ms, F&& f) {
+  Step step(runtime_, phase);
+  f();
+  ms += step.end();
 }
 
 /// See gcdt_required_bytes (lib/memory.cpp).

@@ -32,6 +32,7 @@ std::vector<Constraint> random_constraints(const std::vector<Point>& points, std
 
 struct Totals {
   std::uint64_t hits = 0, existing = 0, walked = 0, chains = 0, holes = 0, symbolic = 0;
+  std::array<std::uint64_t, 4> pairs = {};
 };
 
 // The edges of the mesh that are marked, as pairs of vertices.
@@ -45,6 +46,48 @@ std::set<Constraint> marked_edges(const HostMesh& m) {
       all.insert({std::min(u, v), std::max(u, v)});
     }
   return all;
+}
+
+// What a constrain phase meets with in a mesh whose border is the convex hull, so that no piece leaves the finite
+// faces.
+struct Met {
+  std::uint64_t pairs = 0;                   // of faces and pieces that cross them
+  std::array<std::uint64_t, 4> of_two = {};  // the cases of figure 6, in the order of kernels/constrain.cl
+};
+
+// By brute force: all pieces that cross an edge, in the order in which they are met along it.
+Met met_by(const HostMesh& m, const std::set<Constraint>& pieces) {
+  Met met;
+  const auto crossing = [&](std::uint32_t u, std::uint32_t v) {
+    std::vector<Constraint> found;
+    if (u >= m.n || v >= m.n) return found;
+    for (const Constraint& c : pieces)
+      if (cross(m.points[c[0]], m.points[c[1]], m.points[u], m.points[v])) found.push_back(c);
+    // The distance from u is |turn(c, u)| of |turn(c, u)| + |turn(c, v)|.
+    const auto at = [&](const Constraint& c, std::uint32_t end) {
+      return static_cast<__int128>(std::abs(turn(m.points[c[0]], m.points[c[1]], m.points[end])));
+    };
+    std::sort(found.begin(), found.end(),
+              [&](const Constraint& c, const Constraint& d) { return at(c, u) * at(d, v) < at(d, u) * at(c, v); });
+    return found;
+  };
+  std::map<Constraint, std::uint64_t> sides_crossed;
+  for (const cl_uint4& f : m.corners)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t w = f.s[k], u = f.s[(k + 1) % 3], v = f.s[(k + 2) % 3];
+      const std::vector<Constraint> found = crossing(u, v);
+      for (const Constraint& c : found) ++sides_crossed[c];
+      if (found.size() < 2) continue;
+      const auto comes_from_w = [&](const Constraint& c) { return c[0] == w || c[1] == w; };
+      const auto cuts_off_u = [&](const Constraint& c) {
+        return cross(m.points[c[0]], m.points[c[1]], m.points[u], m.points[w]);
+      };
+      const Constraint &first = found.front(), &last = found.back();
+      const int from = comes_from_w(first) + comes_from_w(last);
+      ++met.of_two[from == 2 ? 1 : from == 1 ? 3 : cuts_off_u(first) == cuts_off_u(last) ? 0 : 2];
+    }
+  for (const auto& [piece, sides] : sides_crossed) met.pairs += sides / 2 + 1;  // an edge has two sides
+  return met;
 }
 
 // What contract 3 makes of the constraints, by brute force.
@@ -67,7 +110,7 @@ std::set<Constraint> expected_pieces(const std::vector<Point>& points, const std
 }
 
 void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t constraint_count, std::uint64_t seed,
-              std::uint32_t coarsest, Totals& totals) {
+              std::uint32_t coarsest, bool flipped_before, Totals& totals) {
   Vertices vertices = upload(runtime, points, coarsest);
   const std::uint32_t n = vertices.n();
   Random random{seed};
@@ -86,9 +129,10 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   insert_root(runtime, vertices, mesh);
   for (unsigned level = 0; level < vertices.levels.count; ++level) {
     insert_level(runtime, vertices, mesh, history, lists, counters, level, ticker);
-    if (level + 1 < vertices.levels.count)
+    if (level + 1 < vertices.levels.count || flipped_before)
       flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
   }
+  if (flipped_before) history = freeze_all(runtime, vertices, mesh);
   const WalkedMesh walked{vertices, mesh, history};
   counters.zero();
   const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
@@ -101,8 +145,13 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   for (const cl_uint2& e : ends) pieces.insert({std::min(e.s[0], e.s[1]), std::max(e.s[0], e.s[1])});
   CHECK(pieces == expected);
 
+  const Met met = met_by(download(runtime, mesh, points, n), expected);
   const ConstrainResult result = constrain(runtime, primitives, walked, clean.pieces, counters);
   REQUIRE(result.failed == 0);
+  if (flipped_before) {
+    CHECK(result.crossed_pairs == met.pairs);
+    for (std::size_t i = 0; i < met.of_two.size(); ++i) CHECK(result.pairs_of_two[i] == met.of_two[i]);
+  }
   const HostMesh after = download(runtime, mesh, points, n);
   CHECK(invalid_reason(after, n) == "");
   CHECK(marked_edges(after) == expected);
@@ -117,6 +166,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   totals.chains += result.chain_vertices;
   totals.holes += result.holes;
   totals.symbolic += result.symbolic_chain_vertices;
+  for (std::size_t i = 0; i < totals.pairs.size(); ++i) totals.pairs[i] += result.pairs_of_two[i];
 }
 
 }  // namespace
@@ -134,7 +184,7 @@ TEST_CASE("constraints become edges, the mesh stays valid, and every case of the
             CAPTURE(n);
             CAPTURE(seed);
             CAPTURE(coarsest);
-            run_case(runtime, make_points(kind, n, seed), 2 * n, seed + 100, coarsest, totals);
+            run_case(runtime, make_points(kind, n, seed), 2 * n, seed + 100, coarsest, seed % 2 == 1, totals);
           }
     CHECK(totals.hits > 0);
     CHECK(totals.existing > 0);
@@ -142,6 +192,7 @@ TEST_CASE("constraints become edges, the mesh stays valid, and every case of the
     CHECK(totals.chains > 0);
     CHECK(totals.holes > 0);
     CHECK(totals.symbolic > 0);
+    for (const std::uint64_t pairs : totals.pairs) CHECK(pairs > 0);
     MESSAGE("hits " << totals.hits << " existing " << totals.existing << " walked " << totals.walked << " chains "
                     << totals.chains << " holes " << totals.holes << " symbolic " << totals.symbolic);
   }

@@ -228,6 +228,9 @@ inline Statistics statistics(const gcdt_result* result) {
   s.cases.symbolic_chain_vertices = c.symbolic_chain_vertices;
   s.ms.clean = c.ms_clean, s.ms.domain = c.ms_domain, s.regions = c.regions, s.triangles_removed = c.triangles_removed;
   s.deepest = c.deepest, s.open_parity = c.open_parity, s.open_winding = c.open_winding;
+  s.ms.call = c.ms_call, s.ms.walk = c.ms_walk, s.ms.gather = c.ms_gather;
+  s.cases.pairs_cut_one_corner = c.pairs_cut_one_corner, s.cases.pairs_from_one_corner = c.pairs_from_one_corner;
+  s.cases.pairs_cut_two_corners = c.pairs_cut_two_corners, s.cases.pairs_cut_and_from = c.pairs_cut_and_from;
   for (std::size_t i = 0; const char* note = gcdt_result_note(result, i); ++i) s.notes.emplace_back(note);
   return s;
 }

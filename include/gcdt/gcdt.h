@@ -314,7 +314,7 @@ GCDT_API uint64_t gcdt_result_count(const gcdt_result* result, int32_t array);
 GCDT_API size_t gcdt_element_bytes(int32_t array);
 
 /* Copies an array to host memory with room for `capacity` elements. Too small: GCDT_ERROR_BUFFER_TOO_SMALL, and
- * nothing is written. Blocks. Its time is added to ms_output and ms_full of the result's statistics. */
+ * nothing is written. Blocks. Its time is added to ms_output, ms_full and ms_call of the result's statistics. */
 GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, uint64_t capacity);
 
 /* The same for `count` arrays with one wait for all of them, which is faster: arrays[i] to destinations[i] with room
@@ -400,9 +400,10 @@ typedef struct gcdt_statistics {
   uint64_t vertices_merged, constraints_zero, constraints_pieces, constraints_overlapping;
   uint64_t crossings, constraints_dropped, vertices_added, triangles;
   gcdt_grid grid; /* its struct_size is set by the library */
-  /* Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device memory to an
-   * unordered mesh there, sorting the vertices included; full: the whole call, and copying to the host, without
-   * building programs; build: that. */
+  /* Milliseconds on the host's clock (docs/statistics.md). The phases: order .. output, and domain; full: their sum,
+   * copies of results to the host included; build: building programs, which is in none of these. core: from distinct
+   * vertices on the grid and clean constraints in device memory to triangles and neighbours there, in any order,
+   * unchecked: sorting the vertices, insert, constrain without clean but with walk, flip, and gather. */
   double ms_core, ms_full, ms_build, ms_order, ms_insert, ms_constrain, ms_flip, ms_check, ms_output;
   uint64_t rounds_insert, rounds_flip, flips, history_depth, location_steps, launches, read_backs;
   uint64_t crossed_pairs;     /* (triangle, constraint) pairs crossed by the first walk */
@@ -416,7 +417,14 @@ typedef struct gcdt_statistics {
   uint64_t open_parity, open_winding;           /* see GCDT_DOMAIN_...: 0 where borders are closed */
   uint64_t constraints_split;                   /* constraints that may have been moved by GCDT_CROSSING_SPLIT */
   double constraint_move; /* the largest distance of one from its edges, in the units of the input */
-  double ms_clean;        /* cleaning the constraints: part of the phases before, not of core */
+  double ms_clean;        /* part of constrain: cleaning the constraints */
+  double ms_call;   /* gcdt_triangulate or its like, and copies of the result, on the caller's clock; with build */
+  double ms_walk;   /* part of clean: parts of constraints and the walk along them, as enforcing needs, too */
+  double ms_gather; /* part of output: finding the finite triangles, and writing them and their neighbours */
+  /* How two constraints lie in a triangle that they cross (paper, figure 6): both cut off one corner, both come from
+   * one, each cuts off another, one cuts off a corner and one comes from another. Once for each edge of the triangle
+   * on which the one nearest to an end is not the nearest to the other. */
+  uint64_t pairs_cut_one_corner, pairs_from_one_corner, pairs_cut_two_corners, pairs_cut_and_from;
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 
 #include <gcdt/detail.hpp>
@@ -153,8 +154,10 @@ class Result {
     return values;
   }
 
-  /// All of it. Blocks.
+  /// All of it. Blocks. What that takes, room for the arrays included, is in statistics.ms.call.
   Triangulation download() const {
+    const auto start = std::chrono::steady_clock::now();
+    const double before = statistics().ms.call;
     Triangulation all;
     Copies copies(*this);
     copies.add(GCDT_TRIANGLES, all.triangles);
@@ -174,6 +177,8 @@ class Result {
     copies.run();
     all.statistics = statistics();
     all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    all.statistics.ms.call = before + took.count();
     return all;
   }
 

@@ -205,18 +205,27 @@ struct Statistics {
   double constraint_move = 0;           ///< the largest distance of one from its edges, in input units
   std::uint64_t triangles = 0;
   Grid grid;
-  /// Milliseconds on the host's clock. core: vertices on the grid and clean constraints in device
-  /// memory to an unordered mesh there, sorting included. full: the whole call without building programs.
+  /// Milliseconds on the host's clock; docs/statistics.md defines each.
   struct Milliseconds {
-    double read = 0, core = 0, full = 0, write = 0, build = 0;
+    double read = 0, write = 0;  ///< files; 0 in the library
+    double call = 0;             ///< the whole call on the caller's clock, building and new result arrays included
+    double build = 0;            ///< programs; in call, and in no other
+    /// The phases; output has the copies to the host. full is their sum.
     double order = 0, insert = 0, constrain = 0, flip = 0, check = 0, output = 0, domain = 0;
-    double clean = 0;  ///< constraints; part of the phases before, not of core
+    double full = 0;
+    /// From distinct vertices on the grid and clean constraints in device memory to triangles and neighbours there, in
+    /// any order, unchecked: sorting the vertices, insert, constrain without clean but with walk, flip, and gather.
+    double core = 0;
+    double clean = 0;   ///< part of constrain: cleaning the constraints
+    double walk = 0;    ///< part of clean: cutting them into parts and walking along them, as enforcing needs, too
+    double gather = 0;  ///< part of output: finding the finite triangles, and writing them and their neighbours
   } ms;
   struct Rounds {
     std::uint64_t insert = 0, flip = 0;
   } rounds;
   std::uint64_t flips = 0;
-  std::uint64_t history_depth = 0;   ///< longest path in the history tree of the last level
+  /// Longest path in the history tree of the last level; 0 on CPUs, where vertices go in one after the other.
+  std::uint64_t history_depth = 0;
   std::uint64_t location_steps = 0;  ///< triangles visited by all point locations together
   std::uint64_t launches = 0, read_backs = 0;
   std::uint64_t crossed_pairs = 0;      ///< (triangle, constraint) pairs crossed by the first walk
@@ -232,6 +241,12 @@ struct Statistics {
     std::uint64_t chain_vertices = 0;           ///< triangles made by distance-ordered retriangulation
     std::uint64_t holes = 0;                    ///< triangles made by hole filling (paper 6.5)
     std::uint64_t symbolic_chain_vertices = 0;  ///< chain vertices that are vertices at infinity
+    /// How two pieces lie in a triangle that they cross (paper, figure 6), counted once for each edge of it on which
+    /// the piece nearest to the one end is not the nearest to the other: they cut off the same corner, come from the
+    /// same corner, cut off one each, or one cuts off a corner and the other comes from another. Enforced problem by
+    /// problem (batches on CPUs), pieces do not meet, and none are counted.
+    std::uint64_t pairs_cut_one_corner = 0, pairs_from_one_corner = 0, pairs_cut_two_corners = 0,
+                  pairs_cut_and_from = 0;
   } cases;
   std::uint64_t regions = 0;            ///< of the convex hull; 0 unless labelled
   std::uint64_t triangles_removed = 0;  ///< by Options::domain

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The statistics say what happened: times add up and agree with the trace and with the caller's clock, counters with
+// launches and with what theory expects.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <map>
+
+#include "solver_fixture.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+struct Told {
+  Statistics statistics;
+  double clock = 0;                     ///< the call, on the test's own
+  std::map<std::string, double> spans;  ///< milliseconds of the trace's phases, by name
+  std::map<std::string, int> launches;
+};
+
+double ms(const TraceSpan& span) { return double(span.end_ns - span.begin_ns) / 1e6; }
+
+/// Of the second of two calls: programs are there.
+Told told(const Workload& work, const Options& options = {}) {
+  Told result;
+  Solver solver(testDevice(), {}, [&](const TraceSpan& span) {
+    if (span.on_device)
+      ++result.launches[span.name];
+    else
+      result.spans[span.name] += ms(span);
+  });
+  solver.triangulate(work.points, work.constraints, options);
+  result.spans.clear();
+  result.launches.clear();
+  const auto start = std::chrono::steady_clock::now();
+  result.statistics = solver.triangulate(work.points, work.constraints, options).statistics;
+  result.clock = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+std::vector<Options> ways() {
+  std::vector<Options> all(4);
+  all[1].canonical = false;
+  all[2].domain = Domain::even_odd;
+  all[3].check = false;
+  return all;
+}
+
+/// Two clocks read around the same thing; a thread may lose its core between them.
+void check_same_time(double a, double b) {
+  CHECK(a <= 1.2 * b + 2);
+  CHECK(b <= 1.2 * a + 2);
+}
+
+}  // namespace
+
+TEST_CASE("full is the sum of the phases, core that of its parts, and each part is as long as its span in the trace") {
+  for (const Options& options : ways()) {
+    CAPTURE(options.canonical);
+    CAPTURE(options.check);
+    Told t = told(workload("random_pslg", 300), options);
+    auto& span = t.spans;
+    const auto& s = t.statistics.ms;
+    CHECK(s.full == doctest::Approx(s.order + s.insert + s.constrain + s.flip + s.check + s.output + s.domain));
+    const double copies = s.call - s.full > 0 ? s.output - span["output"] : 0;  // they are no phase
+    CHECK(copies >= -2);
+    check_same_time(s.full - copies, span["order"] + span["insert"] + span["constrain"] + span["flip"] + span["check"] +
+                                         span["output"] + span["domain"]);
+    check_same_time(s.core, span["sort"] + span["insert"] + span["constrain"] - span["clean"] + span["walk"] +
+                                span["flip"] + span["gather"]);
+    check_same_time(s.clean, span["clean"]);
+    check_same_time(s.walk, span["walk"]);
+    check_same_time(s.gather, span["gather"]);
+    CHECK((span["check"] > 0) == options.check);
+    CHECK((span["domain"] > 0) == (options.domain != Domain::hull));
+    for (const char* name : {"order", "sort", "insert", "constrain", "clean", "walk", "flip", "output", "gather"}) {
+      CAPTURE(name);
+      CHECK(span[name] > 0);
+    }
+    for (const double part : {s.order, s.insert, s.constrain, s.output, s.core, s.clean, s.walk, s.gather})
+      CHECK(part > 0);
+    CHECK(s.walk <= s.clean);
+    CHECK(s.clean <= s.constrain);
+    CHECK(s.gather <= s.output);
+    CHECK(s.core <= s.full);
+  }
+}
+
+TEST_CASE("call is the caller's clock: with copies and new arrays, and with building where programs are built") {
+  for (const auto& [name, n] : {std::pair<const char*, std::size_t>{"uniform", 200000}, {"random_pslg", 60}}) {
+    CAPTURE(name);
+    const Workload work = workload(name, n);
+    const Told t = told(work);
+    CHECK(t.statistics.ms.build == 0);
+    CHECK(t.statistics.ms.full <= t.statistics.ms.call);
+    CHECK(t.statistics.ms.call <= t.clock);
+    check_same_time(t.statistics.ms.call, t.clock);
+    Solver fresh(testDevice());
+    const Statistics first = fresh.triangulate(work.points, work.constraints).statistics;
+    CHECK(first.ms.build > 0);
+    CHECK(first.ms.build + first.ms.full <= first.ms.call);
+  }
+}
+
+TEST_CASE("each copy of a result adds its time to output, full and call") {
+  const Workload work = uniform(50000);
+  const Result result = solver().solve(work.points);
+  const Statistics before = result.statistics();
+  result.triangles();
+  const Statistics after = result.statistics();
+  const double copied = after.ms.output - before.ms.output;
+  CHECK(copied > 0);
+  CHECK(after.ms.full - before.ms.full == doctest::Approx(copied));
+  CHECK(after.ms.call - before.ms.call == doctest::Approx(copied));
+}
+
+// A vertex that is inserted in random order takes fewer than 3 flips on average, as its degree is then below 6; by
+// levels it is nearly so. It takes one at least, but for the few that are inserted in the interior of triangles that
+// stay.
+TEST_CASE("flips, steps of location and rounds are those of theory, to a factor below three") {
+  const std::size_t n = 30000;
+  const Told t = told(uniform(n));
+  const Statistics& s = t.statistics;
+  CHECK(s.flips > 1.3 * n);
+  CHECK(s.flips < 3.6 * n);
+  // A walk from a neighbour on the curve: at least the face where it ends.
+  CHECK(s.location_steps > 2 * n);
+  CHECK(s.location_steps < 6 * n);
+  CHECK(s.rounds.insert > 0);
+  if (const auto grown = t.launches.find("grow_insert"); grown != t.launches.end())
+    CHECK(s.rounds.insert == static_cast<std::uint64_t>(grown->second));
+}
