@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs the benchmark of bench/README.md, as far as its rows are not there yet, and prints the table.
 # Usage: scripts/bench.sh cpu|gpu [OPTION]...
+#        scripts/bench.sh batches LABEL [ARGUMENT]...    gcdt_bench_batch, kept as LABEL-batches.jsonl
+#        scripts/bench.sh ablation LABEL [ARGUMENT]...   gcdt_bench_ablation, kept as LABEL-ablation.md
 #   --quick            small inputs and few runs: shows that everything works; the figures mean nothing
 #   --only NAME[:N]    only these workloads (separated by commas), such as letters or uniform:1000000
 #   --scaling          instead: 100k to 100M uniform vertices
@@ -12,13 +14,18 @@
 # GCDT_BENCH_MAPS is a folder of further maps in .poly format. GCDT_BENCH_PYTHON is a Python 3 with matplotlib, and
 # CuPy on a GPU. GCDT_BENCH_SCRATCH is a folder for inputs handed to peers (default /dev/shm or /tmp).
 # GCDT_BENCH_COMMIT names the version measured, where the tree is no git checkout.
+# A LABEL names the devices in the file's name, such as nvidia-h200-x2.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 usage() { sed -n '3,/^set /s/^# //p' "$0"; }
 command_line="scripts/bench.sh $*"
+label=
 case ${1-} in
   cpu | gpu) kind=$1; shift ;;
+  batches | ablation)
+    [[ $# -ge 2 && $2 != -* ]] || { usage >&2; exit 2; }
+    kind=$1; label=$2; shift 2 ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
@@ -29,7 +36,7 @@ scaling=
 start=yes
 cgal=
 [[ $kind == gpu ]] || cgal=yes
-while [[ $# -gt 0 ]]; do
+while [[ -z $label && $# -gt 0 ]]; do
   case $1 in
     --quick) options+=(--quick); quick=-quick; shift ;;
     --force) options+=(--force); shift ;;
@@ -49,6 +56,30 @@ if [[ -z $binaries ]]; then
   binaries=$build/bench
 fi
 [[ -x $binaries/gcdt_bench ]] || { echo "bench.sh: no gcdt_bench in $binaries" >&2; exit 2; }
+
+results=${GCDT_BENCH_RESULTS:-$root/bench/results}
+mkdir -p "$results"
+commit=${GCDT_BENCH_COMMIT:-$(git -C "$root" describe --always --dirty 2>/dev/null || true)}
+
+# Keeps what a program prints, below a line that says what was run; nothing is replaced if it fails.
+keep() {
+  local file=$1 head=$2
+  shift 2
+  { echo "$head"; "$@"; } | tee "$file.new"
+  mv "$file.new" "$file"
+  echo "written: $file" >&2
+}
+case $kind in
+  batches)
+    keep "$results/$label-batches.jsonl" \
+      "{\"command\": \"$command_line\", \"commit\": \"$commit\", \"date\": \"$(date -u +%F)\", \"host_threads\": $(nproc)}" \
+      "$binaries/gcdt_bench_batch" "$@"
+    exit ;;
+  ablation)
+    keep "$results/$label-ablation.md" "\`$command_line\` at $commit, $(date -u +%F), $(nproc) host threads." \
+      "$binaries/gcdt_bench_ablation" "$@"
+    exit ;;
+esac
 
 python=${GCDT_BENCH_PYTHON:-}
 if [[ -z $python ]]; then
@@ -84,9 +115,6 @@ if [[ -z $scratch ]]; then
   # 100M vertices take 1.6 GB there
   if [[ -w /dev/shm && $(df --output=avail -k /dev/shm | tail -1) -gt 2000000 ]]; then scratch=/dev/shm; fi
 fi
-results=${GCDT_BENCH_RESULTS:-$root/bench/results}
-mkdir -p "$results"
-commit=${GCDT_BENCH_COMMIT:-$(git -C "$root" describe --always --dirty 2>/dev/null || true)}
 device=${GCDT_DEVICE:-$kind}
 
 status=0
