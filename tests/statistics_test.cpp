@@ -48,6 +48,29 @@ std::vector<Options> ways() {
   return all;
 }
 
+std::int64_t turn(const std::array<std::int32_t, 2>& a, const std::array<std::int32_t, 2>& b,
+                  const std::array<std::int32_t, 2>& c) {
+  const auto d = [](std::int32_t from, std::int32_t to) { return std::int64_t{to} - from; };
+  return d(a[0], b[0]) * d(a[1], c[1]) - d(a[1], b[1]) * d(a[0], c[0]);
+}
+
+/// Whether the segments p q and r s meet inside both.
+bool cross(const std::vector<std::array<std::int32_t, 2>>& at, Constraint c, std::uint32_t r, std::uint32_t s) {
+  const auto apart = [](std::int64_t a, std::int64_t b) { return (a < 0 && b > 0) || (a > 0 && b < 0); };
+  return apart(turn(at[c[0]], at[c[1]], at[r]), turn(at[c[0]], at[c[1]], at[s])) &&
+         apart(turn(at[r], at[s], at[c[0]]), turn(at[r], at[s], at[c[1]]));
+}
+
+/// Pairs of a triangle and a piece that crosses an edge of it, by trying all.
+std::uint64_t pairs_crossed(const Workload& work, const Triangulation& enforced, const Triangulation& delaunay) {
+  const auto at = grid_points(enforced.statistics.grid, work.points);
+  std::uint64_t pairs = 0;
+  for (const Constraint& piece : enforced.pieces)
+    for (const auto& t : delaunay.triangles)
+      pairs += cross(at, piece, t[0], t[1]) || cross(at, piece, t[1], t[2]) || cross(at, piece, t[2], t[0]);
+  return pairs;
+}
+
 /// Two clocks read around the same thing; a thread may lose its core between them.
 void check_same_time(double a, double b) {
   CHECK(a <= 1.2 * b + 2);
@@ -131,4 +154,22 @@ TEST_CASE("flips, steps of location and rounds are those of theory, to a factor 
   CHECK(s.rounds.insert > 0);
   if (const auto grown = t.launches.find("grow_insert"); grown != t.launches.end())
     CHECK(s.rounds.insert == static_cast<std::uint64_t>(grown->second));
+}
+
+// Where vertices go in one after the other, constraints are enforced in the Delaunay mesh of all.
+TEST_CASE("crossed pairs are those of the mesh in which constraints are enforced") {
+  std::uint64_t all = 0;
+  for (const auto& [name, n] :
+       {std::pair<const char*, std::size_t>{"random_pslg", 60}, {"fan", 200}, {"letters", 3000}}) {
+    CAPTURE(name);
+    const Workload work = workload(name, n);
+    const Told t = told(work);
+    const Triangulation enforced = solver().triangulate(work.points, work.constraints);
+    const std::uint64_t crossed = pairs_crossed(work, enforced, solver().triangulate(work.points));
+    CHECK(t.statistics.cases.pieces_walked + t.statistics.cases.existing_edges == enforced.pieces.size());
+    CHECK(t.statistics.crossed_pairs >= t.statistics.cases.pieces_walked);
+    if (t.launches.count("grow_insert") != 0) CHECK(t.statistics.crossed_pairs == crossed);
+    all += crossed;
+  }
+  CHECK(all > 0);
 }

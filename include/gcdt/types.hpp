@@ -161,7 +161,7 @@ struct FixedGrid {
   std::string cell = "1";
 };
 
-/// What happens to constraints whose interiors cross (contract: after duplicates are merged and
+/// What happens to constraints whose interiors cross (docs/contract.md, 3: after duplicates are merged and
 /// constraints are split at the vertices on them).
 enum class Crossing {
   reject,  ///< throw constraints_cross

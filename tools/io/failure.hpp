@@ -7,7 +7,7 @@
 
 namespace gcdt::io {
 
-/// The command's status codes (contract 7).
+/// The command's status codes (docs/command.md).
 enum class Exit { done = 0, usage = 2, input = 3, device = 4, check = 5, output = 6, interrupted = 130 };
 
 class Failure : public std::runtime_error {
