@@ -23,6 +23,7 @@ constexpr std::uint64_t seed = 21000;
 constexpr int deepest_cell = 7, deepest_ring = 3;
 constexpr double sqrt3 = 1.7320508075688772;
 
+// Each random number is drawn in a statement of its own: C++ leaves the order within an expression open.
 /// Random numbers of a place in the tree of shapes: they do not depend on how finely others are drawn.
 std::uint64_t child(std::uint64_t key, std::uint64_t number) { return test::Random(key + number).next(); }
 
@@ -39,8 +40,9 @@ class Shores {
     if (depth > 0 && choice == 0) return;
     if (depth == deepest_cell || (depth > 1 && choice < 4)) {
       const double radius = size * random.between(0.12, 0.42), room = size / 2 - 1.16 * radius;
-      ring({left + size / 2 + room * random.between(-1, 1), bottom + size / 2 + room * random.between(-1, 1)}, radius,
-           0, random.next());
+      const double x = left + size / 2 + room * random.between(-1, 1);
+      const double y = bottom + size / 2 + room * random.between(-1, 1);
+      ring({x, y}, radius, 0, random.next());
       return;
     }
     for (std::uint64_t k = 0; k < 4; ++k)
@@ -62,7 +64,8 @@ class Shores {
       shore(corner(k), corner(k + 1), detail, k == 5, child(key, k));
     }
     if (depth == deepest_ring || random.below(2) == 0) return;
-    ring(centre, radius * random.between(0.2, 0.48), depth + 1, random.next());
+    const double inner = radius * random.between(0.2, 0.48);
+    ring(centre, inner, depth + 1, random.next());
   }
 
   /// From a, which is told, to b, which is not. `last`: b is the first vertex of the ring.
@@ -74,7 +77,7 @@ class Shores {
       vertex_(a, last);
       return;
     }
-    const double s = random.between(0.35, 0.85) * (random.below(2) == 0 ? sqrt3 / 6 : -sqrt3 / 6);
+    const double height = random.between(0.35, 0.85) * sqrt3 / 6, s = random.below(2) == 0 ? height : -height;
     const Point first = {a[0] + dx / 3, a[1] + dy / 3}, second = {a[0] + 2 * dx / 3, a[1] + 2 * dy / 3};
     const Point bump = {a[0] + dx / 2 - s * dy, a[1] + dy / 2 + s * dx};
     shore(a, first, detail, false, child(key, 0));

@@ -15,7 +15,8 @@ struct Measured {
   std::optional<Assessment> given;  ///< as `given`, if it was asked for
 };
 
-/// Every field of Statistics under its own name (docs/statistics.md), and `measured`, indented, with a newline at the end.
+/// Every field of Statistics under its own name (docs/statistics.md), and `measured`, indented, with a newline at the
+/// end.
 std::string statistics_json(const Statistics& statistics, const Measured& measured);
 
 /// The counts and times that matter, one a line, aligned.
