@@ -22,7 +22,8 @@ if [[ $declared != "$exported" ]]; then
   diff <(echo "$declared") <(echo "$exported") >&2 || true
   exit 1
 fi
-if readelf --wide --dyn-syms "$1" | grep -q ' UNIQUE '; then
+symbols=$(readelf --wide --dyn-syms "$1")
+if [[ $symbols == *" UNIQUE "* ]]; then
   echo "abi: a unique symbol would keep the library loaded for ever" >&2
   exit 1
 fi

@@ -14,14 +14,20 @@ sources=$root/tests/consumer
 
 quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; echo "consumers: failed: $*" >&2; exit 1; }; }
 build() { quietly cmake -S "$1" -B "$2" -DCMAKE_BUILD_TYPE=Release "${@:3}"; quietly cmake --build "$2" --parallel 2; }
-run() { echo "consumers: $1: $("${@:2}")"; }
+# Runs a consumer, which must succeed; a substitution within echo's argument would lose its status.
+run() {
+  local said
+  said=$("${@:2}") || { echo "consumers: failed: $1: $said" >&2; exit 1; }
+  echo "consumers: $1: $said"
+}
 
 for kind in shared static; do
   prefix=$work/$kind/prefix
   [[ $kind == shared ]] && shared=ON || shared=OFF
   build "$root" "$work/$kind/gcdt" -DBUILD_SHARED_LIBS=$shared -DGCDT_TOOLS=OFF -DGCDT_EXAMPLES=OFF
   quietly cmake --install "$work/$kind/gcdt" --prefix "$prefix"
-  library=$(dirname "$(find "$prefix" -name 'libgcdt.*' | sort | head -n 1)")
+  library=$(find "$prefix" -name 'libgcdt.*' | sort)
+  library=$(dirname "${library%%$'\n'*}")
 
   build "$sources/find_package" "$work/$kind/find_package" -DCMAKE_PREFIX_PATH="$prefix"
   run "$kind, find_package" "$work/$kind/find_package/consumer"
@@ -30,7 +36,8 @@ for kind in shared static; do
   mv "$prefix" "$prefix-moved"
   library=${library/#$prefix/$prefix-moved}
   export PKG_CONFIG_PATH=$library/pkgconfig
-  read -r -a flags <<<"$(pkg-config --cflags --libs gcdt)"
+  flags=$(pkg-config --cflags --libs gcdt)
+  read -r -a flags <<<"$flags"
   quietly cc "$sources/main.c" -o "$work/$kind/c" "${flags[@]}" "-Wl,-rpath,$library"
   run "$kind, pkg-config, C" "$work/$kind/c"
   quietly c++ -std=c++17 "$sources/main.cpp" -o "$work/$kind/cpp" "${flags[@]}" "-Wl,-rpath,$library"
@@ -40,4 +47,9 @@ done
 # Nothing of the project but the library is built for another's project, and nothing installed.
 build "$sources/subdirectory" "$work/subdirectory" -DGCDT_SOURCE="$root"
 run "FetchContent" "$work/subdirectory/consumer"
-[[ -z $(find "$work/subdirectory" -type f -name 'gcdt' -perm -u+x) ]] || { echo "consumers: the command was built" >&2; exit 1; }
+commands=$(find "$work/subdirectory" -type f -name 'gcdt' -perm -u+x)
+[[ -z $commands ]] || { echo "consumers: the command was built" >&2; exit 1; }
+mkdir "$work/nothing"
+quietly cmake --install "$work/subdirectory" --prefix "$work/nothing"
+installed=$(find "$work/nothing" -type f)
+[[ -z $installed ]] || { echo "consumers: installed with another's project: $installed" >&2; exit 1; }

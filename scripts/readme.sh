@@ -6,6 +6,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 for language in c cpp; do
-  diff <(sed -n "/^\`\`\`$language\$/,/^\`\`\`\$/p" README.md | sed '1d;$d') <(tail -n +3 "examples/triangulate.$language")
+  shown=$(sed -n "/^\`\`\`$language\$/,/^\`\`\`\$/p" README.md | sed '1d;$d')
+  built=$(tail -n +3 "examples/triangulate.$language")
+  [[ $shown && $built ]] || { echo "readme: no example in $language" >&2; exit 1; }
+  diff <(echo "$shown") <(echo "$built")
 done
 echo "readme: its examples are examples/triangulate.c and .cpp"

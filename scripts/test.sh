@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, builds with warnings as errors, and runs all tests.
+# Installs what is missing, builds with warnings as errors, and runs all tests, the benchmark's included.
 # Usage: scripts/test.sh [--quick] [CTEST OPTION]...
 #   --quick        leaves out the tests labelled "slow"
 #   CTEST OPTION   passed on, such as -R predicates
@@ -21,6 +21,6 @@ tests_at_once=$((cores < 4 ? cores : 4))
 
 bash "$root/scripts/setup.sh" --tests
 bash "$root/scripts/format.sh"
-cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_WERROR=ON
+cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_BENCH=ON -DGCDT_WERROR=ON
 cmake --build "$build" --parallel "$cores"
 ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$tests_at_once" "${selection[@]}" "$@"

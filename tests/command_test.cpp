@@ -32,8 +32,8 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 /// A folder in which the command is run, so that its arguments are short names.
 class Session : public ScratchFolder {
  public:
-  /// Runs a shell line in which $gcdt is the command.
-  Outcome shell(const std::string& line) const {
+  /// Runs a shell line in which $gcdt is the command. Who does not care how it ends calls `run`, which does.
+  [[nodiscard]] Outcome shell(const std::string& line) const {
     ScratchFolder streams;
     const std::string whole = "cd '" + *this / "" + "' && gcdt='" GCDT_COMMAND "' && { " + line + "\n} >'" +
                               streams / "out" + "' 2>'" + streams / "err" + "'";
@@ -41,7 +41,15 @@ class Session : public ScratchFolder {
     REQUIRE(WIFEXITED(status));
     return {WEXITSTATUS(status), streams.read("out"), streams.read("err")};
   }
-  Outcome gcdt(const std::string& arguments) const { return shell("\"$gcdt\" " + arguments + " </dev/null"); }
+  /// Runs a shell line that prepares or compares something: it must succeed.
+  void run(const std::string& line) const {
+    const Outcome outcome = shell(line);
+    INFO(line << ": " << outcome.out << outcome.err);
+    REQUIRE(outcome.status == 0);
+  }
+  [[nodiscard]] Outcome gcdt(const std::string& arguments) const {
+    return shell("\"$gcdt\" " + arguments + " </dev/null");
+  }
   /// Runs the command, which must succeed without a word on standard error; its standard output.
   std::string good(const std::string& arguments) const {
     CAPTURE(arguments);
@@ -232,7 +240,7 @@ TEST_CASE("all formats at once: verified, the same bytes in every run, and free 
     // The cleaned graph has the same triangulation, and so has the same input from a pipe.
     session.good("triangulate o.poly -o again.ele");
     CHECK(session.read("again.ele") == session.read("o.ele"));
-    CHECK(session.shell("\"$gcdt\" triangulate - -o piped.ele <in.poly").status == 0);
+    session.run("\"$gcdt\" triangulate - -o piped.ele <in.poly");
     CHECK(session.read("piped.ele") == session.read("o.ele"));
     Session second;
     second.write("in.poly", random_poly(400, first));
@@ -791,7 +799,7 @@ TEST_CASE("every row of a trace is named after the phase whose spans it holds") 
 
 TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no other") {
   Session session;
-  session.shell("mkdir many");
+  session.run("mkdir many");
   session.write("many/a.poly", random_poly(300, 0));
   session.write("many/b.poly", square_from_1);
   session.write("many/c.node", "3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n");
@@ -802,10 +810,12 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   const auto statistics = nlohmann::json::parse(session.read("s.json"));
   CHECK(statistics.at("inputs") == 6);
   CHECK(statistics.at("failed") == 0);
-  for (const char* input : {"many/a.poly", "many/b.poly", "many/c.node", "many/d.node", "many/empty.poly", "more.poly"})
-    session.good(std::string("triangulate ") + input +
-                 " -o one.ele -o one.neigh -o one.vtu --quiet && name=$(basename " + input +
-                 ") && for e in ele neigh vtu; do cmp one.$e out/${name%.*}.$e || exit 9; done");
+  for (const char* input :
+       {"many/a.poly", "many/b.poly", "many/c.node", "many/d.node", "many/empty.poly", "more.poly"}) {
+    session.good(std::string("triangulate ") + input + " -o one.ele -o one.neigh -o one.vtu --quiet");
+    session.run(std::string("name=$(basename ") + input +
+                "); for e in ele neigh vtu; do cmp one.$e out/${name%.*}.$e || exit 1; done");
+  }
   session.write("many/bad.poly", "nonsense\n");
   session.write("many/crossed.poly", crossed);
   // Hole and region points are not read.
@@ -813,7 +823,7 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   session.good("batch points.poly -o out --regions --verify --format ele --format vtu --format poly --format svg");
   CHECK(session.read("out/points.ele").find("1 3 0\n0 0 1 2\n") == 0);
   CHECK(!contains(session.read("out/points.vtu"), "region_attribute"));
-  session.shell("rm -r out");
+  session.run("rm -r out");
   const Outcome mixed = session.gcdt("batch many -o out");
   CHECK(mixed.status == 3);
   CHECK(contains(mixed.err, "many/bad.poly:1"));
@@ -825,7 +835,7 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
 
 TEST_CASE("a batch splits crossings, with the files and attributes that triangulate writes") {
   Session session;
-  session.shell("mkdir many");
+  session.run("mkdir many");
   session.write("many/crossed.poly",
                 "4 2 1 1\n0 0 0 10 5\n1 4 4 30 5\n2 0 4 100 6\n3 4 0 140 6\n2 1\n0 0 1 7\n1 2 3 8\n0\n");
   session.write("many/plain.poly", square);
@@ -842,7 +852,7 @@ TEST_CASE("a batch splits crossings, with the files and attributes that triangul
     CAPTURE(name);
     session.good("triangulate many/" + name + ".poly --crossing split -o " + name + ".ele -o " + name + ".poly -o " +
                  name + ".edge -o " + name + ".vtu --quiet");
-    CHECK(session.shell("for f in " + name + ".*; do cmp $f out/$f || exit 9; done").status == 0);
+    session.run("for f in " + name + ".*; do cmp $f out/$f || exit 1; done");
   }
   // The .node has the added vertex: numbers 20 and 120 are those of the two constraints in their middles.
   CHECK(contains(session.read("out/crossed.node"), "\n4 2 2 70 "));
@@ -864,7 +874,7 @@ TEST_CASE("a batch splits crossings, with the files and attributes that triangul
   CHECK(clash.status == 2);
   CHECK(contains(clash.err, "p.node"));
   CHECK(contains(clash.err, "1 of 2 inputs failed"));
-  CHECK(session.shell("ls q.ele && ! ls p.ele").status == 0);
+  session.run("ls q.ele && ! ls p.ele");
 }
 
 TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all results in one file") {
@@ -885,7 +895,7 @@ TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all
   CHECK(contains(run.err, "2 of 6 inputs failed"));
   CHECK(session.shell("ls out").out == "many-1.ele\nmany-3.ele\nmany-5.ele\nmany.jsonl\none.ele\none.jsonl\n");
   session.good("triangulate one.geojson --domain even-odd -o alone.ele");
-  session.shell("cmp alone.ele out/one.ele && cmp alone.ele out/many-1.ele && cmp alone.ele out/many-5.ele");
+  session.run("cmp alone.ele out/one.ele && cmp alone.ele out/many-1.ele && cmp alone.ele out/many-5.ele");
 
   std::vector<nlohmann::json> lines;
   std::istringstream text(session.read("out/many.jsonl"));
@@ -906,7 +916,7 @@ TEST_CASE("a file with a GeoJSON text in each line is a batch, and jsonl has all
 TEST_CASE("a batch has more output files than a process can have open") {
   Session session;
   session.write("in.poly", square);
-  session.shell(
+  session.run(
       "mkdir many && for i in 1 2 3 4 5 6 7 8 9; do for j in 1 2 3 4 5 6 7 8 9; do cp in.poly many/$i$j.poly; "
       "done; done");
   const Outcome run =
@@ -919,7 +929,7 @@ TEST_CASE("a batch has more output files than a process can have open") {
 TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   Session session;
   session.write("in.poly", square);
-  session.shell("mkdir empty other && cp in.poly other/");
+  session.run("mkdir empty other && cp in.poly other/");
   for (const char* arguments :
        {"batch", "batch in.poly --format xyz -o out", "batch in.poly other -o out", "batch in.poly -o . --format poly",
         "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out",

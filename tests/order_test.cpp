@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "coordinate_families.hpp"
+#include "device_list.hpp"
 #include "grid_oracle.hpp"
 
 using namespace gcdt;
@@ -29,9 +30,8 @@ struct Device {
 // without it.
 std::vector<std::unique_ptr<Device>>& devices_under_test() {
   static auto* made = [] {
-    setenv("RUSTICL_ENABLE", "swrast", 0);
     auto* list = new std::vector<std::unique_ptr<Device>>;
-    for (const auto& device : runtime::all_devices()) {
+    for (const auto& device : test::every_device()) {
       list->push_back(std::make_unique<Device>(device));
       runtime::CallHook hook;
       hook.tuning.few_vertices = 0;
@@ -39,7 +39,6 @@ std::vector<std::unique_ptr<Device>>& devices_under_test() {
     }
     return list;
   }();
-  REQUIRE_MESSAGE(!made->empty(), "no OpenCL device: install pocl-opencl-icd");
   return *made;
 }
 

@@ -4,18 +4,15 @@
 // on every device, driver and thread count.
 //   result_hash DEVICE NAME SIZE [RUNS]   one workload, RUNS times
 //   result_hash DEVICE all [MAXIMUM]      the standard list, up to MAXIMUM vertices
+//   result_hash DEVICE table FILE         the table FILE (tests/hashes.txt) with its hashes made anew
 // With GCDT_LAUNCHES in the environment, every launch on the device is printed with its microseconds.
-#include "result_hash.hpp"
-
-#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <set>
 #include <string>
 
-#include "workloads.hpp"
+#include "kept_hashes.hpp"
 
 namespace {
 
@@ -58,24 +55,9 @@ const Entry standardList[] = {
     {"synthetic_cons_6", 1000000},
 };
 
-/// Synthetic-cons needs Delaunay edges; here the library under test makes them itself.
-std::vector<Segment> delaunayEdges(gcdt::Solver& solver, const std::vector<Point>& points) {
-  std::set<Segment> edges;
-  for (const auto& t : solver.triangulate(points).triangles)
-    for (int k = 0; k < 3; ++k) edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-  return {edges.begin(), edges.end()};
-}
-
-Workload make(gcdt::Solver& solver, const std::string& name, std::size_t size) {
-  const std::string synthetic = "synthetic_cons_";
-  if (name.compare(0, synthetic.size(), synthetic) != 0) return workload(name, size);
-  const int k = std::atoi(name.c_str() + synthetic.size());
-  return syntheticCons(size, k, [&](const std::vector<Point>& points) { return delaunayEdges(solver, points); });
-}
-
 /// False, and a line on standard error, if the workload failed.
 bool run(gcdt::Solver& solver, const std::string& name, std::size_t size, int runs) try {
-  const Workload work = make(solver, name, size);
+  const Workload work = make_workload(solver, name, size);
   for (int i = 0; i < runs; ++i) {
     const gcdt::Triangulation result = solver.triangulate(work.points, work.constraints);
     const gcdt::Statistics& s = result.statistics;
@@ -89,12 +71,30 @@ bool run(gcdt::Solver& solver, const std::string& name, std::size_t size, int ru
   return false;
 }
 
+/// The table's comments stay as they are.
+void print_table(const std::string& device, const std::string& path) {
+  Hasher hasher(device);
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line) && (line.empty() || line[0] == '#');)
+    std::printf("%s\n", line.c_str());
+  for (const KeptHash& row : read_kept_hashes(path)) {
+    std::printf("%-16s %6zu %-20s %s\n", row.name.c_str(), row.n, row.how.c_str(), hasher.hash(row).c_str());
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) try {
+  if (count == 4 && std::string(arguments[2]) == "table") {
+    print_table(arguments[1], arguments[3]);
+    return 0;
+  }
   const bool all = count >= 3 && std::string(arguments[2]) == "all";
   if (count < (all ? 3 : 4) || count > (all ? 4 : 5)) {
-    std::fprintf(stderr, "usage: result_hash DEVICE NAME SIZE [RUNS] | result_hash DEVICE all [MAXIMUM]\n");
+    std::fprintf(stderr,
+                 "usage: result_hash DEVICE NAME SIZE [RUNS] | result_hash DEVICE all [MAXIMUM] |\n"
+                 "       result_hash DEVICE table FILE\n");
     return 2;
   }
   gcdt::Trace trace;

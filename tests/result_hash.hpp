@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include <gcdt/gcdt.hpp>
@@ -19,6 +20,11 @@ class Hash {
       state_ *= 0x100000001b3u;
     }
   }
+  void add(double value) {
+    std::uint64_t bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    add(bits);
+  }
   template <class T>
   void add(const std::vector<T>& values) {
     add(static_cast<std::uint64_t>(values.size()));
@@ -34,6 +40,7 @@ class Hash {
   std::uint64_t state_ = 0xcbf29ce484222325u;
 };
 
+/// Arrays that only some options give count where they are not empty, so that plain results have the hashes of always.
 inline std::uint64_t resultHash(const Triangulation& result) {
   Hash hash;
   hash.add(result.triangles);
@@ -44,6 +51,16 @@ inline std::uint64_t resultHash(const Triangulation& result) {
   hash.add(result.source_offsets);
   hash.add(result.sources);
   hash.add(result.dropped);
+  const auto add_if_any = [&](const auto& values) {
+    if (!values.empty()) hash.add(values);
+  };
+  add_if_any(result.region);
+  add_if_any(result.depth);
+  add_if_any(result.winding);
+  add_if_any(result.region_seed);
+  add_if_any(result.added_on_grid);
+  add_if_any(result.added);
+  add_if_any(result.added_crossing);
   return hash.value();
 }
 

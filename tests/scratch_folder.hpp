@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,14 @@ class ScratchFolder {
 
   std::string operator/(const std::string& name) const { return (path_ / name).string(); }
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
+    std::ofstream out(path_ / name, std::ios::binary);
+    if (!(out << text).flush()) throw std::runtime_error("cannot write " + *this / name);
     return *this / name;
   }
+  /// Throws if there is no such file: two that are missing are not equal.
   std::string read(const std::string& name) const {
     std::ifstream in(path_ / name, std::ios::binary);
+    if (!in) throw std::runtime_error("cannot read " + *this / name);
     return {std::istreambuf_iterator<char>(in), {}};
   }
   /// The names in the folder, ascending, hidden ones included.
