@@ -152,6 +152,49 @@ TEST_CASE("offsets and sub-buffers are honoured") {
   CHECK(app.read<Constraint>(all_constraints, constraints.size()) == constraints);
 }
 
+namespace {
+
+/// The vertices as numbers of one type behind `offset` others that would be errors or change the mesh, and before some.
+template <class Number>
+void check_offsets(Points::Type type, Number bad, Number scale) {
+  using Pair = std::array<Number, 2>;
+  const App app;
+  const Integers input = integer_input();
+  std::vector<Pair> given;
+  for (const Int2& p : input.points)
+    given.push_back({static_cast<Number>(p[0]) * scale, static_cast<Number>(p[1]) * scale});
+  const Triangulation expected = test::solver().triangulate(given, input.constraints);
+  Solver solver = make_solver(app.queue);
+  const Result whole = solve(solver, {type, app.buffer(given), given.size(), 0}, device_constraints(app, input));
+  CHECK(same_bytes(whole.download(), expected));
+  for (const std::size_t offset : {1, 2, 7}) {  // odd ones are not aligned as vectors of four are
+    CAPTURE(offset);
+    std::vector<Pair> more(offset, Pair{bad, bad});
+    more.insert(more.end(), given.begin(), given.end());
+    more.insert(more.end(), 5, Pair{bad, bad});
+    std::vector<Constraint> pairs(offset + 1, Constraint{~0u, ~0u});
+    pairs.insert(pairs.end(), input.constraints.begin(), input.constraints.end());
+    const cl::Buffer vertices = app.buffer(more), constraints = app.buffer(pairs);
+    const Result result =
+        solve(solver, {type, vertices, given.size(), offset}, {constraints, input.constraints.size(), offset + 1});
+    CHECK(same_bytes(result.download(), expected));
+    CHECK(app.read<Pair>(vertices, more.size()).back() == more.back());
+    // Located with the same offset: the vertices themselves, and the bad ones are not looked at.
+    const cl::Buffer to = app.buffer(4 * given.size());
+    locate(result, {type, vertices, given.size(), offset}, to);
+    CHECK(app.read<std::int32_t>(to, given.size()) == result.locate(given));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("offsets are counted in pairs of the coordinates' own type") {
+  // Finite, since not a number differs from itself; far away, so that one of them would change the grid.
+  check_offsets<double>(Points::Type::float64, 1e300, 0.1);
+  check_offsets<float>(Points::Type::float32, 1e30f, 0.1f);
+  check_offsets<std::int64_t>(Points::Type::int64, std::int64_t{1} << 53, std::int64_t{1} << 40);
+}
+
 TEST_CASE("in-order, out-of-order and profiling queues do, and keep their properties") {
   for (const cl_command_queue_properties properties :
        {cl_command_queue_properties(0), cl_command_queue_properties(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE),
