@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps as people have them: crossings split, the mesh and its domain proved. With GCDT_TEST_MAPS, a folder, all .poly
-// files there, too.
-#include <doctest/doctest.h>
-
-#include <cstdlib>
-#include <filesystem>
-
-#include "corpus.hpp"
-#include "solver_fixture.hpp"
+// Maps as people have them: crossings split, the mesh and its domain proved. Further maps: scripts/slow.sh.
+#include "map_proof.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -17,27 +10,6 @@ namespace {
 const std::string tests = GCDT_TEST_DATA;
 
 Workload countries() { return readPoly(tests + "/../examples/data/countries-50m.poly"); }
-
-/// Triangulated with crossings split, twice: as it is, and as what is not open to the outside. Proves both; the first.
-Triangulation proved(const Workload& map) {
-  Options options;
-  options.crossing = Crossing::split;
-  const Triangulation mesh = solver().triangulate(map.points, map.constraints, options);
-  MeshView seen = view(mesh);
-  seen.added = mesh.added_on_grid;
-  CHECK(verify(map.points, map.constraints, seen, mesh.statistics.grid, Crossing::split).reason == "");
-  options.domain = Domain::outer;
-  const Triangulation land = solver().triangulate(map.points, map.constraints, options);
-  seen = view(land);
-  seen.added = land.added_on_grid;
-  const RegionView said = {land.region.data(), land.depth.data(), land.winding.data()};
-  CHECK(verify_domain(map.points, map.constraints, seen, said, land.statistics.grid, options).reason == "");
-  CHECK(land.triangles.size() + land.statistics.triangles_removed == mesh.triangles.size());
-  CHECK(mesh.statistics.grid.kind == Grid::Kind::decimal);
-  CHECK(mesh.statistics.grid.largest_move == 0);
-  CHECK(mesh.statistics.constraint_move <= std::sqrt(0.5) * mesh.statistics.grid.cell());
-  return mesh;
-}
 
 }  // namespace
 
@@ -70,17 +42,4 @@ TEST_CASE("the counties of the United States: three crossings, three overlaps") 
   CHECK(mesh.statistics.crossings == 3);
   CHECK(mesh.statistics.constraints_overlapping == 3);
   CHECK(mesh.statistics.vertices_added == 3);
-}
-
-TEST_CASE("further maps, if a folder with some is named") {
-  const char* folder = std::getenv("GCDT_TEST_MAPS");
-  if (!folder) return;
-  std::size_t maps = 0;
-  for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    if (file.path().extension() != ".poly") continue;
-    CAPTURE(file.path().string());
-    CHECK(proved(readPoly(file.path().string())).triangles.size() > 0);
-    ++maps;
-  }
-  CHECK(maps > 0);
 }
