@@ -84,7 +84,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
         }
       }
       if (!emit && edges > 0u) atomic_add(crossed + list[c], edges);
-      if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+      if (event != WALK_END) atomic_or(&counters->failed, GCDT_FAILED_WALK);
     }
     if (!emit) counts[part] = found;
     hit += found;

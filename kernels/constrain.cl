@@ -81,7 +81,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
       ++pairs;
     }
     if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);
-    if (event == WALK_FAILED) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+    else if (event != WALK_END) atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }
   add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
   existing = sum_of_group(&sum, existing);

@@ -36,8 +36,12 @@ constexpr std::uint32_t least_rehearsed = 512, large_rehearsed = 20000;
 // Others use the device as well, and what runs need is estimated.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
 
+DeviceKind kind_of(const DevicePool::Member& member) {
+  return runtime::kind_of(runtime::describe(member.device), member.hook.tuning);
+}
+
 std::uint32_t lanes_of(const DevicePool::Member& member) {
-  const bool gpu = runtime::describe(member.device).is_gpu;
+  const bool gpu = kind_of(member) == DeviceKind::gpu;
   return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? gpu_lanes : 1));
 }
 
@@ -50,9 +54,9 @@ Error host_failed(const std::exception& error) {
 void leave_cores(std::vector<DevicePool::Member>& members) {
   std::uint32_t feeding = 0;
   for (const DevicePool::Member& member : members)
-    if (runtime::describe(member.device).is_gpu) feeding += 2 * lanes_of(member);
+    if (kind_of(member) == DeviceKind::gpu) feeding += 2 * lanes_of(member);
   for (DevicePool::Member& member : members)
-    if (feeding > 0 && !member.context() && runtime::describe(member.device).is_cpu)
+    if (feeding > 0 && !member.context() && is_cpu(kind_of(member)))
       member.device = runtime::part_of(member.device, feeding);
 }
 
@@ -65,6 +69,7 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
   for (std::size_t i = 0; i < members.size(); ++i) {
     try {
       reports_[i].info = runtime::describe(members[i].device);
+      reports_[i].kind = kind_of(members[i]);
       open(std::move(members[i]), i);
     } catch (const Error& error) {
       lose(i, error);
@@ -75,7 +80,7 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
 
 bool DevicePool::has_gpus() const {
   return std::any_of(reports_.begin(), reports_.end(),
-                     [](const DeviceReport& report) { return report.info.is_gpu && !report.lost; });
+                     [](const DeviceReport& report) { return report.kind == DeviceKind::gpu && !report.lost; });
 }
 
 void DevicePool::open(Member member, std::size_t device) {
@@ -91,7 +96,7 @@ void DevicePool::open(Member member, std::size_t device) {
                              : Trace();
   const std::uint32_t count = lanes_of(member);
   std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
-  const bool gpu = reports_[device].info.is_gpu;
+  const bool gpu = reports_[device].kind == DeviceKind::gpu;
   if (gpu) rounds = std::max(rounds, gpu_rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
   const bool shared = count > 1 && (member.context() || member.hook.tuning.shares_context.value_or(gpu));
@@ -142,18 +147,18 @@ std::vector<LaneShare> DevicePool::shares(bool gpus) const {
   std::vector<std::uint32_t> numbers(reports_.size());
   for (const Lane& lane : lanes_) {
     const DeviceReport& report = reports_[lane.device];
+    const bool gpu = report.kind == DeviceKind::gpu;
     const auto siblings =
         std::count_if(lanes_.begin(), lanes_.end(), [&](const Lane& other) { return other.device == lane.device; });
     LaneShare share;
     share.device = lane.device;
     share.capacity = usable_bytes(report.info);
     share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
-    share.most_weight = report.info.is_gpu ? gpu_weight : cpu_weight;
+    share.most_weight = gpu ? gpu_weight : cpu_weight;
     share.speed = lane.speed;
-    if (lane.runtime)
-      share.overhead = lane.runtime->tuning().pack_overhead.value_or(report.info.is_gpu ? gpu_overhead : 0);
+    if (lane.runtime) share.overhead = lane.runtime->tuning().pack_overhead.value_or(gpu ? gpu_overhead : 0);
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
-    share.beside_gpus = gpus && !report.info.is_gpu;
+    share.beside_gpus = gpus && !gpu;
     share.started = share.beside_gpus && lane.sitting_out.now();
     share.lost = share.ended = report.lost.has_value();
     all.push_back(share);
@@ -171,8 +176,8 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   for (Lane& lane : lanes_) lane.report = {};
   const bool gpus = has_gpus();
   for (Lane& lane : lanes_)
-    lane.rehearses =
-        lane.runtime && lane.runtime->tuning().rehearses.value_or(gpus && !reports_[lane.device].info.is_gpu);
+    lane.rehearses = lane.runtime &&
+                     lane.runtime->tuning().rehearses.value_or(gpus && reports_[lane.device].kind != DeviceKind::gpu);
   const std::vector<LaneShare> lanes = shares(gpus);
   Schedule schedule(batch, lanes);
   std::vector<std::thread> threads;

@@ -11,6 +11,7 @@ namespace gcdt {
 /// What a device of a pool has done in the last batch, and whether it still takes part.
 struct DeviceReport {
   DeviceInfo info;
+  DeviceKind kind = DeviceKind::accelerator;
   std::optional<Error> lost;  ///< why it was taken out
   std::uint64_t problems = 0, vertices = 0, runs = 0;
   double milliseconds = 0;  ///< in runs whose results counted

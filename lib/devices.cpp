@@ -87,6 +87,13 @@ DeviceInfo describe(const cl::Device& device) {
   return info;
 }
 
+DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning) {
+  if (tuning.kind) return *tuning.kind;
+  if (info.is_gpu) return DeviceKind::gpu;
+  if (!info.is_cpu) return DeviceKind::accelerator;
+  return info.platform == "rusticl" || info.platform == "Clover" ? DeviceKind::lanes : DeviceKind::threads;
+}
+
 namespace {
 
 std::vector<DeviceInfo> describe_all() {

@@ -7,12 +7,8 @@ namespace gcdt {
 
 namespace {
 
-// Up to this many edges are tested by one work-group that loops by itself (design: the tail of small
-// rounds needs no launch and no read).
-constexpr std::uint32_t one_group_edges = 2048;
-// From so many edges on, rounds sweep over the marks of all edges, and for as long as a round has at least this
-// share of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
-constexpr std::uint32_t least_sweep = 1u << 17, sweep_share = 128;
+// The group's loops end within what lanes allow: 16 rounds of 4 tiles, each with 32 flips of a chain and their edges.
+constexpr std::uint32_t edges_of_lanes = 256, rounds_of_lanes = 16;
 // Edges that a work-item of a sweep looks at.
 constexpr std::uint32_t sweep_items = 4;
 
@@ -28,7 +24,7 @@ class Flipping {
         counters_(counters),
         faces_(mesh.faces(vertices_in_mesh)),
         edges_(mesh.edges(vertices_in_mesh)),
-        stamps_(edges_),
+        stamps_(runtime, edges_),
         flips_before_(wide(counters.last().flips_low, counters.last().flips_high)) {
     stamps_.go_on_above(mesh.claims_below);
   }
@@ -38,7 +34,7 @@ class Flipping {
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
-    const bool swept = edges_ >= least_sweep;
+    const bool swept = edges_ >= runtime_.tuning().least_sweep;
     if (swept) sweep(ticker);
     runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!swept), edges_, round_, mesh_.edge_marks,
                     lists_.first, counters_.buffer());
@@ -54,7 +50,7 @@ class Flipping {
     FlipResult result;
     for (;; counters_.zero()) {
       renew_stamps();
-      const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
+      const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), rounds_of_group());
       for_launches(runtime_, vertices_, [&](cl_uint begin, cl_uint end) {
         runtime_.launch("flip", "flip_problems", runtime_.over_groups(end - begin), begin, end, stamp, stamps_.bits(),
                         most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
@@ -76,7 +72,7 @@ class Flipping {
     std::uint64_t total = round_;
     while (pending > 0) {
       const std::uint32_t rounds_before = counters_.last().rounds;
-      const std::uint32_t launched = pending <= one_group_edges ? rounds_in_one_group() : rounds_wide(pending);
+      const std::uint32_t launched = pending <= edges_of_group() ? rounds_in_one_group() : rounds_wide(pending);
       const device::Counters& c = counters_.read();
       const std::uint32_t in_group = c.rounds - rounds_before;
       round_ += in_group;
@@ -92,7 +88,7 @@ class Flipping {
  private:
   // Rounds by sweeps. The first takes all edges. Ends: see run().
   void sweep(Ticker& ticker) {
-    for (std::uint32_t illegal = edges_; illegal > edges_ / sweep_share;) {
+    for (std::uint32_t illegal = edges_; illegal > edges_ / runtime_.tuning().sweep_share;) {
       for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
@@ -103,6 +99,15 @@ class Flipping {
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
       check(round_, ticker);
     }
+  }
+
+  std::uint32_t edges_of_group() const {
+    const std::uint32_t most = runtime_.tuning().one_group_edges;
+    return runtime_.kind() == DeviceKind::lanes ? std::min(most, edges_of_lanes) : most;
+  }
+  std::uint32_t rounds_of_group() const {
+    const std::uint32_t most = runtime_.tuning().rounds_of_group;
+    return runtime_.kind() == DeviceKind::lanes ? std::min(most, rounds_of_lanes) : most;
   }
 
   void check(std::uint64_t rounds, Ticker& ticker) const {
@@ -136,7 +141,7 @@ class Flipping {
   // How many rounds were done stands in the counters.
   std::uint32_t rounds_in_one_group() {
     renew_stamps();
-    const cl_uint most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
+    const cl_uint most = std::min(stamps_.left(), rounds_of_group());
     runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
                     most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
                     lists_.second, counters_.buffer());

@@ -18,7 +18,7 @@ constexpr std::uint32_t walk_beside_others = 4096;
 
 // Tickets are numbers of work-items, of which a launch may have more than the mesh has edges (Owner in grow.cl).
 Stamps stamps_of(const runtime::Runtime& runtime, const Mesh& mesh) {
-  return Stamps(std::max(mesh.edges(), runtime.most_work_items()));
+  return Stamps(runtime, std::max(mesh.edges(), runtime.most_work_items()));
 }
 
 /// The insertion of consecutive vertices, round by round.

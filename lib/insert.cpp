@@ -7,9 +7,6 @@ namespace gcdt {
 
 namespace {
 
-// Up to this many vertices are inserted by one work-group that loops by itself: a round there costs
-// about a microsecond, two launches cost ten times that.
-constexpr std::uint32_t one_group_vertices = 1024;
 // Every round inserts at least the vertex with the best ticket, and a face with k vertices loses about
 // two thirds of them to each child: real inputs take tens of rounds. The limit only stops a device
 // that computes wrongly.
@@ -26,7 +23,7 @@ class LevelInsertion {
         history_(history),
         lists_(lists),
         counters_(counters),
-        stamps_(candidates),
+        stamps_(runtime, candidates),
         remaining_(history.end - history.begin) {}
 
   void locate() {
@@ -61,7 +58,7 @@ class LevelInsertion {
   /// Ends: see round_limit.
   std::uint64_t finish(Ticker& ticker) {
     while (remaining_ > 0) {
-      if (remaining_ <= one_group_vertices)
+      if (remaining_ <= runtime_.tuning().one_group_vertices)
         rounds_in_one_group();
       else
         for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i) round();

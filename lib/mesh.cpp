@@ -6,9 +6,9 @@
 namespace gcdt {
 
 namespace {
-// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before. On
-// llvmpipe all loops of a work-item end, silently, after 65535 rounds in all.
-constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_on_cpus = 256;
+// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before. Loops of
+// lanes end early.
+constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_of_lanes = 256;
 // Vertices of a launch of many problems: 12 ms on an H200.
 constexpr std::uint32_t most_of_a_launch = 1u << 24;
 }  // namespace
@@ -35,12 +35,13 @@ WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint3
 
 bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices) {
   return !runtime.contiguous() && vertices.roots > 1 &&
-         vertices.largest <= (runtime.info().is_cpu ? most_of_a_group_on_cpus : most_of_a_group);
+         vertices.largest <= (runtime.kind() == DeviceKind::lanes ? most_of_a_group_of_lanes : most_of_a_group);
 }
 
 std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices) {
   const auto groups = static_cast<std::uint32_t>(runtime.geometry().max_groups);
-  return runtime.info().is_cpu ? groups : std::max(groups, most_of_a_launch / std::max(1u, vertices.largest));
+  return runtime.kind() == DeviceKind::lanes ? groups
+                                             : std::max(groups, most_of_a_launch / std::max(1u, vertices.largest));
 }
 
 unsigned bit_width(std::uint64_t value) {
@@ -49,7 +50,9 @@ unsigned bit_width(std::uint64_t value) {
   return bits;
 }
 
-Stamps::Stamps(std::uint32_t numbers) : bits_(std::max(1u, bit_width(numbers > 0 ? numbers - 1 : 0))) {}
+Stamps::Stamps(const runtime::Runtime& runtime, std::uint32_t numbers)
+    : bits_(std::max(1u, bit_width(numbers > 0 ? numbers - 1 : 0))),
+      last_(std::min(bits_ >= 32 ? 0u : 0xFFFFFFFFu >> bits_, runtime.tuning().most_stamps)) {}
 
 void PhaseCounters::zero() {
   host_ = {};

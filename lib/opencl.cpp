@@ -24,6 +24,9 @@ constexpr std::size_t least_share = 64, shares_per_unit = 16;
 constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
+// llvmpipe ends all loops of a work-item after 65535 rounds in all, and says nothing: a work-item takes so few items
+// that each may have some thousands (docs/testing.md).
+constexpr std::size_t most_items_of_lanes = 16;
 constexpr std::size_t least_alignment = 128;
 // Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.
 constexpr std::size_t most_copied = std::size_t{1} << 16;
@@ -65,6 +68,7 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     : device_(device),
       hook_(std::move(hook)),
       info_(describe(device)),
+      kind_(kind_of(info_, hook_.tuning)),
       context_(context),
       log_(std::move(log)),
       tracer_(std::move(trace), info_.name),
@@ -82,14 +86,18 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     return code;
   });
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
-  // Mesa's llvmpipe runs the work-items of a group as lanes of vectors.
-  contiguous_ = info_.is_cpu && info_.platform != "rusticl" && info_.platform != "Clover";
-  geometry_ = info_.is_gpu  ? Geometry{gpu_group, units * gpu_groups_per_unit, gpu_single_group}
-              : contiguous_ ? Geometry{1, units * shares_per_unit, 1, least_share}
-                            : Geometry{cpu_group, units * cpu_groups_per_unit, cpu_group};
+  switch (kind_) {
+    case DeviceKind::gpu: geometry_ = {gpu_group, units * gpu_groups_per_unit, gpu_single_group}; break;
+    case DeviceKind::threads: geometry_ = {1, units * shares_per_unit, 1, least_share}; break;
+    case DeviceKind::lanes:
+      geometry_ = {cpu_group, units * cpu_groups_per_unit, cpu_group, 0, most_items_of_lanes};
+      break;
+    case DeviceKind::accelerator: geometry_ = {cpu_group, units * cpu_groups_per_unit, cpu_group}; break;
+  }
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
   const cl_uint all_shares = compute_units_of_root(device_) * shares_per_unit;
-  widest_ = contiguous_ ? hook_.tuning.width.value_or(loads_code_by_width(info_) ? all_shares : 0) : 0;
+  const std::size_t widest = std::max<std::size_t>(all_shares, geometry_.max_groups);
+  widest_ = contiguous() && hook_.tuning.width ? *hook_.tuning.width : loads_code_by_width(info_) ? widest : 0;
   if (widest_ > 0) {
     ++loaded_by_width;
     present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });
@@ -141,7 +149,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   auto& kernels = kernels_[for_forests_];
   auto found = kernels.find(key);
   if (found != kernels.end()) return found->second;
-  const cl::Program& built = find_program(contiguous_ ? bundle_of(program) : program);
+  const cl::Program& built = find_program(contiguous() ? bundle_of(program) : program);
   Kernel k;
   k.name = kernel;
   call("clCreateKernel", kernel, [&] {
@@ -157,7 +165,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  const bool copied = (contiguous_ || download_) && bytes <= most_copied;
+  const bool copied = (contiguous() || download_) && bytes <= most_copied;
   if (copied) {
     const auto* first = static_cast<const unsigned char*>(from);
     from = unwritten_.emplace_back(first, first + bytes).data();
@@ -265,7 +273,12 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   const std::size_t local = std::min(group, kernel.largest_group);
   const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
   const std::size_t wanted = (range.items + each - 1) / each;
-  const std::size_t usual = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, geometry_.max_groups);
+  std::size_t most = geometry_.max_groups;
+  if (geometry_.most_items > 0) {
+    const std::size_t items = range.large_items ? 1 : geometry_.most_items;
+    most = std::max(most, (wanted + items - 1) / items);
+  }
+  const std::size_t usual = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, most);
   const bool widest = !range.one_group && (!kernel.launched || loaded_by_width > 1);
   const std::size_t groups = widest ? std::max(usual, widest_) : usual;
   const std::size_t global = groups * local;
@@ -276,6 +289,12 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
     });
   });
   kernel.launched = true;
+}
+
+std::size_t Runtime::rows_of(std::size_t items) const {
+  const std::size_t usual = geometry_.local * geometry_.max_groups,
+                    least = geometry_.most_items > 0 ? items / geometry_.most_items : 0;
+  return std::clamp<std::size_t>(std::max(usual, least), 1, std::max<std::size_t>(items, 1));
 }
 
 void* Runtime::map_new(std::size_t bytes, cl::Buffer& buffer) {

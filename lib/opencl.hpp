@@ -76,6 +76,8 @@ struct Geometry {
   std::size_t max_groups = 0;  ///< groups of a launch at most
   std::size_t single = 0;      ///< work-items of a group that is alone (Range::one_group); 0: as `local`
   std::size_t share = 0;       ///< items that are worth a work-item; 0: one (Range::large_items)
+  /// Items of a work-item at most, of large ones one, however many groups that takes; 0: any number.
+  std::size_t most_items = 0;
 };
 
 /// Bytes of a buffer, from its first on, and where they are to go.
@@ -124,6 +126,8 @@ class Runtime {
   const cl::Device& device() const { return device_; }
   const cl::Context& context() const { return context_; }
   const Tuning& tuning() const { return hook_.tuning; }
+  /// For tests. The kind of the device, and what follows from it, stays.
+  Tuning& tuning() { return hook_.tuning; }
   const DeviceInfo& info() const { return info_; }
 
   /// A new buffer of `count` elements; contents undefined. `name` is for error messages.
@@ -235,13 +239,16 @@ class Runtime {
   const Geometry& geometry() const { return geometry_; }
   /// So many work-groups, for kernels of which each takes an item.
   Range over_groups(std::size_t items) const { return over_large(std::max<std::size_t>(items, 1) * geometry_.local); }
+  /// Work-items among which `items` are shared out, for kernels of which each keeps a row of a table.
+  std::size_t rows_of(std::size_t items) const;
   /// Work-items of a launch at most, whatever it wants.
   cl_uint most_work_items() const {
     return static_cast<cl_uint>(std::max(geometry_.max_groups, widest_) * std::max(geometry_.local, geometry_.single));
   }
   Tracer& tracer() { return tracer_; }
+  DeviceKind kind() const { return kind_; }
   /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/loops.h).
-  bool contiguous() const { return contiguous_; }
+  bool contiguous() const { return kind_ == DeviceKind::threads; }
   /// From now on programs are those for meshes of many triangulations (kernels/forest.h), or of one, as at first. Those
   /// of both kinds that have been built are kept.
   void build_for_forests(bool forests = true) { for_forests_ = forests; }
@@ -305,6 +312,7 @@ class Runtime {
   cl::Device device_;
   CallHook hook_;
   DeviceInfo info_;
+  DeviceKind kind_;
   cl::Context context_;
   cl::CommandQueue queue_;
   Log log_;
@@ -321,7 +329,6 @@ class Runtime {
   std::map<std::pair<std::string, std::string>, Kernel> kernels_[2];  ///< for one triangulation, for many
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
-  bool contiguous_ = false;
   bool for_forests_ = false;
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;         ///< the device's own is wrong
@@ -333,6 +340,9 @@ cl::Program build_program(Runtime& runtime, const char* name);
 
 /// What `device` is and has.
 DeviceInfo describe(const cl::Device& device);
+
+/// As what such a device is treated.
+DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning);
 
 /// Whether `device` has a compiler and OpenCL 1.2.
 bool usable(const cl::Device& device);

@@ -35,8 +35,7 @@ struct Maxima {
   runtime::Buffer<cl_ulong> table;
 
   Maxima(runtime::Runtime& runtime, std::size_t n, cl_uint column_count) : columns(column_count) {
-    const std::size_t parallel = runtime.geometry().local * runtime.geometry().max_groups;
-    rows = static_cast<cl_uint>(std::clamp<std::size_t>(parallel, 1, n));
+    rows = static_cast<cl_uint>(runtime.rows_of(n));
     table = runtime.allocate<cl_ulong>("maxima", std::size_t{rows} * columns);
   }
 

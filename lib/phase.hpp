@@ -39,11 +39,11 @@ unsigned bit_width(std::uint64_t value);
 /// the candidates' numbers hold, then the claim words must be cleared.
 class Stamps {
  public:
-  /// For candidates numbered below `numbers`, at most 2^31.
-  explicit Stamps(std::uint32_t numbers);
+  /// For candidates numbered below `numbers`, at most 2^31; see also Tuning::most_stamps.
+  Stamps(const runtime::Runtime& runtime, std::uint32_t numbers);
   cl_uint bits() const { return bits_; }
   /// Stamps left before the next clearing.
-  std::uint32_t left() const { return last() - used_; }
+  std::uint32_t left() const { return last_ - used_; }
   cl_uint current() const { return used_; }
   /// Takes `count` stamps, at most left(), and returns the first.
   cl_uint take(std::uint32_t count = 1) {
@@ -54,15 +54,14 @@ class Stamps {
   /// Goes on with stamps whose tickets are all greater than words below `claims`, if there are any.
   void go_on_above(std::uint64_t claims) {
     const std::uint64_t spent = bits_ >= 32 ? 0 : (claims + (std::uint64_t{1} << bits_) - 1) >> bits_;
-    used_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(last(), spent == 0 ? 0 : spent - 1));
+    used_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(last_, spent == 0 ? 0 : spent - 1));
   }
   /// Tickets given out so far are below this.
   std::uint64_t claims_below() const { return (std::uint64_t{used_} + 1) << bits_; }
 
  private:
-  std::uint32_t last() const { return (bits_ >= 32 ? 0u : 0xFFFFFFFFu >> bits_); }
   cl_uint bits_;
-  std::uint32_t used_ = 0;
+  std::uint32_t last_, used_ = 0;
 };
 
 /// The counters struct on the device and its last copy on the host, undefined until zero(). read() blocks.

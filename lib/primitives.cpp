@@ -16,8 +16,9 @@ constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
 constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
 // Digits as in sort_serial.h and sort_group.h.
 constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
-// The most elements that one work-item walks: llvmpipe silently ends loops after 65535 rounds.
-constexpr std::size_t longest_walk = 60000;
+// On lanes a work-item has 65535 rounds in all, and ends without a word: it walks so many elements at most, and adds up
+// the sums of so many parts (scan_serial).
+constexpr std::size_t longest_walk = 60000, most_parts_of_lanes = 5000;
 // So many keys one work-group sorts in local memory (SORT_SMALL in sort_finish.cl).
 constexpr std::size_t few_keys = 2048;
 // So many keys a CPU sorts faster by one work-item than by launches for each digit.
@@ -45,6 +46,10 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
   const std::size_t even_span = std::max(least_span, (count + most_parts - 1) / most_parts);
   const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
+  if (runtime_.kind() == DeviceKind::lanes && walk_ == Walk::serial && parts > most_parts_of_lanes)
+    throw Error(Status::device_failed,
+                runtime_.info().name + " ends loops after 65535 rounds: it scans and sorts at most " +
+                    std::to_string(longest_walk * most_parts_of_lanes) + " elements, not " + std::to_string(count));
   return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
           runtime_.over_groups(parts)};
 }

@@ -14,8 +14,8 @@ class Primitives {
   /// CPUs; `group` by a whole work-group, which suits GPUs. Results are the same.
   enum class Walk { serial, group };
 
-  explicit Primitives(runtime::Runtime& runtime)
-      : Primitives(runtime, runtime.info().is_cpu ? Walk::serial : Walk::group) {}
+  explicit Primitives(runtime::Runtime& runtime) : Primitives(runtime, walk_of(runtime.kind())) {}
+  static Walk walk_of(DeviceKind kind) { return is_cpu(kind) ? Walk::serial : Walk::group; }
   Primitives(runtime::Runtime& runtime, Walk walk) : runtime_(runtime), walk_(walk) {}
 
   /// out[i] = in[0] + ... + in[i-1] for 0 <= i <= count, modulo 2^32; out[count] is the total, so out

@@ -13,8 +13,8 @@ std::string Runtime::build_options() const {
   std::string options = "-cl-std=CL1.2";
   // A GPU has more edges than work-items to flip them, and a work-item that flips on makes its group wait:
   // no propagation is fastest there (bench/NOTES.md). A CPU wins by the rounds that propagation saves.
-  if (info_.is_gpu) options += " -DGCDT_FLIP_CHAIN=1";
-  if (contiguous_) options += " -DGCDT_CONTIGUOUS";
+  if (kind_ == DeviceKind::gpu) options += " -DGCDT_FLIP_CHAIN=1";
+  if (contiguous()) options += " -DGCDT_CONTIGUOUS";
   if (for_forests_) options += " -DGCDT_FOREST";
   if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
   if (!hook_.options.empty()) options += " " + hook_.options;

@@ -16,8 +16,7 @@ constexpr cl_uint rows_read = 64;
 
 device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, const OrderedMesh& mesh) {
   if (mesh.triangles == 0) return device::gcdt_no_quality();
-  const std::size_t parallel = runtime.geometry().local * runtime.geometry().max_groups;
-  auto rows = static_cast<cl_uint>(std::clamp<std::size_t>(parallel, 1, mesh.triangles));
+  auto rows = static_cast<cl_uint>(runtime.rows_of(mesh.triangles));
   auto table = runtime.allocate<device::Quality>("quality", rows);
   runtime.launch("quality", "measure_triangles", runtime::over_large(rows), cl_uint{mesh.triangles}, mesh.corners,
                  vertices.input_vertex, vertices.points, rows, table);

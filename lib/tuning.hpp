@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers that results do not depend on, only speed. Everybody has the defaults; bench/ablation.cpp varies them.
+// Choices that results do not depend on, only speed. Everybody has the defaults; bench/ablation.cpp varies them, and
+// tests take by them, on any device and with few vertices, the ways that others take (docs/testing.md).
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,19 @@
 
 namespace gcdt {
 
+/// What the work-items of a device are: everything that is done in one way here and in another way there goes by it.
+enum class DeviceKind {
+  gpu,
+  threads,      ///< of a CPU: each a loop of a thread, which takes contiguous shares (kernels/loops.h)
+  lanes,        ///< of a CPU: lanes of vectors, in Mesa's llvmpipe; there loops end early (docs/testing.md)
+  accelerator,  ///< nobody knows
+};
+
+inline bool is_cpu(DeviceKind kind) { return kind == DeviceKind::threads || kind == DeviceKind::lanes; }
+
 struct Tuning {
+  /// As what the device is to be treated; none: as what it is.
+  std::optional<DeviceKind> kind;
   /// Vertices of the coarsest level at most, which goes into the symbolic triangle at once. Small enough for one
   /// work-group, large enough that the levels below it would cost more launches than they save flips. (Four levels of
   /// a million vertices are 7 % faster where they are random, and 45 % slower on a grid.)
@@ -17,6 +30,16 @@ struct Tuning {
   std::uint32_t rounds_per_read = 4;
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
+  /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
+  /// microsecond, two launches cost ten times that.
+  std::uint32_t one_group_vertices = 1024;
+  /// The same of edges that are tested: the tail of small rounds needs no launch and no read.
+  std::uint32_t one_group_edges = 2048;
+  /// From so many edges on, rounds of flips sweep over the marks of all edges, for as long as a round has at least one
+  /// in `sweep_share` of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
+  std::uint32_t least_sweep = 1u << 17, sweep_share = 128;
+  /// Stamps of tickets that are given out at most before the claim words are cleared, at least 2; no more than fit.
+  std::uint32_t most_stamps = 0xFFFFFFFFu;
   /// Parts of constraints beyond one each, at most; none: by the device (walk.cpp). 0: one work-item a constraint.
   std::optional<std::uint32_t> part_pool;
   /// Crossed faces of a part, about: enough to be worth finding its first face.

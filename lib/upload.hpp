@@ -11,7 +11,7 @@ namespace gcdt::runtime {
 
 /// See Tuning.
 inline bool prepares_host_memory(const Runtime& runtime) {
-  return runtime.tuning().prepares_host_memory.value_or(runtime.info().is_gpu);
+  return runtime.tuning().prepares_host_memory.value_or(runtime.kind() == DeviceKind::gpu);
 }
 
 /// Two chunks of host memory that take turns: while one is on its way to the device, the other is filled. For GPUs

@@ -8,20 +8,14 @@ namespace {
 constexpr cl_uint gpu_pool = 1u << 17, cpu_pool_per_unit = 512;
 // Parts that even the shortest total length gets: keeps a few long pieces on many work-items.
 constexpr cl_uint gpu_least = 4096, cpu_least = 64;
-}  // namespace
-
-cl_uint part_pool(const DeviceInfo& info) {
-  return info.is_gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, info.compute_units);
-}
-
-namespace {
 
 // Crossed faces are about (total weight >> shift) * factor. `walked` is not read unless `again`.
 Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
                  cl_uint pieces, cl_uint shift, cl_uint factor, cl_uint again,
                  const runtime::Buffer<cl_uint2>& walked) {
-  const cl_uint most = runtime.tuning().part_pool.value_or(part_pool(runtime.info())),
-                least = std::min(most, runtime.info().is_gpu ? gpu_least : cpu_least);
+  const bool gpu = runtime.kind() == DeviceKind::gpu;
+  const cl_uint pool = gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, runtime.info().compute_units),
+                most = runtime.tuning().part_pool.value_or(pool), least = std::min(most, gpu ? gpu_least : cpu_least);
   Parts parts;
   parts.capacity = pieces + (again ? 2 * most : most);
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);

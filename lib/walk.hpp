@@ -41,7 +41,4 @@ Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const V
 /// evenly.
 Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Pieces& pieces);
 
-/// Parts beyond one per piece, at most, on this device.
-cl_uint part_pool(const DeviceInfo& info);
-
 }  // namespace gcdt

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices as what they are and as GPUs, for tests of phases that have a way of their own for each (docs/testing.md).
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "device_list.hpp"
+
+namespace gcdt::test {
+
+inline runtime::CallHook treated_as(DeviceKind kind) {
+  runtime::CallHook hook;
+  hook.tuning.kind = kind;
+  return hook;
+}
+
+/// A device, treated as something.
+struct Treated {
+  std::string name;  ///< such as "rusticl as gpu"
+  std::unique_ptr<runtime::Runtime> runtime;
+};
+
+/// PoCL and Mesa's llvmpipe, both as they are and as GPUs, and the machine's other devices. Fails without the two.
+inline std::vector<Treated>& devices_as_all_kinds() {
+  static std::vector<Treated> all = [] {
+    std::vector<Treated> made;
+    bool threads = false, lanes = false;
+    for (const cl::Device& device : every_device()) {
+      auto usual = std::make_unique<runtime::Runtime>(device);
+      const std::string platform = usual->info().platform;
+      threads |= usual->kind() == DeviceKind::threads;
+      lanes |= usual->kind() == DeviceKind::lanes;
+      const bool gpu = usual->kind() == DeviceKind::gpu;
+      made.push_back({platform + " as it is", std::move(usual)});
+      if (!gpu)
+        made.push_back({platform + " as gpu", std::make_unique<runtime::Runtime>(device, treated_as(DeviceKind::gpu))});
+    }
+    REQUIRE_MESSAGE(threads, "no CPU whose work-items are loops of threads: install pocl-opencl-icd");
+    REQUIRE_MESSAGE(lanes, "no CPU whose work-items are lanes of vectors: install mesa-opencl-icd");
+    return made;
+  }();
+  return all;
+}
+
+/// Other choices of a runtime for its life.
+class Tuned {
+ public:
+  Tuned(runtime::Runtime& runtime, const Tuning& tuning) : tuning_(runtime.tuning()), before_(tuning_) {
+    tuning_ = tuning;
+  }
+  ~Tuned() { tuning_ = before_; }
+  Tuned(const Tuned&) = delete;
+  Tuned& operator=(const Tuned&) = delete;
+
+ private:
+  Tuning& tuning_;
+  Tuning before_;
+};
+
+}  // namespace gcdt::test
