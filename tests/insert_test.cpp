@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Postconditions of the insert and flip phases.
+// Postconditions of the insert and flip phases, on devices as what they are and as GPUs.
 #include "insert.hpp"
 #include "flip.hpp"
 #include "grow.hpp"
+#include "kinds.hpp"
 #include "mesh_fixture.hpp"
+#include "reference.hpp"
 
 using namespace fixture;
 
@@ -13,7 +15,17 @@ struct Run {
   std::uint64_t insert_rounds = 0, flip_rounds = 0, flips = 0;
 };
 
-// Inserts and flips level by level, proving the mesh after every step.
+// CGAL's triangulation, ties by the contract.
+std::set<std::array<std::uint32_t, 3>> expected_faces(const std::vector<Point>& points) {
+  std::set<std::array<std::uint32_t, 3>> faces;
+  for (auto t : reference::reference_cdt(points, {})) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    faces.insert(t);
+  }
+  return faces;
+}
+
+// Inserts and flips level by level, proving the mesh after every step; at the end it is what CGAL makes.
 Run triangulate(runtime::Runtime& runtime, std::vector<Point> points, std::uint32_t coarsest) {
   const Vertices vertices = upload(runtime, points, coarsest);
   const Mesh mesh = make_mesh(runtime, vertices.n());
@@ -33,23 +45,41 @@ Run triangulate(runtime::Runtime& runtime, std::vector<Point> points, std::uint3
     const HostMesh after = download(runtime, mesh, points, now);
     CHECK(invalid_reason(after, now) == "");
     CHECK(illegal_edges(after) == 0);
+    if (now == vertices.n()) CHECK(finite_faces(after) == expected_faces(points));
   }
   return run;
 }
 
 }  // namespace
 
-TEST_CASE("every level leaves a valid mesh, and flips leave no illegal edge") {
-  for (const cl::Device& device : devices_under_test()) {
-    runtime::Runtime runtime(device);
+TEST_CASE("every level leaves a valid mesh, flips leave no illegal edge, and the last one CGAL's triangulation") {
+  for (test::Treated& device : test::devices_as_all_kinds())
     for (const char* kind : {"uniform", "grid", "collinear", "clusters", "corners", "parabola", "tiny"})
       for (std::uint32_t n : {0u, 1u, 2u, 3u, 4u, 10u, 100u, 1000u, 5000u}) {
         CAPTURE(kind);
         CAPTURE(n);
-        CAPTURE(runtime.info().name);
-        triangulate(runtime, make_points(kind, n, 7), 64);
+        CAPTURE(device.name);
+        triangulate(*device.runtime, make_points(kind, n, 7), 64);
       }
-  }
+}
+
+TEST_CASE("the same with rounds that are all wide, all of one work-group, a few at a time, and stamps that run out") {
+  for (test::Treated& device : test::devices_as_all_kinds())
+    for (const std::uint32_t in_group : {0u, 0xFFFFFFFFu})
+      for (const std::uint32_t stamps : {2u, 3u, 0xFFFFFFFFu}) {
+        CAPTURE(device.name);
+        CAPTURE(in_group);
+        CAPTURE(stamps);
+        Tuning tuning = device.runtime->tuning();
+        tuning.one_group_vertices = tuning.one_group_edges = in_group;
+        tuning.most_stamps = stamps;
+        tuning.rounds_of_group = 3;
+        const test::Tuned tuned(*device.runtime, tuning);
+        for (const char* kind : {"uniform", "grid", "clusters", "tiny"}) {
+          CAPTURE(kind);
+          CHECK(triangulate(*device.runtime, make_points(kind, 600, 7), 64).insert_rounds > 9);  // of three levels: more than stamps
+        }
+      }
 }
 
 TEST_CASE("work-items beyond the edges of a small mesh claim with words that later claims are above") {
