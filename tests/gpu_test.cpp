@@ -87,3 +87,27 @@ TEST_CASE("llvmpipe treated as a GPU gives PoCL's bytes, by sweeps of a mesh tha
   REQUIRE(3 * problem.points.size() > Tuning().least_sweep);
   CHECK(difference(on(as_gpu(true), problem), solver().triangulate(problem.points)) == "");
 }
+
+// Of a pool's GPU: lanes in one context, memory of the driver's own, results through it.
+TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups', give each problem's bytes alone") {
+  std::vector<Workload> problems = smallest_problems();
+  for (const std::string& name : workloadNames()) problems.push_back(workload(name, 60));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) problems.push_back(randomPslg(150, 9, 150, seed));
+  problems.push_back(randomCrossing(200, 1000, 60, 5));
+  const std::size_t group_sized = problems.size();
+  problems.push_back(workload("uniform", 40000));  // one more than a group takes, and all go through rounds together
+  const Tuning usual = as_gpu(false).tuning();
+  for (const std::size_t count : {group_sized, problems.size()})
+    for (const Tuning& tuning : {usual, small(usual)}) {
+      CAPTURE(count);
+      CAPTURE(tuning.most_stamps);
+      const std::vector<Workload> some(problems.begin(), problems.begin() + std::ptrdiff_t(count));
+      runtime::CallHook hook;
+      hook.tuning = tuning;
+      hook.tuning.pack_overhead = 0;  // so that there are more packs than one
+      DevicePool pool({{cl::Context(), app_device(), hook}}, {}, {});
+      const RaggedBatch batch(some);
+      const Alone alone(some);
+      for (int round = 0; round < 2; ++round) alone.check(pool.triangulate(batch.view(), {}));
+    }
+}
