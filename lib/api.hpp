@@ -28,8 +28,10 @@ struct Detail {
 
 /// What a solver and its results share. It lives as long as the last of them.
 struct State {
-  State(const cl::Context& context, const cl::Device& device, runtime::Log log, Trace trace)
-      : runtime(context, device, {}, std::move(log), std::move(trace)), primitives(runtime) {}
+  /// `hook`: of tests.
+  State(const cl::Context& context, const cl::Device& device, runtime::Log log, Trace trace,
+        runtime::CallHook hook = {})
+      : runtime(context, device, std::move(hook), std::move(log), std::move(trace)), primitives(runtime) {}
 
   /// Waits for copies out of results that may be gone by now.
   void settle();

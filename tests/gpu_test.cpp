@@ -3,11 +3,8 @@
 // low that small inputs take every way that large ones take.
 #include <doctest/doctest.h>
 
-#include <numeric>
-
-#include "agreement.hpp"
-#include "alone.hpp"
-#include "kinds.hpp"
+#include "api.hpp"
+#include "device_list.hpp"
 #include "pool_cases.hpp"
 
 using namespace gcdt;
@@ -18,23 +15,23 @@ namespace {
 // Before any test lists devices.
 const std::vector<cl::Device> all_of_them = every_device();
 
-// llvmpipe, or PoCL.
-runtime::Runtime& as_gpu(bool on_lanes) {
-  for (const Treated& device : devices_as_all_kinds())
-    if (device.runtime->kind() == DeviceKind::gpu && device.runtime->info().is_cpu &&
-        on_lanes == (device.runtime->info().platform == "rusticl"))
-      return *device.runtime;
-  throw Error(Status::no_device, "no CPU is treated as a GPU");
-}
-
-Triangulation on(runtime::Runtime& runtime, const Workload& problem, const Options& options = {}) {
-  Primitives primitives(runtime);
-  return part_of(triangulate_alone(runtime, primitives, RaggedBatch({problem}).view(), 0, options), 0);
+/// A solver on PoCL, or on llvmpipe, that treats it as a GPU.
+Solver as_gpu(DeviceKind really, const Tuning& given = {}) {
+  for (const cl::Device& device : all_of_them) {
+    if (runtime::kind_of(runtime::describe(device), {}) != really) continue;
+    runtime::CallHook hook;
+    hook.tuning = given;
+    hook.tuning.kind = DeviceKind::gpu;
+    auto handle = std::make_unique<gcdt_solver>();
+    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), Trace(), hook);
+    return Solver(handle.release());
+  }
+  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
 }
 
 // Levels, groups and lists of a few; stamps that run out; sweeps from the start.
-Tuning small(const Tuning& usual) {
-  Tuning tuning = usual;
+Tuning small() {
+  Tuning tuning;
   tuning.coarsest_level = 8;
   tuning.one_group_vertices = 16;
   tuning.one_group_edges = 32;
@@ -69,23 +66,50 @@ std::vector<std::pair<Workload, Options>> calls() {
 }  // namespace
 
 TEST_CASE("calls on a device treated as a GPU give a CPU's bytes, with usual thresholds and with small ones") {
-  runtime::Runtime& gpu = as_gpu(false);
-  const Tuning usual = gpu.tuning();
+  Solver usual_gpu = as_gpu(DeviceKind::threads), small_gpu = as_gpu(DeviceKind::threads, small());
   for (const auto& [problem, options] : calls()) {
     CAPTURE(problem.points.size());
     const Triangulation expected = solver().triangulate(problem.points, problem.constraints, options);
-    for (const Tuning& tuning : {usual, small(usual)}) {
-      CAPTURE(tuning.coarsest_level);
-      const Tuned tuned(gpu, tuning);
-      CHECK(difference(on(gpu, problem, options), expected) == "");
-    }
+    CHECK(difference(usual_gpu.triangulate(problem.points, problem.constraints, options), expected) == "");
+    CHECK(difference(small_gpu.triangulate(problem.points, problem.constraints, options), expected) == "");
   }
+}
+
+TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same on a device treated as a GPU") {
+  Solver gpu = as_gpu(DeviceKind::threads);
+  const Workload problem = randomPslg(300, 1000, 60, 3);
+  std::vector<Point> queries;
+  for (int x = -1; x <= 40; ++x)
+    for (int y = -1; y <= 40; ++y) queries.push_back({25.0 * x, 25.0 * y});
+  const auto same = [&](const Result& found, const Result& expected) {
+    CHECK(difference(found.download(), expected.download()) == "");
+    CHECK(found.vertex_triangles() == expected.vertex_triangles());
+    CHECK(found.hull() == expected.hull());
+    CHECK(found.edge_pieces() == expected.edge_pieces());
+    std::vector<std::array<double, 3>> weights, expected_weights;
+    CHECK(found.locate(queries, &weights) == expected.locate(queries, &expected_weights));
+    CHECK(weights == expected_weights);
+    const Quality quality = found.quality(), expected_quality = expected.quality();
+    CHECK(quality.least_angle == expected_quality.least_angle);
+    CHECK(quality.least_angle_triangle == expected_quality.least_angle_triangle);
+    CHECK(quality.doubled == expected_quality.doubled);
+  };
+  Options domain;
+  domain.domain = Domain::outer;
+  domain.hole_seeds = {{500.5, 500.5}};
+  const Result hull = solver().solve(problem.points, problem.constraints);
+  same(gpu.solve(problem.points, problem.constraints), hull);
+  same(gpu.solve(problem.points, problem.constraints, domain),
+       solver().solve(problem.points, problem.constraints, domain));
+  const auto triangles = hull.triangles();
+  same(gpu.adopt(problem.points, triangles, problem.constraints),
+       solver().adopt(problem.points, triangles, problem.constraints));
 }
 
 TEST_CASE("llvmpipe treated as a GPU gives PoCL's bytes, by sweeps of a mesh that is large enough for them") {
   const Workload problem = workload("uniform", 45000);
   REQUIRE(3 * problem.points.size() > Tuning().least_sweep);
-  CHECK(difference(on(as_gpu(true), problem), solver().triangulate(problem.points)) == "");
+  CHECK(difference(as_gpu(DeviceKind::lanes).triangulate(problem.points), solver().triangulate(problem.points)) == "");
 }
 
 // Of a pool's GPU: lanes in one context, memory of the driver's own, results through it.
@@ -96,18 +120,20 @@ TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups'
   problems.push_back(randomCrossing(200, 1000, 60, 5));
   const std::size_t group_sized = problems.size();
   problems.push_back(workload("uniform", 40000));  // one more than a group takes, and all go through rounds together
-  const Tuning usual = as_gpu(false).tuning();
   for (const std::size_t count : {group_sized, problems.size()})
-    for (const Tuning& tuning : {usual, small(usual)}) {
+    for (const Tuning& tuning : {Tuning(), small()}) {
       CAPTURE(count);
       CAPTURE(tuning.most_stamps);
       const std::vector<Workload> some(problems.begin(), problems.begin() + std::ptrdiff_t(count));
       runtime::CallHook hook;
       hook.tuning = tuning;
+      hook.tuning.kind = DeviceKind::gpu;
       hook.tuning.pack_overhead = 0;  // so that there are more packs than one
       DevicePool pool({{cl::Context(), app_device(), hook}}, {}, {});
       const RaggedBatch batch(some);
-      const Alone alone(some);
-      for (int round = 0; round < 2; ++round) alone.check(pool.triangulate(batch.view(), {}));
+      Options regions;
+      regions.regions = true;
+      for (const Options& options : {Options(), regions})
+        Alone(some, options).check(pool.triangulate(batch.view(), options));
     }
 }

@@ -16,8 +16,8 @@
 
 namespace gcdt::test {
 
-/// One runtime for each device of the machine, rusticl's software renderer included; a second one for those that have
-/// a way of their own for few vertices, without it.
+/// One runtime for each device of the machine, rusticl's software renderer included; for those that have a way of their
+/// own for few vertices, a second one without it, and a third one that treats the device as a GPU.
 inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
   static std::vector<std::unique_ptr<runtime::Runtime>> all = [] {
     setenv("RUSTICL_ENABLE", "swrast", 0);
@@ -26,7 +26,10 @@ inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
       made.push_back(std::make_unique<runtime::Runtime>(device));
       runtime::CallHook hook;
       hook.tuning.few_vertices = 0;
-      if (made.back()->contiguous()) made.push_back(std::make_unique<runtime::Runtime>(device, hook));
+      if (!made.back()->contiguous()) continue;
+      made.push_back(std::make_unique<runtime::Runtime>(device, hook));
+      hook.tuning.kind = DeviceKind::gpu;
+      made.push_back(std::make_unique<runtime::Runtime>(device, hook));
     }
     if (made.empty()) throw Error(Status::no_device, "these tests need an OpenCL device");
     return made;
