@@ -31,34 +31,51 @@ std::uint64_t history_bytes(const Sizes& s) {
   if (s.m > 0) return 32 * (2 * s.n + 3) + 4 * s.n;
   return 32 * (s.n / 2 + 3) + 4 * (s.n / 4 + 1) + 20 * (s.n * 3 / 4 + 256);
 }
+// Ends, first sources, sources.
 std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
+// Of constraints until they are edges: input, pieces, what cleaning says of these (weights, parts, first faces), and
+// what the sorts keep (other halves of both kinds of keys, and of values).
+std::uint64_t cleaned_bytes(const Sizes& s) { return 8 * s.m + piece_bytes(s) + (4 + 8 + 4) * s.m + (8 + 4 + 4) * s.m; }
 
 // Coordinates, Morton codes and numbers, and the other halves of the sort.
 std::uint64_t order_step(const Sizes& s) { return (16 + 2 * 12 + 4 + 16) * s.n; }
 
 std::uint64_t insert_step(const Sizes& s) { return vertex_bytes(s) + mesh_bytes(s) + list_bytes(s) + history_bytes(s); }
 
-// Per constraint: input and kept ends, list, parts with their faces, hits, what is said of whole ones, keys and sources
-// twice (sort), first, result.
-std::uint64_t clean_step(const Sizes& s) { return insert_step(s) + (8 + 12 + 12 + 8 + 24 + 4) * s.m + piece_bytes(s); }
+// Beside what stays: of constraints list, ends and places, first parts, hits of parts, faces crossed and parts of whole
+// ones; keys of pieces, where those of a constraint begin, and which are the first of equal ones.
+std::uint64_t clean_step(const Sizes& s) {
+  return insert_step(s) + cleaned_bytes(s) + (4 + 8 + 4 + 4 + 4 + 4 + 8 + 8 + 4 + 4) * s.m;
+}
 
 // Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
 std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
-// The nearest piece at both ends of each edge.
-std::uint64_t near_bytes(const Sizes& s) { return 8 * s.edges; }
 
-// While walking: crossed lists; of pieces lines and what cleaning says, of parts beginnings, pieces, faces and starts.
-// A crossed face has at most 3 crossed edges, each shared by two.
-std::uint64_t walk_step(const Sizes& s) {
-  return insert_step(s) + (16 + 8 + 4 + 4 + 4 + 4 + 8) * s.m + piece_bytes(s) + near_bytes(s) +
-         (4 + 6) * s.crossed_faces + chunk_bytes(s);
+// From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
+// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and two starts.
+std::uint64_t crossed_step(const Sizes& s) {
+  return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
+         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m;
 }
 
-// After the last walk the history is gone; chains hold 16 bytes an entry, minima 8/15 of an entry,
-// and the table 12 bytes a slot, 3/2 slots an entry, 3 - 1/2 entries a crossed face at most.
+// A crossed face owns a vertex or is a hexagon: face and farthest cuts.
+std::uint64_t walk_step(const Sizes& s) {
+  return crossed_step(s) + history_bytes(s) + chunk_bytes(s) + 16 * s.crossed_faces;
+}
+
+// After the last walk the history is gone. An entry of a chain, one for each owned vertex and four a piece, holds 20
+// bytes; a hexagon 12 more: its corners.
+std::uint64_t chain_bytes(const Sizes& s) { return 28 * s.crossed_faces + 20 * 4 * s.m; }
+std::uint64_t chain_step(const Sizes& s) { return crossed_step(s) + chain_bytes(s) + chunk_bytes(s); }
+
+// Without the chunks. Minima hold 8/15 of a word an entry, the table 12 bytes a slot, 3/2 slots an entry: three a
+// crossed face less one a crossed edge. Crossed faces c and edges e: a crossed face has a crossed edge, which two
+// share, so e >= c/2; and the faces of a piece are a path along crossed edges, so these join all crossed faces to at
+// most as many components as there are pieces: e >= c - m. (Where the pieces' roots are made, the nearest pieces are
+// gone.)
 std::uint64_t stitch_step(const Sizes& s) {
-  return walk_step(s) - history_bytes(s) - near_bytes(s) + 17 * (s.crossed_faces + 4 * s.m) +
-         24 * (s.crossed_faces / 4 + 1) + 45 * s.crossed_faces;
+  const std::uint64_t entries = std::min(5 * s.crossed_faces / 2 + 1, 2 * s.crossed_faces + s.m);
+  return crossed_step(s) + chain_bytes(s) + 8 * (s.crossed_faces + 4 * s.m) / 15 + 18 * entries;
 }
 
 // Keys and face references with the other halves of their sort, buckets and long runs; then the result and positions.
@@ -82,8 +99,8 @@ std::uint64_t domain_step(const Sizes& s) {
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
-  const std::uint64_t most = std::max({order_step(s), insert_step(s), clean_step(s), walk_step(s),
-                                       m == 0 ? 0 : stitch_step(s), output_step(s), domain_step(s)});
+  std::uint64_t most = std::max({order_step(s), insert_step(s), output_step(s), domain_step(s)});
+  if (m > 0) most = std::max({most, clean_step(s), walk_step(s), chain_step(s), stitch_step(s)});
   return (constant_bytes + most + most / gaps_share) / page * page + page;
 }
 

@@ -110,7 +110,9 @@ struct Damage {
 
 inline std::vector<Damage> damages() {
   return {
-      {"a corner", "has a corner that is no vertex", [](Places&, HostResult& wrong) { wrong.corners[7] = GCDT_NONE; },
+      {"a corner", "has a corner that is no vertex", [](Places& at, HostResult& wrong) {
+         wrong.corners[7] = static_cast<cl_uint>(withheld_copies() * at.points.size()) + 9;
+       },
        false},
       {"orientation", "is not counter-clockwise",
        [](Places&, HostResult& wrong) { std::swap(wrong.corners[6], wrong.corners[7]); }},

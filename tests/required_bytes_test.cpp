@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// What required_bytes says is enough, and not more than half as much again as is used, for the crossed pairs that
+// statistics count, over families of inputs so large that what does not grow with them is little.
+#include <set>
+
+#include "opencl_app.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+struct Family {
+  std::string name;
+  Workload work;
+  Options options;
+};
+
+std::vector<Segment> delaunay_edges(const std::vector<Point>& points) {
+  std::set<Segment> edges;
+  for (const auto& t : solver().triangulate(points).triangles)
+    for (std::size_t k = 0; k < 3; ++k) edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+  return {edges.begin(), edges.end()};
+}
+
+Family cons(std::size_t n, int k) {
+  return {"synthetic-cons " + std::to_string(k), syntheticCons(n, k, delaunay_edges), {}};
+}
+
+Options with_domain() {
+  Options options;
+  options.domain = Domain::even_odd;
+  options.regions = true;
+  return options;
+}
+
+/// Letters of which a hundred are crossed out.
+Family split_letters(std::size_t n) {
+  Family family = {"split letters", letters(n), {}};
+  family.options.crossing = Crossing::split;
+  const auto all = static_cast<std::uint32_t>(family.work.points.size());
+  for (std::uint32_t i = 0; i < 100; ++i) family.work.constraints.push_back({i, all / 2 + i});
+  return family;
+}
+
+std::vector<Family> families(std::size_t n) {
+  std::vector<Family> all;
+  for (const char* name : {"uniform", "clusters", "grid", "two_clusters", "comb", "letters"})
+    all.push_back({name, workload(name, n), {}});
+  for (const int k : {1, 3, 6}) all.push_back(cons(n, k));
+  all.push_back({"letters with a domain", letters(n), with_domain()});
+  all.push_back({"uniform with regions", uniform(n), with_domain()});
+  all.push_back(split_letters(n));
+  return all;
+}
+
+/// A constraint with k vertices on it counts as k + 1.
+std::uint64_t parts_of(const Statistics& s) { return std::max(s.m, s.constraints_pieces + s.constraints_overlapping); }
+
+/// Of distinct vertices, if others are to count for nothing.
+std::uint64_t needed(const Statistics& s, bool distinct = false) {
+  return required_bytes(s.n + s.vertices_added - (distinct ? s.vertices_merged : 0), parts_of(s), s.crossed_pairs);
+}
+
+/// What is said of no input: buffers that are as large for the smallest one.
+std::uint64_t constant() { return required_bytes(0, 0, 0); }
+
+/// What PoCL has of such buffers.
+constexpr std::uint64_t own_constant = std::uint64_t{1} << 20;
+
+Statistics statistics_of(const Family& family) {
+  solver().trim();
+  return solver().solve(family.work.points, family.work.constraints, family.options).statistics();
+}
+
+}  // namespace
+
+TEST_CASE(
+    "what grows with the input covers what is used, without the share for gaps, and is at most half as much again") {
+  for (const Family& family : families(100000)) {
+    CAPTURE(family.name);
+    const Statistics s = statistics_of(family);
+    CAPTURE(s.crossed_pairs);
+    CAPTURE(s.peak_device_bytes);
+    const std::uint64_t growing = needed(s) - constant(), at_least = needed(s, true) - constant();
+    CAPTURE(growing);
+    CHECK(s.peak_device_bytes <= growing * 8 / 9 + own_constant);
+    CHECK(2 * at_least <= 3 * s.peak_device_bytes);
+    CHECK(needed(s) <= required_bytes(s.n + s.vertices_added, parts_of(s)));
+  }
+  // Constraints that cross the same triangles again and again: pairs say too little of how many these are.
+  const Statistics s = statistics_of({"fan", fan(100000), {}});
+  CHECK(s.crossed_pairs > 2 * s.n);
+  CHECK(s.peak_device_bytes <= (needed(s) - constant()) * 8 / 9 + own_constant);
+}
+
+TEST_CASE("all that is said for a million vertices is at most half as much again as is used") {
+  for (const Family& family : {Family{"uniform", uniform(1000000), {}}, Family{"letters", letters(600000), {}}}) {
+    CAPTURE(family.name);
+    const Statistics s = statistics_of(family);
+    CAPTURE(s.peak_device_bytes);
+    CHECK(s.peak_device_bytes <= needed(s));
+    CHECK(2 * needed(s) <= 3 * s.peak_device_bytes);
+  }
+  solver().trim();
+}
+
+TEST_CASE("a workspace of so many bytes, in one buffer, is enough, and so is one without what does not grow") {
+  const App app;
+  const std::size_t n = 50000;
+  for (const Family& family : {Family{"uniform", uniform(n), {}}, Family{"clusters", clusters(n), {}}, cons(n, 3),
+                               cons(n, 6), Family{"letters", letters(n), with_domain()}, Family{"fan", fan(n), {}}}) {
+    CAPTURE(family.name);
+    const Triangulation expected = solver().triangulate(family.work.points, family.work.constraints, family.options);
+    const Statistics& s = expected.statistics;
+    const cl::Buffer points = app.buffer(family.work.points), constraints = app.buffer(family.work.constraints);
+    for (const std::uint64_t bytes : {needed(s), needed(s) - constant() + own_constant}) {
+      CAPTURE(bytes);
+      Solver own = make_solver(app.queue);
+      const cl::Buffer workspace = app.buffer(bytes);
+      set_workspace(own, {workspace});
+      const Result result = solve(own, {Points::Type::float64, points, family.work.points.size(), 0},
+                                  {constraints, family.work.constraints.size(), 0}, family.options);
+      CHECK(result.statistics().peak_device_bytes <= bytes);
+      CHECK(same_bytes(result.download(), expected));
+    }
+  }
+}
