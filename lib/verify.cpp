@@ -2,7 +2,8 @@
 // The host's proof of a mesh: the grid, then the topology, the constraints, the flags and the Delaunay property.
 #include <algorithm>
 
-#include "verify_complete.hpp"
+#include "verify_delaunay.hpp"
+#include "verify_mesh.hpp"
 
 namespace gcdt {
 

@@ -2,90 +2,18 @@
 #include "verify_complete.hpp"
 
 #include <algorithm>
-#include <deque>
 #include <utility>
 
 namespace gcdt::proof {
 
-Completion::Completion(const Sites& sites)
-    : sites_(sites),
-      leaving_(sites.at.size(), none),
-      hull_next_(sites.at.size(), none),
-      hull_previous_(sites.at.size(), none),
-      hull_edge_(sites.at.size(), none) {
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t v = 0; v < sites.at.size(); ++v)
-    if (sites.is_representative(v)) order.push_back(v);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return before(sites.at[a], sites.at[b]); });
-  std::size_t line = 2;  // how many vertices from the first on are on one line
-  while (turn(order[0], order[1], order[line]) == 0) ++line;
-  start(order, line);
-  for (std::size_t i = line + 1; i < order.size(); ++i) {
-    append(order[i], order[i - 1]);
-    restore();
-  }
-}
-
-std::uint32_t Completion::add(const Corners& corners) {
-  const auto t = static_cast<std::uint32_t>(triangles_.size());
-  triangles_.push_back(corners);
-  twins_.resize(3 * triangles_.size(), none);
-  constrained_.resize(3 * triangles_.size(), 0);
-  for (std::uint32_t k = 0; k < 3; ++k) leaving_[from(3 * t + k)] = 3 * t + k;
-  return t;
-}
-
-/// The fan over the first `line` vertices, which are on one line, from the vertex after them.
-void Completion::start(const std::vector<std::uint32_t>& order, std::size_t line) {
-  const std::uint32_t tip = order[line];
-  const bool left = turn(order[0], order[1], tip) > 0;
-  std::vector<std::uint32_t> base(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(line));
-  if (!left) std::reverse(base.begin(), base.end());
-  for (std::size_t i = 0; i + 1 < base.size(); ++i) {
-    const std::uint32_t t = add({base[i], base[i + 1], tip});
-    hull_next_[base[i]] = base[i + 1];
-    hull_edge_[base[i]] = 3 * t + 2;
-    if (i == 0) continue;
-    twins_[3 * t + 1] = 3 * (t - 1);
-    twins_[3 * (t - 1)] = 3 * t + 1;
-  }
-  hull_next_[base.back()] = tip;
-  hull_edge_[base.back()] = 3 * static_cast<std::uint32_t>(triangles_.size() - 1);
-  hull_next_[tip] = base.front();
-  hull_edge_[tip] = 1;
-  for (const std::uint32_t v : base) hull_previous_[hull_next_[v]] = v;
-  hull_previous_[base.front()] = tip;
-  for (std::uint32_t h = 0; h < twins_.size(); ++h) suspects_.push_back(h);
-  restore();
-}
-
-/// Joins v, which comes after all others, to the edges of the hull that it sees; the vertex `last` is on one.
-void Completion::append(std::uint32_t v, std::uint32_t last) {
-  std::uint32_t first = last, end = last;
-  while (turn(first, hull_previous_[first], v) > 0) first = hull_previous_[first];
-  while (turn(end, hull_next_[end], v) < 0) end = hull_next_[end];
-  std::uint32_t before_t = none;
-  for (std::uint32_t a = first; a != end;) {
-    const std::uint32_t b = hull_next_[a], edge = hull_edge_[a];
-    const std::uint32_t t = add({b, a, v});
-    twins_[3 * t + 2] = edge;
-    twins_[edge] = 3 * t + 2;
-    if (before_t == none) {
-      hull_edge_[first] = 3 * t;
-    } else {
-      twins_[3 * t] = 3 * before_t + 1;
-      twins_[3 * before_t + 1] = 3 * t;
-    }
-    before_t = t;
-    suspects_.push_back(3 * t + 2);
-    a = b;
-  }
-  hull_edge_[v] = 3 * before_t + 1;
-  hull_next_[first] = v;
-  hull_previous_[v] = first;
-  hull_next_[v] = end;
-  hull_previous_[end] = v;
+Completion::Completion(const Sites& sites, std::uint64_t& steps)
+    : sites_(sites), steps_(steps), leaving_(sites.at.size(), none), cavity_(sites, steps) {
+  DelaunayMesh mesh = delaunay(sites, steps);
+  triangles_ = std::move(mesh.triangles);
+  twins_ = std::move(mesh.twins);
+  constrained_.assign(twins_.size(), 0);
+  place_.assign(twins_.size(), none);
+  for (std::uint32_t h = 0; h < twins_.size(); ++h) leaving_[from(h)] = h;
 }
 
 void Completion::put(std::uint32_t t, const Corners& corners, const std::array<Side, 3>& sides) {
@@ -94,10 +22,7 @@ void Completion::put(std::uint32_t t, const Corners& corners, const std::array<S
     const std::uint32_t h = 3 * t + k;
     twins_[h] = sides[k].twin;
     constrained_[h] = sides[k].constrained;
-    if (sides[k].twin == none)
-      hull_edge_[from(h)] = h;
-    else
-      twins_[sides[k].twin] = h;
+    if (sides[k].twin != none) twins_[sides[k].twin] = h;
     leaving_[from(h)] = h;
   }
 }
@@ -113,10 +38,7 @@ void Completion::flip(std::uint32_t h) {
 
 bool Completion::must_flip(std::uint32_t h) const {
   if (twins_[h] == none || constrained_[h]) return false;
-  const Vertex a = sites_.at[from(h)], b = sites_.at[to(h)], c = sites_.at[apex(h)], d = sites_.at[apex(twins_[h])];
-  const Wide inside = incircle(a, b, c, d);
-  if (inside != 0) return inside > 0;
-  return before(before(c, d) ? c : d, before(a, b) ? a : b);
+  return inside_circle(sites_, from(h), to(h), apex(h), apex(twins_[h]));
 }
 
 /// Lawson's flips. A suspect that has moved by now was made a suspect again by the flip that moved it.
@@ -124,6 +46,7 @@ void Completion::restore() {
   while (!suspects_.empty()) {
     const std::uint32_t h = suspects_.back();
     suspects_.pop_back();
+    ++steps_;
     if (!must_flip(h)) continue;
     const std::uint32_t t = h / 3, u = twins_[h] / 3;
     flip(h);
@@ -131,119 +54,160 @@ void Completion::restore() {
   }
 }
 
-/// Calls visit(h) for one half-edge v -> w of each triangle at v, until it returns true.
-template <class Visit>
-void Completion::around(std::uint32_t v, Visit&& visit) const {
-  const std::uint32_t start = leaving_[v];
-  std::uint32_t h = start;
-  do {
-    if (visit(h)) return;
-    h = twins_[previous(h)];
-  } while (h != none && h != start);
-  if (h == start) return;
-  for (h = twins_[start]; h != none; h = twins_[h]) {
-    h = next(h);
-    if (visit(h)) return;
+/// Looks around a vertex for what the segment to another one meets first, one triangle at a time.
+class Completion::Search {
+ public:
+  Search(const Completion& mesh, std::uint32_t v, std::uint32_t w)
+      : mesh_(mesh), v_(v), w_(w), start_(mesh.leaving_[v]), h_(start_) {}
+
+  /// Looks at a triangle; true: `found` is set, to a half-edge `none` if the mesh does not cover the segment.
+  bool look(Step& found) {
+    found = {false, none, none};
+    if (h_ == none) return true;
+    const std::uint32_t a = mesh_.to(h_), b = mesh_.apex(h_);
+    const std::int64_t left = mesh_.turn(v_, a, w_), right = mesh_.turn(v_, b, w_);
+    if (left == 0 && ahead(a)) found = {true, h_, a};
+    if (right == 0 && ahead(b)) found = {true, previous(h_), b};
+    if (left > 0 && right < 0) found = {false, next(h_), none};
+    if (found.half_edge != none) return true;
+    move();
+    return false;
   }
-}
 
-/// What the segment from v to w meets first.
-Completion::Step Completion::leave(std::uint32_t v, std::uint32_t w) const {
-  Step found = {false, none, none};
-  const Direction towards(sites_.at[v], sites_.at[w]);
-  auto ahead = [&](std::uint32_t x) {
-    const Direction d(sites_.at[v], sites_.at[x]);
+ private:
+  bool ahead(std::uint32_t x) const {
+    const Direction towards(mesh_.sites_.at[v_], mesh_.sites_.at[w_]), d(mesh_.sites_.at[v_], mesh_.sites_.at[x]);
     return static_cast<Wide>(d.x) * towards.x + static_cast<Wide>(d.y) * towards.y > 0;
-  };
-  around(v, [&](std::uint32_t h) {
-    const std::uint32_t a = to(h), b = apex(h);
-    const std::int64_t left = turn(v, a, w), right = turn(v, b, w);
-    if (left == 0 && ahead(a)) found = {true, h, a};
-    if (right == 0 && ahead(b)) found = {true, previous(h), b};
-    if (left > 0 && right < 0) found = {false, next(h), none};
-    return found.half_edge != none;
-  });
-  return found;
-}
+  }
+  /// Counter-clockwise all around, or up to the hull and then clockwise from where it began.
+  void move() {
+    if (!clockwise_) {
+      h_ = mesh_.twins_[previous(h_)];
+      if (h_ == start_)
+        h_ = none;
+      else if (h_ == none)
+        clockwise_ = true, h_ = start_;
+      if (!clockwise_) return;
+    }
+    h_ = mesh_.twins_[h_];
+    if (h_ != none) h_ = next(h_);
+  }
 
-/// The half-edge between a and b, in either direction; none if there is no such edge.
-std::uint32_t Completion::find(std::uint32_t a, std::uint32_t b) const {
-  std::uint32_t found = none;
-  around(a, [&](std::uint32_t h) {
-    if (to(h) == b) found = h;
-    if (apex(h) == b) found = previous(h);
-    return found != none;
-  });
-  return found;
-}
+  const Completion& mesh_;
+  const std::uint32_t v_, w_, start_;
+  std::uint32_t h_;
+  bool clockwise_ = false;
+};
 
-/// The interiors of ab and pq meet in one point.
-bool Completion::crosses(std::uint32_t a, std::uint32_t b, std::uint32_t p, std::uint32_t q) const {
-  auto apart = [](std::int64_t s, std::int64_t t) { return (s < 0 && t > 0) || (s > 0 && t < 0); };
-  return apart(turn(a, b, p), turn(a, b, q)) && apart(turn(p, q, a), turn(p, q, b));
-}
-
-/// Calls visit(h) for each half-edge that the segment from v towards w crosses up to the first vertex on it, and
-/// returns that vertex; none if visit returned true.
-template <class Visit>
-std::uint32_t Completion::cross(std::uint32_t v, std::uint32_t w, Visit&& visit) const {
-  const Step step = leave(v, w);
-  if (step.along_edge) return step.end;
-  for (std::uint32_t h = step.half_edge;;) {
-    if (visit(h)) return none;
+/// Follows the segment from v towards w, which begins with `step`, to the next vertex on it, and returns that; none if
+/// it crosses a constraint. `part` has what it crosses, as seen from v.
+std::uint32_t Completion::follow(std::uint32_t v, std::uint32_t w, const Step& step, Part& part) {
+  part.half_edge = none;
+  part.crossed.clear();
+  if (step.along_edge) {
+    part.half_edge = step.half_edge;
+    return step.end;
+  }
+  for (std::uint32_t h = step.half_edge; h != none && !constrained_[h];) {
+    ++steps_;
+    part.crossed.push_back(h);
     h = twins_[h];
+    if (h == none) return none;
     const std::int64_t at_apex = turn(v, w, apex(h));
     if (at_apex == 0) return apex(h);
     // h runs from left to right of the segment as seen from behind it.
     h = at_apex > 0 ? next(h) : previous(h);
   }
+  return none;
 }
 
-bool Completion::is_free(std::uint32_t a, std::uint32_t b) const {
-  for (std::uint32_t v = a; v != b && v != none;) {
-    v = cross(v, b, [&](std::uint32_t h) { return constrained_[h] != 0; });
-    if (v == none) return false;
+/// The parts of a segment, in any order, from both ends inwards; false if it crosses a constraint.
+bool Completion::find_parts(std::uint32_t a, std::uint32_t b, std::vector<Part>& parts) {
+  for (parts.clear(); a != b;) {
+    Search from_a(*this, a, b), from_b(*this, b, a);
+    Step step;
+    bool at_a;
+    do {
+      ++steps_;
+      at_a = from_a.look(step);
+    } while (!at_a && !from_b.look(step));
+    parts.emplace_back();
+    std::uint32_t& end = at_a ? a : b;
+    end = at_a ? follow(a, b, step, parts.back()) : follow(b, a, step, parts.back());
+    if (end == none) return false;
   }
   return true;
 }
 
-/// Flips edges away until a and b, between which there is no vertex, are joined. Where a flip leaves an edge in the
-/// way, chance decides, so that it ends.
-void Completion::clear(std::uint32_t a, std::uint32_t b) {
-  std::deque<std::array<std::uint32_t, 2>> in_the_way;
-  cross(a, b, [&](std::uint32_t h) {
-    in_the_way.push_back({from(h), to(h)});
-    return false;
-  });
-  while (!in_the_way.empty()) {
-    const auto [x, y] = in_the_way.front();
-    in_the_way.pop_front();
-    const std::uint32_t h = find(x, y);
-    const std::uint32_t p = apex(h), q = apex(twins_[h]);
-    const bool convex = crosses(p, q, x, y), still = crosses(a, b, p, q);
-    if (!convex || (still && random_() % 2)) {
-      in_the_way.push_back({x, y});
-      continue;
-    }
-    const std::uint32_t t = h / 3, u = twins_[h] / 3;
-    flip(h);
-    for (const std::uint32_t s : {3 * t, 3 * t + 1, 3 * t + 2, 3 * u, 3 * u + 1}) suspects_.push_back(s);
-    if (still) in_the_way.push_back({p, q});
-  }
+void Completion::constrain_edge(std::uint32_t h) {
+  constrained_[h] = 1;
+  if (twins_[h] != none) constrained_[twins_[h]] = 1;
 }
 
 bool Completion::constrain(std::uint32_t a, std::uint32_t b) {
-  if (!is_free(a, b)) return false;
-  for (std::uint32_t v = a; v != b;) {
-    const std::uint32_t w = cross(v, b, [](std::uint32_t) { return false; });
-    clear(v, w);
-    const std::uint32_t h = find(v, w);
-    constrained_[h] = 1;
-    if (twins_[h] != none) constrained_[twins_[h]] = 1;
-    v = w;
-  }
+  std::vector<Part> parts;
+  if (!find_parts(a, b, parts)) return false;
+  // No triangle is crossed by two parts, so one leaves the half-edges of the others as they are.
+  for (const Part& part : parts)
+    if (part.half_edge != none)
+      constrain_edge(part.half_edge);
+    else
+      replace_crossed(part.crossed);
   restore();
   return true;
+}
+
+/// Puts a new edge from the first vertex of a segment to its last in the place of the edges that it crosses.
+void Completion::replace_crossed(const std::vector<std::uint32_t>& crossed) {
+  // The triangles, and their half-edges that are not crossed: on the left against the segment, on the right along it.
+  std::vector<std::uint32_t> free = {crossed.front() / 3}, left = {next(crossed.front())},
+                             right = {previous(crossed.front())};
+  for (std::size_t i = 0; i < crossed.size(); ++i) {
+    const std::uint32_t h = twins_[crossed[i]], following = i + 1 < crossed.size() ? crossed[i + 1] : none;
+    free.push_back(h / 3);
+    if (following != next(h)) right.push_back(next(h));
+    if (following != previous(h)) left.push_back(previous(h));
+  }
+  std::reverse(left.begin(), left.end());
+  const Border on_left = border(left), on_right = border(right);
+  const std::uint32_t h = fill(on_left, free.data()), g = fill(on_right, free.data() + left.size() - 1);
+  twins_[h] = g;
+  twins_[g] = h;
+  constrain_edge(h);
+}
+
+Completion::Border Completion::border(const std::vector<std::uint32_t>& path) {
+  Border made;
+  for (std::uint32_t i = 0; i < path.size(); ++i) {
+    made.vertices.push_back(from(path[i]));
+    made.outer.push_back(side(path[i]));
+    place_[path[i]] = i;
+  }
+  made.vertices.push_back(to(path.back()));
+  for (const Side& outer : made.outer) made.beyond.push_back(outer.twin == none ? none : place_[outer.twin]);
+  for (const std::uint32_t h : path) place_[h] = none;
+  return made;
+}
+
+/// Triangulates the polygon of a border and a new edge from its end to its begin, and returns that. The triangles take
+/// the numbers `free`, one less than the border has edges.
+std::uint32_t Completion::fill(const Border& border, const std::uint32_t* free) {
+  cavity_.triangulate(border.vertices);
+  const auto placed = [&](std::uint32_t h) { return 3 * free[h / 3] + h % 3; };
+  for (std::uint32_t h = 0; h < 3 * cavity_.triangles().size(); ++h) {
+    triangles_[free[h / 3]][h % 3] = border.vertices[cavity_.triangles()[h / 3][h % 3]];
+    twins_[placed(h)] = cavity_.twin(h) == none ? none : placed(cavity_.twin(h));
+    constrained_[placed(h)] = 0;
+    suspects_.push_back(placed(h));
+  }
+  for (std::uint32_t i = 0; i < border.outer.size(); ++i) {
+    const std::uint32_t h = placed(cavity_.along(i));
+    twins_[h] = border.beyond[i] == none ? border.outer[i].twin : placed(cavity_.along(border.beyond[i]));
+    if (twins_[h] != none) twins_[twins_[h]] = h;
+    constrained_[h] = border.outer[i].constrained;
+  }
+  for (std::uint32_t h = 0; h < 3 * cavity_.triangles().size(); ++h) leaving_[from(placed(h))] = placed(h);
+  return placed(cavity_.along(static_cast<std::uint32_t>(border.outer.size())));
 }
 
 namespace {

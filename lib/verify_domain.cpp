@@ -4,8 +4,10 @@
 #include "verify_domain.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "verify_complete.hpp"
+#include "verify_locate.hpp"
 #include "verify_pixels.hpp"
 
 namespace gcdt::proof {
@@ -18,12 +20,12 @@ using Path = std::vector<std::uint32_t>;
 /// The whole mesh, and the path of each constraint that is in it, from its first end to its second.
 class Rebuilt {
  public:
-  Rebuilt(const Sites& sites, std::uint32_t inputs, Constraints constraints, Crossing crossing)
-      : sites_(sites), inputs_(inputs), constraints_(constraints), crossing_(crossing) {}
+  Rebuilt(const Sites& sites, std::uint32_t inputs, Constraints constraints, Crossing crossing, std::uint64_t& steps)
+      : sites_(sites), inputs_(inputs), constraints_(constraints), crossing_(crossing), steps_(steps) {}
 
   /// Returns the first failure.
   std::string run() {
-    const std::string reason = crossing_ == Crossing::split ? insert_split() : insert_in_order();
+    const std::string reason = crossing_ == Crossing::split ? insert_split() : insert_whole();
     if (reason.empty()) mesh_->sort();
     return reason;
   }
@@ -39,17 +41,41 @@ class Rebuilt {
     return true;
   }
 
-  std::string insert_in_order() {
-    mesh_.emplace(sites_);
-    for (std::size_t c = 0; c < constraints_.size; ++c) {
-      if (end(c, 0) == end(c, 1)) continue;
-      const Path path = {end(c, 0), end(c, 1)};
-      if (insert(path))
-        paths_.push_back(path);
-      else if (crossing_ != Crossing::drop)
-        return say("constraint ", c, " (", path[0], "-", path[1], ") crosses an earlier one");
+  /// 0 to `count` - 1 in random order, in which few edges are crossed (Completion).
+  static std::vector<std::uint32_t> shuffled(std::size_t count) {
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::minstd_rand random;
+    std::shuffle(order.begin(), order.end(), random);
+    return order;
+  }
+
+  /// In random order, unless some are to be dropped: then in that of the input, which decides, whatever steps that
+  /// takes.
+  std::string insert_whole() {
+    std::vector<char> there(constraints_.size);
+    std::string reason = insert_ordered(shuffled(constraints_.size), there);
+    if (!reason.empty() && crossing_ == Crossing::drop) {
+      std::vector<std::uint32_t> order(constraints_.size);
+      std::iota(order.begin(), order.end(), 0u);
+      insert_ordered(order, there);
+      reason.clear();
     }
-    return {};
+    for (std::size_t c = 0; c < constraints_.size; ++c)
+      if (there[c]) paths_.push_back({end(c, 0), end(c, 1)});
+    return reason;
+  }
+
+  /// Marks those that do not cross earlier ones; names another one.
+  std::string insert_ordered(const std::vector<std::uint32_t>& order, std::vector<char>& there) {
+    mesh_.emplace(sites_, steps_);
+    std::string reason;
+    for (const std::uint32_t c : order) {
+      there[c] = end(c, 0) != end(c, 1) && mesh_->constrain(end(c, 0), end(c, 1));
+      if (!there[c] && end(c, 0) != end(c, 1))
+        reason = say("constraint ", c, " (", end(c, 0), "-", end(c, 1), ") crosses another one");
+    }
+    return reason;
   }
 
   /// Routed constraints first; then those left straight that cross one are routed too. Ends: each round but the last
@@ -62,11 +88,12 @@ class Rebuilt {
     const auto path_of = [&](std::size_t s, std::uint32_t a, std::uint32_t b) {
       return routed[s] ? tree.along(a, b) : Path{a, b};
     };
+    const std::vector<std::uint32_t> order = shuffled(segments.size());
     for (bool more = true; more;) {
       more = false;
-      mesh_.emplace(sites_);
+      mesh_.emplace(sites_, steps_);
       for (const bool now : {true, false})
-        for (std::size_t s = 0; s < segments.size(); ++s) {
+        for (const std::uint32_t s : order) {
           if (routed[s] != now || insert(path_of(s, segments[s].a, segments[s].b))) continue;
           if (now) return say("the routes of constraint ", segments[s].constraint, " and of another one cross");
           routed[s] = more = true;
@@ -89,6 +116,7 @@ class Rebuilt {
   const std::uint32_t inputs_;
   const Constraints constraints_;
   const Crossing crossing_;
+  std::uint64_t& steps_;
   std::optional<Completion> mesh_;
   std::vector<Path> paths_;
 };
@@ -96,16 +124,21 @@ class Rebuilt {
 /// The regions of a complete mesh in canonical order, with depths and windings.
 class Flood {
  public:
-  Flood(const Completion& mesh, const std::vector<Path>& paths) : mesh_(mesh), region_(mesh.triangles().size(), none) {
+  /// `proved`: the same mesh, half-edge by half-edge, after prove_topology().
+  Flood(const Completion& mesh, const Mesh& proved, const std::vector<Path>& paths)
+      : mesh_(mesh), region_(mesh.triangles().size(), none) {
     for (std::uint32_t t = 0; t < region_.size(); ++t)
       if (region_[t] == none) fill(t, count_++);
     turns_.assign(3 * region_.size(), 0);
     for (const Path& path : paths)
       for (std::size_t i = 0; i + 1 < path.size(); ++i)
-        mesh.follow(path[i], path[i + 1], [&](std::uint32_t h, bool along) {
-          turns_[h] += along ? 1 : -1;
-          if (mesh.twin(h) != none) turns_[mesh.twin(h)] -= along ? 1 : -1;
-        });
+        for (std::uint32_t v = path[i]; v != path[i + 1];) {
+          const Mesh::Exit exit = proved.leave(v, path[i + 1]);
+          const std::int32_t along = proved.from(exit.half_edge) == v ? 1 : -1;
+          turns_[exit.half_edge] += along;
+          if (mesh.twin(exit.half_edge) != none) turns_[mesh.twin(exit.half_edge)] -= along;
+          v = exit.end;
+        }
     search();
   }
 
@@ -177,19 +210,12 @@ class Flood {
 
 /// The regions with a hole seed: that of the least triangle that holds it, border included.
 std::vector<char> holed(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
-                        const std::vector<std::array<double, 2>>& seeds) {
+                        const std::vector<std::array<double, 2>>& seeds, std::uint64_t& steps) {
   std::vector<char> holes(flood.count(), 0);
-  for (const auto& seed : seeds) {
-    Vertex at;
-    if (!place_seed(seed, grid, at)) continue;
-    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
-      const auto& [a, b, c] = mesh.triangles()[t];
-      const Vertex p = sites.at[a], q = sites.at[b], r = sites.at[c];
-      if (orient(p, q, at) < 0 || orient(q, r, at) < 0 || orient(r, p, at) < 0) continue;
-      holes[flood.region(t)] = 1;
-      break;
-    }
-  }
+  std::vector<Vertex> places;
+  for (const auto& seed : seeds)
+    if (Vertex at; place_seed(seed, grid, at)) places.push_back(at);
+  for (const std::uint32_t t : least_triangles(sites, mesh, std::move(places), steps)) holes[flood.region(t)] = 1;
   return holes;
 }
 
@@ -279,10 +305,11 @@ class Comparison {
 };
 
 std::vector<char> chosen(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
-                         const Options& options) {
+                         const Options& options, std::uint64_t& steps) {
   const bool by_holes = options.domain == Domain::holes || options.domain == Domain::outer_holes;
   const bool by_outer = options.domain == Domain::outer || options.domain == Domain::outer_holes;
-  const auto holes = by_holes ? holed(sites, mesh, flood, grid, options.hole_seeds) : std::vector<char>(flood.count());
+  const auto holes =
+      by_holes ? holed(sites, mesh, flood, grid, options.hole_seeds, steps) : std::vector<char>(flood.count());
   std::vector<char> keep(mesh.triangles().size());
   for (std::uint32_t t = 0; t < keep.size(); ++t) {
     const std::uint32_t r = flood.region(t);
@@ -294,7 +321,7 @@ std::vector<char> chosen(const Sites& sites, const Completion& mesh, const Flood
 }
 
 std::string prove(Points points, Constraints constraints, const MeshView& view, const RegionView& regions,
-                  const Grid& grid, const Options& options) {
+                  const Grid& grid, const Options& options, std::uint64_t& steps) {
   std::string reason = check_sizes(points, constraints);
   if (!reason.empty()) return reason;
   auto vertices = quantise(points, grid, reason);
@@ -304,7 +331,7 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
   if (!reason.empty()) return reason;
   const Sites sites(std::move(vertices));
   if (sites.flat) return verify(points, constraints, view, grid, options.crossing).reason;
-  Rebuilt rebuilt(sites, inputs, constraints, options.crossing);
+  Rebuilt rebuilt(sites, inputs, constraints, options.crossing, steps);
   reason = rebuilt.run();
   if (!reason.empty()) return reason;
   const Completion& mesh = rebuilt.mesh();
@@ -313,16 +340,20 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
   whole.added = view.added;
   const Verification proved = verify(points, constraints, whole, grid, options.crossing);
   if (!proved.valid) return say("the whole mesh made for comparison is not valid: ", proved.reason);
-  const Flood flood(mesh, rebuilt.paths());
-  return Comparison(mesh, flood, chosen(sites, mesh, flood, grid, options), view).run(regions);
+  Mesh whole_mesh(sites, whole);
+  whole_mesh.prove_topology();
+  const Flood flood(mesh, whole_mesh, rebuilt.paths());
+  return Comparison(mesh, flood, chosen(sites, mesh, flood, grid, options, steps), view).run(regions);
 }
 
 }  // namespace
 
 Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh, const RegionView& regions,
-                           const Grid& grid, const Options& options) {
+                           const Grid& grid, const Options& options, std::uint64_t* steps) {
   Verification result;
-  result.reason = prove(points, constraints, mesh, regions, grid, options);
+  std::uint64_t taken = 0;
+  result.reason = prove(points, constraints, mesh, regions, grid, options, taken);
+  if (steps) *steps = taken;
   result.valid = result.reason.empty();
   return result;
 }

@@ -55,7 +55,8 @@ struct RegionView {
 };
 
 /// As verify(), of a mesh made with `options`, of which crossing, domain and hole seeds are read; regions are numbered
-/// as in canonical order. See gcdt_verify_domain.
+/// as in canonical order. O((n + m) log n) expected, log n times that for the worst of inputs, more where constraints
+/// were dropped. See gcdt_verify_domain.
 inline Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh,
                                   const RegionView& regions, const Grid& grid, const Options& options) {
   const gcdt_input input = detail::input(points, constraints);
