@@ -434,10 +434,10 @@ TEST_CASE("tickets of work-items do not run into the stamps, however wide launch
   hook.tuning.width = 1000;
   const runtime::Runtime runtime(app_device(), hook);
   CHECK(runtime.most_work_items() >= 1000);
-  CHECK((std::uint64_t{1} << Stamps(runtime.most_work_items()).bits()) >= runtime.most_work_items());
-  CHECK(Stamps(1).bits() == 1);
-  CHECK(Stamps(1024).bits() == 10);  // tickets 0 to 1023
-  CHECK(Stamps(1025).bits() == 11);
+  CHECK((std::uint64_t{1} << Stamps(runtime, runtime.most_work_items()).bits()) >= runtime.most_work_items());
+  CHECK(Stamps(runtime, 1).bits() == 1);
+  CHECK(Stamps(runtime, 1024).bits() == 10);  // tickets 0 to 1023
+  CHECK(Stamps(runtime, 1025).bits() == 11);
 }
 
 TEST_CASE("a device may be used but for some of its compute units") {
