@@ -5,6 +5,7 @@
 
 #include "api.hpp"
 #include "device_list.hpp"
+#include "foreign.hpp"
 #include "pool_cases.hpp"
 
 using namespace gcdt;
@@ -46,7 +47,11 @@ std::vector<std::pair<Workload, Options>> calls() {
   std::vector<std::pair<Workload, Options>> all;
   for (const char* name : {"uniform", "grid", "clusters", "hub", "letters", "spiral", "near_circle"})
     all.push_back({workload(name, 1000), {}});
-  all.push_back({workload("uniform", 10000), {}});  // sorted by buckets
+  all.push_back({workload("uniform", 10000), {}});       // sorted by buckets
+  all.push_back({randomPslg(600, 100000, 300, 1), {}});  // with hexagons between long constraints
+  Workload decimals = randomPslg(200, 1000, 60, 2);
+  for (Point& p : decimals.points) p = {p[0] / 100, p[1] / 100};
+  all.push_back({decimals, {}});
   Options domain;
   domain.regions = true;
   for (const Domain d : {Domain::even_odd, Domain::nonzero, Domain::outer}) {
@@ -67,12 +72,19 @@ std::vector<std::pair<Workload, Options>> calls() {
 
 TEST_CASE("calls on a device treated as a GPU give a CPU's bytes, with usual thresholds and with small ones") {
   Solver usual_gpu = as_gpu(DeviceKind::threads), small_gpu = as_gpu(DeviceKind::threads, small());
+  std::uint64_t holes = 0, decimals = 0;
   for (const auto& [problem, options] : calls()) {
     CAPTURE(problem.points.size());
     const Triangulation expected = solver().triangulate(problem.points, problem.constraints, options);
-    CHECK(difference(usual_gpu.triangulate(problem.points, problem.constraints, options), expected) == "");
-    CHECK(difference(small_gpu.triangulate(problem.points, problem.constraints, options), expected) == "");
+    decimals += expected.statistics.grid.kind == Grid::Kind::decimal;
+    for (Solver* gpu : {&usual_gpu, &small_gpu}) {
+      const Triangulation found = gpu->triangulate(problem.points, problem.constraints, options);
+      holes += found.statistics.cases.holes;
+      CHECK(difference(found, expected) == "");
+    }
   }
+  CHECK(holes > 0);
+  CHECK(decimals > 0);
 }
 
 TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same on a device treated as a GPU") {
@@ -104,6 +116,43 @@ TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same o
   const auto triangles = hull.triangles();
   same(gpu.adopt(problem.points, triangles, problem.constraints),
        solver().adopt(problem.points, triangles, problem.constraints));
+}
+
+TEST_CASE("a device treated as a GPU gives the same triangles in any order, and finds a fault in a mesh from outside") {
+  Solver gpu = as_gpu(DeviceKind::threads);
+  const Workload problem = randomPslg(300, 1000, 60, 3);
+  const Triangulation expected = solver().triangulate(problem.points, problem.constraints);
+  Options any_order;
+  any_order.canonical = false;
+  auto triangles = gpu.triangulate(problem.points, problem.constraints, any_order).triangles;
+  const auto sorted = [](std::vector<std::array<std::uint32_t, 3>> all) {
+    for (auto& t : all) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  CHECK(sorted(triangles) == sorted(expected.triangles));
+  Triangulation wrong = expected;
+  std::swap(wrong.neighbours[0], wrong.neighbours[1]);
+  api::State& state = *gpu.handle()->state;
+  const auto check = [&](const Triangulation& mesh) {
+    check_foreign(state.runtime, state.primitives, problem.points, mesh.pieces, view(mesh), {});
+  };
+  check(expected);
+  CHECK_THROWS_AS(check(wrong), Error);
+}
+
+TEST_CASE("a problem too large for a work-group beside small ones, on a device treated as a GPU") {
+  runtime::CallHook hook;
+  hook.tuning.kind = DeviceKind::gpu;
+  runtime::Runtime runtime(app_device(), hook);
+  runtime.build_for_forests();
+  Primitives primitives(runtime);
+  Staging staging(runtime);
+  const std::vector<Workload> problems = {workload("uniform", 60), workload("letters", 3000), workload("grid", 64)};
+  const ForestResult forest =
+      triangulate_forest(runtime, primitives, RaggedBatch(problems).view(), {0, 1, 2}, {}, staging);
+  for (std::size_t p = 0; p < problems.size(); ++p)
+    CHECK(difference(part_of(forest, p), solver().triangulate(problems[p].points, problems[p].constraints)) == "");
 }
 
 TEST_CASE("llvmpipe treated as a GPU gives PoCL's bytes, by sweeps of a mesh that is large enough for them") {

@@ -77,8 +77,8 @@ TEST_CASE("the same with rounds that are all wide, all of one work-group, a few 
         const test::Tuned tuned(*device.runtime, tuning);
         for (const char* kind : {"uniform", "grid", "clusters", "tiny"}) {
           CAPTURE(kind);
-          CHECK(triangulate(*device.runtime, make_points(kind, 600, 7), 64).insert_rounds >
-                9);  // of three levels: more than stamps
+          // In three levels: so that stamps run out.
+          CHECK(triangulate(*device.runtime, make_points(kind, 600, 7), 64).insert_rounds > 6);
         }
       }
 }
