@@ -25,7 +25,7 @@ constexpr std::size_t gpu_single_group = 512;
 // Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
 constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 // llvmpipe ends all loops of a work-item after 65535 rounds in all, and says nothing: a work-item takes so few items
-// that each may have some thousands (docs/testing.md).
+// that each may have some thousands (docs/devices.md).
 constexpr std::size_t most_items_of_lanes = 16;
 constexpr std::size_t least_alignment = 128;
 // Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.

@@ -12,7 +12,7 @@ namespace gcdt {
 enum class DeviceKind {
   gpu,
   threads,      ///< of a CPU: each a loop of a thread, which takes contiguous shares (kernels/loops.h)
-  lanes,        ///< of a CPU: lanes of vectors, in Mesa's llvmpipe; there loops end early (docs/testing.md)
+  lanes,        ///< of a CPU: lanes of vectors, in Mesa's llvmpipe; there loops end early (docs/devices.md)
   accelerator,  ///< nobody knows
 };
 

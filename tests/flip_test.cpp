@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t none = 0, all = 0xFFFFFFFFu;
 
 struct Way {
-  const char* name;
+  std::string name;
   std::uint32_t least_sweep, sweep_share, one_group_edges, most_stamps;
 };
 
@@ -150,7 +150,7 @@ void for_all_ways(Test test) {
 
 TEST_CASE("after every round the mesh is valid and each illegal edge queued; flips end in CGAL's triangulation") {
   for_all_ways([](runtime::Runtime& runtime) {
-    for (const char* kind : {"uniform", "grid", "clusters", "parabola"})
+    for (const std::string kind : {"uniform", "grid", "clusters", "parabola"})
       for (const std::uint32_t one_in : {0u, 5u}) {
         CAPTURE(kind);
         CAPTURE(one_in);
@@ -177,7 +177,7 @@ TEST_CASE("after every round the mesh is valid and each illegal edge queued; fli
 
 TEST_CASE("where no two edges that may be flipped share a face, each is flipped if it is illegal, and counted once") {
   for_all_ways([](runtime::Runtime& runtime) {
-    for (const char* kind : {"uniform", "grid", "tiny"}) {
+    for (const std::string kind : {"uniform", "grid", "tiny"}) {
       CAPTURE(kind);
       Unflipped mesh(runtime, make_points(kind, 1500, 11));
       HostMesh before = mesh.now();

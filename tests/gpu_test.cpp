@@ -133,6 +133,22 @@ TEST_CASE("a device treated as a GPU gives the same triangles in any order, and 
   CHECK_THROWS_AS(check(wrong), Error);
 }
 
+// Which leaves cores to the GPU's lanes, and rehearses while the GPU works.
+TEST_CASE("a CPU beside a device treated as a GPU, in one pool") {
+  std::vector<Workload> problems = smallest_problems();
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) problems.push_back(randomPslg(150, 1000, 40, seed));
+  runtime::CallHook hook;
+  hook.tuning.kind = DeviceKind::gpu;
+  hook.tuning.pack_overhead = 0;
+  DevicePool pool({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), {}}}, {}, {});
+  const RaggedBatch batch(problems);
+  const Alone alone(problems);
+  for (int round = 0; round < 3; ++round) {
+    alone.check(pool.triangulate(batch.view(), {}));
+    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
+  }
+}
+
 TEST_CASE("a problem too large for a work-group beside small ones, on a device treated as a GPU") {
   runtime::CallHook hook;
   hook.tuning.kind = DeviceKind::gpu;

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <random>
 
-#include "device_list.hpp"
 #include "primitives.hpp"
 
 using namespace gcdt;
@@ -22,9 +21,6 @@ using Words = std::vector<cl_uint>;
 constexpr std::size_t sizes[] = {0, 1, 2, 63, 64, 65, 127, 128, 129, 1000, 1023, 1025, 4097, 20011};
 constexpr std::size_t million = 1000000;
 constexpr cl_uint guard = 0xDEADBEEFu;
-
-// Before any test lists devices.
-const std::vector<cl::Device> all_of_them = test::every_device();
 
 Runtime& test_runtime() {
   const auto all = runtime::all_devices();
@@ -343,40 +339,4 @@ TEST_CASE("a sort beyond `count` touches nothing: later elements are not mixed i
   std::vector<cl_ulong> wanted(keys.begin(), keys.begin() + 6000);
   std::sort(wanted.begin(), wanted.end());
   CHECK(contents(key_buffer, 6000) == wanted);
-}
-
-// llvmpipe ends the loops of a work-item after 65535 rounds in all, and says nothing.
-TEST_CASE(
-    "lanes whose loops end early scan and sort more than their work-groups may walk, and refuse what is too much") {
-  const auto lanes = std::find_if(all_of_them.begin(), all_of_them.end(), [](const cl::Device& device) {
-    return runtime::kind_of(runtime::describe(device), {}) == DeviceKind::lanes;
-  });
-  REQUIRE_MESSAGE(lanes != all_of_them.end(), "this needs Mesa's llvmpipe (Debian and Ubuntu: mesa-opencl-icd)");
-  Runtime runtime(*lanes);
-  runtime.geometry().max_groups = 1;  // as if there were many elements
-  Primitives primitives(runtime);
-  constexpr std::size_t count = 300000;
-  const std::vector<cl_ulong> keys = random_keys(count, 17, (1ull << 62) - 1);
-  Words values(count);
-  std::iota(values.begin(), values.end(), 0u);
-  auto key_buffer = runtime.allocate<cl_ulong>("keys", count);
-  auto value_buffer = runtime.allocate<cl_uint>("values", count);
-  const auto sums = runtime.allocate<cl_uint>("sums", count + 1);
-  runtime.write(key_buffer, keys.data(), count);
-  runtime.write(value_buffer, values.data(), count);
-  primitives.exclusive_scan(value_buffer, sums, count);
-  primitives.sort(key_buffer, value_buffer, count, 62);
-  Words found(count), found_sums(count + 1), order = values;
-  runtime.read(value_buffer, found.data(), count);
-  runtime.read(sums, found_sums.data(), count + 1);
-  std::sort(order.begin(), order.end(), [&](cl_uint a, cl_uint b) { return keys[a] < keys[b]; });
-  CHECK(found == order);
-  CHECK(found_sums == exclusive(values));
-  try {
-    primitives.exclusive_scan(value_buffer, sums, std::size_t{1} << 29);
-    FAIL("a scan of more than the loops of lanes can walk");
-  } catch (const Error& error) {
-    CHECK(error.status() == Status::device_failed);
-    CHECK(std::string(error.what()).find("65535") != std::string::npos);
-  }
 }
