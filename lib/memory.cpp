@@ -24,48 +24,35 @@ struct Sizes {
 
 std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }              // points, both maps
 std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edges; }  // corners, sides; faces, marks
-std::uint64_t list_bytes(const Sizes& s) { return 8 * s.edges; }
-// Top layer (a quarter of the vertices) and nodes (three quarters); small inputs have one level. With constraints, on a
-// CPU, all is top layer (freeze_all).
-std::uint64_t history_bytes(const Sizes& s) {
-  if (s.m > 0) return 32 * (2 * s.n + 3) + 4 * s.n;
-  return 32 * (s.n / 2 + 3) + 4 * (s.n / 4 + 1) + 20 * (s.n * 3 / 4 + 256);
-}
+// Where all is top layer (freeze_all); with nodes it is half of that.
+std::uint64_t history_bytes(const Sizes& s) { return 32 * s.faces + 4 * s.n; }
 // Ends, first sources, sources.
 std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
 // Of constraints until they are edges: input, pieces, what cleaning says of these (weights, parts, first faces), and
 // what the sorts keep (other halves of both kinds of keys, and of values).
 std::uint64_t cleaned_bytes(const Sizes& s) { return 8 * s.m + piece_bytes(s) + (4 + 8 + 4) * s.m + (8 + 4 + 4) * s.m; }
 
-// Coordinates, Morton codes and numbers, and the other halves of the sort.
-std::uint64_t order_step(const Sizes& s) { return (16 + 2 * 12 + 4 + 16) * s.n; }
-
-std::uint64_t insert_step(const Sizes& s) { return vertex_bytes(s) + mesh_bytes(s) + list_bytes(s) + history_bytes(s); }
-
-// Beside what stays: of constraints list, ends and places, first parts, hits of parts, faces crossed and parts of whole
-// ones; keys of pieces, where those of a constraint begin, and which are the first of equal ones.
-std::uint64_t clean_step(const Sizes& s) {
-  return insert_step(s) + cleaned_bytes(s) + (4 + 8 + 4 + 4 + 4 + 4 + 8 + 8 + 4 + 4) * s.m;
-}
+// Chains triangulate crossed faces c but for hexagons h. A hole of k of these has k + 2 sides (L8), each a segment
+// between vertices that a piece owns one after the other on one side, or its ends: one more than it has triangles
+// there. So the sides of all holes, more than h, are at most (c - h) + 2 m, and h <= c / 2 + m.
+std::uint64_t hexagons(const Sizes& s) { return std::min(s.crossed_faces, s.crossed_faces / 2 + s.m); }
 
 // Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
 std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
 
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
-// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and two starts.
+// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and two starts; of
+// hexagons faces and farthest cuts.
 std::uint64_t crossed_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
-         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m;
+         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 16 * hexagons(s);
 }
 
-// A crossed face owns a vertex or is a hexagon: face and farthest cuts.
-std::uint64_t walk_step(const Sizes& s) {
-  return crossed_step(s) + history_bytes(s) + chunk_bytes(s) + 16 * s.crossed_faces;
-}
+std::uint64_t walk_step(const Sizes& s) { return crossed_step(s) + history_bytes(s) + chunk_bytes(s); }
 
 // After the last walk the history is gone. An entry of a chain, one for each owned vertex and four a piece, holds 20
-// bytes; a hexagon 12 more: its corners.
-std::uint64_t chain_bytes(const Sizes& s) { return 28 * s.crossed_faces + 20 * 4 * s.m; }
+// bytes; of a hexagon, which no vertex is owned in, corners 12.
+std::uint64_t chain_bytes(const Sizes& s) { return 20 * (s.crossed_faces - hexagons(s) + 4 * s.m) + 12 * hexagons(s); }
 std::uint64_t chain_step(const Sizes& s) { return crossed_step(s) + chain_bytes(s) + chunk_bytes(s); }
 
 // Without the chunks. Minima hold 8/15 of a word an entry, the table 12 bytes a slot, 3/2 slots an entry: three a
@@ -84,23 +71,16 @@ std::uint64_t output_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + piece_bytes(s) + std::max(sorting, gathered);
 }
 
-// With a domain. Labels and their scan, or the places of arcs (three a face); then arcs, at most two a piece, with
-// the other half of their sort, and six words a region; or the kept triangles, what is said of them, and the seeds.
-// A piece separates two regions at most, so there are no more regions than pieces and one.
-std::uint64_t domain_step(const Sizes& s) {
-  const std::uint64_t hull = vertex_bytes(s) + piece_bytes(s) + 4 * s.m + 25 * s.faces + 4 * s.faces;
-  const std::uint64_t arcs = 16 * 2 * s.m + 24 * s.m, listing = 4 * 3 * s.faces + 8 * 2 * s.m;
-  const std::uint64_t keeping = (4 + 4 + 25 + 16) * s.faces + 16 * s.m;
-  return hull + std::max({arcs, listing, keeping});
-}
-
 }  // namespace
 
+// Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (182): order (60),
+// insertion (172 with its history), domains (172). With constraints walking (228 and 184) is above these as well:
+// insertion (208 and 8), cleaning (208 and 108), domains (172 and 76).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
-  std::uint64_t most = std::max({order_step(s), insert_step(s), output_step(s), domain_step(s)});
-  if (m > 0) most = std::max({most, clean_step(s), walk_step(s), chain_step(s), stitch_step(s)});
+  const std::uint64_t most =
+      m == 0 ? output_step(s) : std::max({output_step(s), walk_step(s), chain_step(s), stitch_step(s)});
   return (constant_bytes + most + most / gaps_share) / page * page + page;
 }
 
