@@ -211,6 +211,34 @@ TEST_CASE("a tie decided the other way is refused") {
   refused(f.sample, f.right, "is the wrong diagonal of four cocircular vertices");
 }
 
+TEST_CASE("of four cocircular vertices the diagonal through the least is accepted and the other one refused") {
+  // Counter-clockwise, the least in (X, Y) order first: X decides, Y where that is equal, and not the lowest.
+  const std::vector<std::vector<Point>> circles = {{{0, 0}, {2, 0}, {2, 2}, {0, 2}},
+                                                   {{0, 1}, {1, 0}, {2, 1}, {1, 2}},
+                                                   {{0, 5}, {2, 1}, {8, 1}, {9, 8}},
+                                                   {{0, 0}, {0x7FFFFFFF, 0}, {0x7FFFFFFF, 9}, {0, 9}}};
+  for (const std::vector<Point>& circle : circles) {
+    const Sample sample = number_points("four on a circle", circle, 3);
+    std::vector<cl_uint> v;
+    for (const Point& p : circle)
+      v.push_back(
+          static_cast<cl_uint>(std::find(sample.points.begin(), sample.points.end(), p) - sample.points.begin()));
+    for (cl_uint first : {0u, 1u}) {  // where the diagonal begins
+      const auto corner = [&](cl_uint i) { return v[(first + i) % 4]; };
+      HostResult result;
+      result.corners = {corner(0), corner(1), corner(2), corner(0), corner(2), corner(3)};
+      result.neighbours = {-1, 1, -1, -1, -1, 0};
+      result.constrained = {0, 0};
+      for (auto& runtime : runtimes()) {
+        CAPTURE(runtime->info().name);
+        const std::string said = verdict(*runtime, sample, result);
+        if (first == 0) CHECK(said == "");
+        if (first == 1) CHECK(said.find("is the wrong diagonal of four cocircular vertices") != std::string::npos);
+      }
+    }
+  }
+}
+
 TEST_CASE("wrong flags are refused") {
   Fixture f;
   const auto constraint =
