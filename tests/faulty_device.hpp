@@ -8,11 +8,12 @@
 
 namespace gcdt::test {
 
-/// On PoCL; on the application's queue if there is one.
-inline Solver hooked_solver(const runtime::CallHook& hook, const cl::CommandQueue& queue = {}) {
+/// On the application's queue if there is one.
+inline Solver hooked_solver(const runtime::CallHook& hook, const cl::CommandQueue& queue = {},
+                            const cl::Device& device = app_device()) {
   auto made = std::make_unique<gcdt_solver>();
   const cl::Context context = queue() ? queue.getInfo<CL_QUEUE_CONTEXT>() : cl::Context();
-  made->state = std::make_shared<api::State>(context, app_device(), runtime::Log(), Trace(), hook);
+  made->state = std::make_shared<api::State>(context, device, runtime::Log(), Trace(), hook);
   made->state->their_queue = queue;
   return Solver(made.release());
 }

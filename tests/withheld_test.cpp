@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "alone.hpp"
+#include "device_list.hpp"
 #include "pool_cases.hpp"
 
 using namespace gcdt;
@@ -124,6 +125,9 @@ runtime::CallHook without_few(runtime::CallHook hook) {
   return hook;
 }
 
+// Before any test lists devices.
+const std::vector<cl::Device> all_devices = every_device();
+
 constexpr char not_covered[] = "do not cover its hull once";
 
 /// Crossing constraints on a coarse lattice, so that what is rounded goes through many pixels.
@@ -182,6 +186,23 @@ TEST_CASE("a batch withholds every kind of wrong mesh, problem by problem and al
     }
   met(faulty().gathers);
   met(faulty().phases);
+}
+
+TEST_CASE("every device withholds a flip undone, a slit and a flag too many") {
+  CHECK(all_devices.size() >= 2);
+  for (const cl::Device& device : all_devices) {
+    if (device() == app_device()()) continue;
+    CAPTURE(device.getInfo<CL_DEVICE_NAME>());
+    Solver solver = hooked_solver(faulty().hook(), {}, device);
+    for (const char* name : {"a flip undone", "a slit", "a flag too many"}) {
+      const WithheldCase& one = faulty().of(name);
+      CAPTURE(one.name);
+      is_withheld(one, on_host(solver, one, one.options), "");
+      Options unchecked = one.options;
+      unchecked.check = false;
+      returned_as_it_is(one, on_host(solver, one, unchecked));
+    }
+  }
 }
 
 TEST_CASE("a device whose meshes fail the check is lost to its pool, and the others' meshes are returned") {
