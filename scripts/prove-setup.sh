@@ -1,26 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Proves that demo.sh and test.sh need nothing but a bare Debian: runs them in a fresh minimal root.
-# Usage: scripts/prove-setup.sh [--setup | --demo] [--quick] [--keep]
+# Proves that demo.sh and test.sh need nothing but a bare Debian or Ubuntu: runs them in a fresh minimal root.
+# Usage: scripts/prove-setup.sh [--setup | --demo] [--quick] [--keep] [--ubuntu]
 #   --setup   only the installation of packages (setup.sh --tests, twice)
 #   --demo    only demo.sh
 #   --quick   test.sh without its slow tests
 #   --keep    keep the root for a look at it, and say where it is
+#   --ubuntu  Ubuntu 24.04 instead of Debian 12
 # Needs root, debootstrap, about 5 GB under TMPDIR (/var/tmp). What is tested is the commit HEAD.
 # Packages come from where this machine's apt takes them, proxies included; GCDT_SUITE (default bookworm)
-# and GCDT_MIRROR (default: this machine's mirror of that suite, else debootstrap's) say otherwise.
+# and GCDT_MIRROR (default: this machine's mirror of that suite, else debootstrap's) say otherwise. A release is taken
+# unsigned, with debootstrap's warning, where this machine has no keyring of its distribution.
 set -euo pipefail
 
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 self=$source/scripts/prove-setup.sh
-parts="demo test" keep="" quick=()
+parts="demo test" keep="" quick=() ubuntu=""
 for argument in "$@"; do
   case $argument in
     --setup) parts=setup ;;
     --demo) parts=demo ;;
     --quick) quick=(--quick) ;;
     --keep) keep=yes ;;
-    *) sed -n '3,11s/^# //p' "$self"; [[ $argument == -h || $argument == --help ]] && exit 0; exit 2 ;;
+    --ubuntu) ubuntu=yes ;;
+    *) sed -n '3,13s/^# //p' "$self"; [[ $argument == -h || $argument == --help ]] && exit 0; exit 2 ;;
   esac
 done
 [[ $(id -u) == 0 ]] || { echo "prove-setup.sh: needs root" >&2; exit 2; }
@@ -32,6 +35,15 @@ if [[ -z ${GCDT_PROVE_NAMESPACE-} ]]; then
 fi
 
 suite=${GCDT_SUITE:-bookworm}
+components=main
+script=()
+if [[ $ubuntu ]]; then
+  suite=${GCDT_SUITE:-noble}
+  GCDT_MIRROR=${GCDT_MIRROR:-http://archive.ubuntu.com/ubuntu}
+  components=main,universe
+  # One script serves all of Ubuntu's suites, those that came after this debootstrap, too.
+  [[ -e /usr/share/debootstrap/scripts/$suite ]] || script=(gutsy)
+fi
 work=$(mktemp -d "${TMPDIR:-/var/tmp}/gcdt-prove-XXXXXX")
 root=$work/root
 clean_up() {
@@ -58,7 +70,8 @@ host_sources() {
 make_root() {
   local mirror=${GCDT_MIRROR-}
   [[ $mirror ]] || mirror=$(host_sources | awk -v suite="$suite" '$2 == suite { print $1; exit }')
-  debootstrap --variant=minbase "$suite" "$root" ${mirror:+"$mirror"} >"$work/debootstrap.log" ||
+  debootstrap --variant=minbase --components="$components" "$suite" "$root" ${mirror:+"$mirror"} "${script[@]}" \
+    >"$work/debootstrap.log" ||
     { tail -20 "$work/debootstrap.log" >&2; return 1; }
   if [[ -z ${GCDT_MIRROR-} && $mirror ]]; then
     host_sources | sed 's/^/deb /' >"$root/etc/apt/sources.list"
