@@ -59,15 +59,25 @@ chosen() {
   echo "^(${all#|})\$"
 }
 
-# Builds what the tests matching $1 need: the targets of their names, else everything.
+# What a test needs to be built; most are executables of the test's name.
+target_of() {
+  case $1 in
+    scripts | readme | consumers) ;;
+    abi | example_interop) echo gcdt_shared ;;
+    bench_quick) echo gcdt_bench ;;
+    bench_batch) echo gcdt_bench_batch ;;
+    bench_*) echo "$1_test" ;;
+    *) echo "$1" ;;
+  esac
+}
+
+# Builds what the tests matching $1 need.
 build_tests() {
   local tests targets=()
   tests=$(ctest --test-dir "$build" -N -R "$1" | sed -n 's/^ *Test *#[0-9]*: //p')
   [[ $tests ]] || { echo "no test matches $1"; return 1; }
-  for test in $tests; do
-    if grep -qx "\.\.\. $test" "$work/targets"; then targets+=(--target "$test"); else targets=(); break; fi
-  done
-  cmake --build "$build" --parallel "$cores" "${targets[@]}"
+  for test in $tests; do mapfile -t -O "${#targets[@]}" targets < <(target_of "$test"); done
+  [[ ${#targets[@]} == 0 ]] || cmake --build "$build" --parallel "$cores" --target "${targets[@]}"
 }
 
 # Runs the tests matching $1. Those that failed are in CTest's own list of them.
@@ -78,10 +88,7 @@ run_tests() {
 }
 failed_tests() { find "$build/Testing/Temporary" -name 'LastTestsFailed*.log' -exec cut -d: -f2 {} + | sort -u; }
 
-configure() {
-  cmake -S "$source" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_BENCH=ON &&
-    cmake --build "$build" --target help >"$work/targets"
-}
+configure() { cmake -S "$source" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_BENCH=ON; }
 
 rm -f "$work"/*.log
 renew_copy

@@ -60,6 +60,23 @@ for failing in find_package cc c++ subdirectory; do
   expect fails "said by $failing" "a consumer that fails: $failing" consumers $failing
 done
 
+# test.sh: the benchmark's tests are built, too; what does not build, or a test that fails, is an error.
+tree=$work/suite
+mkdir -p "$tree/scripts"
+cp "$root/scripts/test.sh" "$tree/scripts/"
+play "$tree/scripts" setup.sh 'exit 0'
+play "$tree/scripts" format.sh '[[ ! -e $(dirname "$0")/../unformatted ]]'
+play "$tree/programs" cmake 'echo "cmake $*"; [[ $1 != --build || ! -e $(dirname "$0")/../broken ]]'
+play "$tree/programs" ctest 'echo "ctest $*"; [[ ! -e $(dirname "$0")/../failing ]]'
+suite() { env PATH="$tree/programs:$PATH" "$tree/scripts/test.sh" "$@"; }
+expect 0 "-DGCDT_TESTS=ON -DGCDT_BENCH=ON" "the suite" suite
+expect 0 "-LE ^slow" "the quick suite" suite --quick
+for fault in unformatted broken failing; do
+  touch "$tree/$fault"
+  expect fails "" "the suite with something $fault" suite
+  rm "$tree/$fault"
+done
+
 # readme.sh: an example that README does not show as it is.
 mkdir -p "$work/tree/scripts" "$work/tree/examples"
 cp "$root/scripts/readme.sh" "$work/tree/scripts/"
