@@ -92,6 +92,7 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
   runtime.tracer().end_phase();
   result.problems = {number};
   result.grids = {made.statistics.grid};
+  result.together = {{made.statistics.vertices_rounded_together, made.statistics.rounded_pair}};
   result.statistics = made.statistics;
   return result;
 }

@@ -49,6 +49,7 @@ std::int32_t code_of(const Error& error) {
     case Status::buffer_access: return GCDT_ERROR_BUFFER_ACCESS;
     case Status::buffers_overlap: return GCDT_ERROR_BUFFERS_OVERLAP;
     case Status::in_use: return GCDT_ERROR_IN_USE;
+    case Status::vertices_coincide: return GCDT_ERROR_VERTICES_COINCIDE;
   }
   return GCDT_ERROR_INTERNAL;
 }
@@ -112,6 +113,7 @@ Options read_options(const gcdt_options* given) {
           "gcdt_options.domain is none of GCDT_DOMAIN_...");
   options.domain = static_cast<Domain>(c.domain);
   options.regions = c.regions != 0;
+  options.distinct = c.distinct != 0;
   options.hole_seeds = read_seeds("gcdt_options.hole_seeds", c.hole_seeds, c.hole_seed_count);
   options.region_seeds = read_seeds("gcdt_options.region_seeds", c.region_seeds, c.region_seed_count);
   if (c.progress)

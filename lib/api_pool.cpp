@@ -206,6 +206,10 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
         c.crossings = s.crossings, c.vertices_added = s.vertices_added, c.constraints_split = s.constraints_split;
         c.constraint_move = s.constraint_move;
       }
+      if (!result->together.empty()) {
+        c.vertices_rounded_together = result->together[place].count;
+        std::copy_n(result->together[place].first.begin(), 2, c.rounded_pair);
+      }
     }
     write_struct(c, info, "gcdt_problem", offsetof(gcdt_problem, crossings));
   });

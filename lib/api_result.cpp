@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: results.
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstring>
@@ -144,6 +145,8 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
     c.ms_call = s.ms.call, c.ms_walk = s.ms.walk, c.ms_gather = s.ms.gather;
     c.pairs_cut_one_corner = s.cases.pairs_cut_one_corner, c.pairs_from_one_corner = s.cases.pairs_from_one_corner;
     c.pairs_cut_two_corners = s.cases.pairs_cut_two_corners, c.pairs_cut_and_from = s.cases.pairs_cut_and_from;
+    c.vertices_rounded_together = s.vertices_rounded_together;
+    std::copy(s.rounded_pair.begin(), s.rounded_pair.end(), c.rounded_pair);
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });
 }

@@ -35,6 +35,7 @@ constexpr Sentence sentences[] = {
     {GCDT_ERROR_NOT_VALID, "the mesh is not the constrained Delaunay triangulation"},
     {GCDT_ERROR_HOST_MEMORY, "the host is out of memory"},
     {GCDT_ERROR_INTERNAL, "internal error"},
+    {GCDT_ERROR_VERTICES_COINCIDE, "vertices that differ are one on the grid"},
     {-1, "OpenCL: device not found"},
     {-4, "OpenCL: memory object allocation failure"},
     {-5, "OpenCL: out of resources"},

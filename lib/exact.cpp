@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <tuple>
 
@@ -147,6 +148,33 @@ int incircle(const Point& a, const Point& b, const Point& c, const Point& d) {
   return ((px * px + py * py) * (qx * ry - qy * rx) + (qx * qx + qy * qy) * (rx * py - ry * px) +
           (rx * rx + ry * ry) * (px * qy - py * qx))
       .sign();
+}
+
+// Positive doubles are in the order of their bits: bisection for the largest that is not above.
+double nearest_double(const Integer& number, int unit, std::uint64_t divisor) {
+  const int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits - 1;  // of halves
+  const int base = std::min(unit, least);
+  const Integer wanted = number * Integer(false, 1, unit - base), over(false, divisor, 0);
+  const auto from_bits = [](std::uint64_t bits) {
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  };
+  const auto scaled = [&](double value) {
+    if (value == 0) return Integer();
+    const Dyadic d = dyadic(value);
+    const auto m = static_cast<std::uint64_t>(d.m);
+    const int trailing = std::max(0, least - d.e);  // of a denormal: zeros
+    return over * Integer(false, m >> trailing, d.e + trailing - base);
+  };
+  std::uint64_t low = 0, high = std::uint64_t{0x7ff} << 52;  // not above; above
+  while (high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    ((scaled(from_bits(middle)) - wanted).sign() > 0 ? high : low) = middle;
+  }
+  if (high == std::uint64_t{0x7ff} << 52) return from_bits(low);
+  const int beyond_half = (wanted + wanted - scaled(from_bits(low)) - scaled(from_bits(high))).sign();
+  return from_bits(beyond_half > 0 || (beyond_half == 0 && (low & 1) != 0) ? high : low);
 }
 
 void ShoelaceSum::add(const Point& a, const Point& b) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integers without a bound, and the signs of orient2d and incircle of doubles, exact over all of their range.
+// Integers without a bound, the signs of orient2d and incircle of doubles, exact over all of their range, and quotients
+// rounded to doubles.
 #pragma once
 
 #include <array>
@@ -37,6 +38,9 @@ int orient2d(const Point& a, const Point& b, const Point& c);
 
 /// 1: d is inside the circle through a, b, c, which turn left; 0: on it; -1: outside.
 int incircle(const Point& a, const Point& b, const Point& c, const Point& d);
+
+/// The double nearest to number * 2^unit / divisor, half to even; number >= 0.
+double nearest_double(const Integer& number, int unit, std::uint64_t divisor);
 
 /// Twice the area of a polygon, edge by edge, whatever the sizes of its coordinates.
 class ShoelaceSum {

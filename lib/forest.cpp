@@ -23,6 +23,7 @@ class ForestPipeline final : public Pipeline {
       : Pipeline(runtime, primitives, std::move(source), options), batch_(batch), numbers_(numbers), ranges_(ranges) {}
 
   std::vector<Grid> grids;
+  std::vector<RoundedTogether> together;
   Buffer<cl_uint> first_triangle, first_piece;
 
  private:
@@ -32,7 +33,16 @@ class ForestPipeline final : public Pipeline {
     ForestOrder made = order_forest(runtime_, primitives_, std::move(points), ranges_, options_.grid,
                                     runtime_.tuning().coarsest_level);
     grids = std::move(made.grids);
+    together = std::move(made.together);
+    if (options_.distinct) refuse_together();
     return std::move(made.ordered);
+  }
+
+  void refuse_together() const {
+    InvalidProblems invalid;
+    for (std::uint32_t p = 0; p < together.size(); ++p)
+      if (together[p].count > 0) invalid.errors.emplace_back(p, together_error(together[p]));
+    if (!invalid.errors.empty()) throw invalid;
   }
 
   // Crossing constraints are each problem's own error. Pairs are sorted, so by problem.
@@ -186,6 +196,7 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
   runtime.tracer().end_phase();
   result.problems = std::move(numbers);
   result.grids = std::move(pipeline.grids);
+  result.together = std::move(pipeline.together);
   result.statistics = made.statistics;
   return result;
 }

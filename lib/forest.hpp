@@ -29,8 +29,9 @@ struct BatchInput {
 /// What one run made of some problems of a batch: every problem's arrays are what it would have alone.
 struct ForestResult {
   static constexpr std::size_t array_count = GCDT_REGION_SEEDS + 1;
-  std::vector<std::uint32_t> problems;  ///< their numbers in the batch; those of `alone` last
-  std::vector<Grid> grids;              ///< of each
+  std::vector<std::uint32_t> problems;    ///< their numbers in the batch; those of `alone` last
+  std::vector<Grid> grids;                ///< of each
+  std::vector<RoundedTogether> together;  ///< of each; empty: none of any
   std::array<HostArray, array_count> arrays;
   std::array<std::vector<std::uint64_t>, array_count> begins;  ///< elements; P + 1, or none if there is no such array
   Statistics statistics;
@@ -48,8 +49,8 @@ struct ForestResult {
   }
   /// Where the problem at that place is: in this result or one of `alone`, and its place there.
   std::pair<const ForestResult*, std::size_t> at(std::size_t place) const {
-    const std::size_t together = problems.size() - alone.size();
-    return place < together ? std::make_pair(this, place) : std::make_pair(&alone[place - together], std::size_t{0});
+    const std::size_t joined = problems.size() - alone.size();
+    return place < joined ? std::make_pair(this, place) : std::make_pair(&alone[place - joined], std::size_t{0});
   }
 };
 

@@ -75,16 +75,20 @@ class ForestOrdering {
     runtime_.launch("forest", "forest_quantise", over(chunks_), chunks_, chunk_buffer_, ranges_.first_input_buffer,
                     points_.type, points_.coordinates, grid_buffer, keys_, values_, input_problem_, maxima);
     const std::vector<cl_ulong> found = fold(maxima, quantise_columns);
-    points_ = {};
     InvalidProblems invalid;
     for (cl_uint p = 0; p < problems_; ++p) {
       const cl_ulong* row = &found[std::size_t{p} * quantise_columns];
       if (row[1] != 0)
         invalid.errors.emplace_back(p,
                                     coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~row[1]));
-      if (!chosen_[p].decimals && size(p) != 0) chosen_[p].grid.largest_move = move_length(row[0], chosen_[p].scale);
+      if (row[1] == 0 && !chosen_[p].decimals && size(p) != 0) {
+        chosen_[p].grid.largest_move = largest_move(runtime_, points_, ranges_.first_input[p],
+                                                    ranges_.first_input[p + 1], row[0], chosen_[p].scale);
+        may_round_together_ = may_round_together_ || may_round_together(chosen_[p].grid);
+      }
     }
     if (!invalid.errors.empty()) throw invalid;
+    if (!may_round_together_) points_ = {};
   }
 
   // Each problem by its key, within its own places, or all by key, then by problem: least significant first, both
@@ -131,6 +135,11 @@ class ForestOrdering {
     runtime_.launch("forest", "forest_first_ranks", over(std::size_t{problems_} + 1), problems_, distinct,
                     ranges_.first_input_buffer, before, vertices.points);
     return result;
+  }
+
+  std::vector<RoundedTogether> together(const OrderResult& ordered) const {
+    if (!may_round_together_ || ordered.merged == 0) return {};
+    return rounded_together(runtime_, points_, ordered.vertices, ranges_.first_input);
   }
 
   std::vector<Grid> grids() const {
@@ -216,6 +225,7 @@ class ForestOrdering {
   InputPoints points_;
   const ProblemRanges& ranges_;
   cl_uint problems_, chunks_ = 0;
+  bool may_round_together_ = false;
   Buffer<device::Chunk> chunk_buffer_;
   Buffer<cl_uint> first_chunk_, values_, input_problem_;
   Buffer<cl_ulong> keys_;
@@ -238,6 +248,7 @@ ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, Inpu
   ForestOrder result;
   result.ordered = ordering.number(primitives, n, coarsest_level);
   result.grids = ordering.grids();
+  result.together = ordering.together(result.ordered);
   result.ordered.sort_ms = sorting.end();
   return result;
 }

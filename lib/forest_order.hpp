@@ -25,8 +25,9 @@ struct ProblemRanges {
 };
 
 struct ForestOrder {
-  OrderResult ordered;      ///< its grid says nothing
-  std::vector<Grid> grids;  ///< by problem
+  OrderResult ordered;                    ///< its grid says nothing
+  std::vector<Grid> grids;                ///< by problem
+  std::vector<RoundedTogether> together;  ///< by problem; empty: none of any
 };
 
 /// As order(), problem by problem. Throws InvalidProblems (coordinate_not_finite, coordinate_outside_grid: indices

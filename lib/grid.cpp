@@ -192,8 +192,16 @@ device::Scale scale_of(const Grid& grid) {
 // The key's number R, in units of the window, is R 2^-offset / five of length.
 double move_length(std::uint64_t key, const device::Scale& scale) {
   const int length = static_cast<int>(key >> 56);
-  const auto leading = static_cast<double>(key & ((1ull << 56) - 1));
-  return std::ldexp(leading / static_cast<double>(scale.five), length - 56 - scale.offset);
+  std::uint64_t leading = key & ((1ull << 56) - 1);
+  const int shift = length - 56 - scale.offset;
+  // A double has 53 digits: of all 56 the last one tells on which side of its middle the number is.
+  if (scale.five == 1) return std::ldexp(static_cast<double>(leading), shift);
+  const auto five = static_cast<double>(scale.five);
+  if (length <= 53) return std::ldexp(static_cast<double>(leading) / five, shift);
+  leading = (leading + (leading & 1) + 7) / 8 * 8;  // not below the number, and a double
+  const auto above = static_cast<double>(leading);
+  const double quotient = above / five;
+  return std::ldexp(std::fma(quotient, five, -above) < 0 ? std::nextafter(quotient, above) : quotient, shift);
 }
 
 }  // namespace gcdt

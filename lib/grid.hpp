@@ -51,8 +51,9 @@ ChosenGrid fixed_grid(const FixedGrid& given);
 /// How coordinates get on a grid that was chosen before; a decimal grid is taken for a given one.
 device::Scale scale_of(const Grid& grid);
 
-/// The length that `key` (gcdt_move_key) stands for: 0 iff the key is 0; good to 2^-52 of itself or
-/// 2^-106 cells, whichever is more.
+/// The length that `key` (gcdt_move_key) stands for: 0 iff the key is 0. Where the key has all digits of the move, or
+/// 56 and what is behind them: the nearest double, or on a grid with a decimal cell that or up to 2^-51 of it more,
+/// never less.
 double move_length(std::uint64_t key, const device::Scale& scale);
 
 }  // namespace gcdt

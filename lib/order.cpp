@@ -64,9 +64,10 @@ Survey checked_survey(cl_uint type, const cl_ulong* found) {
 }
 
 /// Of the maxima of kernel `quantise`; the largest move.
-double checked_move(const cl_ulong* found, const device::Scale& scale) {
+double checked_move(runtime::Runtime& runtime, const InputPoints& points, const cl_ulong* found,
+                    const device::Scale& scale) {
   if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
-  return move_length(found[0], scale);
+  return largest_move(runtime, points, 0, points.n, found[0], scale);
 }
 
 Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
@@ -124,7 +125,7 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
   Maxima maxima(runtime, staged.n, quantise_columns);
   runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
-  keys.grid.largest_move = checked_move(maxima.read(runtime).data(), chosen.scale);
+  keys.grid.largest_move = checked_move(runtime, staged, maxima.read(runtime).data(), chosen.scale);
   return keys;
 }
 
@@ -142,6 +143,11 @@ OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid
   result.vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", 0);
   set_levels(runtime, result.vertices, 0, coarsest_level);
   return result;
+}
+
+void set_together(runtime::Runtime& runtime, const InputPoints& points, OrderResult& result) {
+  if (result.merged == 0 || !may_round_together(result.vertices.grid)) return;
+  result.together = rounded_together(runtime, points, result.vertices, {0, points.n})[0];
 }
 
 /// The whole phase by one work-item (kernels/few.cl), which reads nothing back in between.
@@ -178,11 +184,12 @@ OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::
                                                          : power_of_two_grid(found, report.exponent);
   vertices.grid = chosen.grid;
   vertices.decimals = chosen.decimals;
-  if (!chosen.decimals) vertices.grid.largest_move = checked_move(report.quantised, chosen.scale);
+  if (!chosen.decimals) vertices.grid.largest_move = checked_move(runtime, points, report.quantised, chosen.scale);
   vertices.levels = device::make_levels(report.distinct, coarsest_level);
   vertices.points.shrink(report.distinct);
   vertices.vertex_input.shrink(report.distinct);
   result.merged = n - report.distinct;
+  set_together(runtime, points, result);
   return result;
 }
 
@@ -234,7 +241,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
   if (are_few(runtime, n)) return order_few(runtime, std::move(points), fixed, coarsest_level);
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
-  points = {};
+  if (!may_round_together(keys.grid)) points = {};
   runtime.end_step();
   Step sorting(runtime, "sort");
   primitives.sort_by_prefix(keys.codes, keys.numbers, n, morton_bits, bit_width(n) + spare_bits);
@@ -255,6 +262,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,
                  before, vertices.points, vertices.vertex_input, vertices.input_vertex);
   result.sort_ms = sorting.end();
+  set_together(runtime, points, result);
   return result;
 }
 

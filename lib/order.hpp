@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "given.hpp"
 #include "mesh.hpp"
 #include "primitives.hpp"
 
@@ -33,6 +34,7 @@ InputPoints stage(runtime::Runtime& runtime, Points points);
 struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives
+  RoundedTogether together;  ///< of these, those that were given elsewhere; of a forest not set
   /// Wall time of sorting and numbering, which `core` of the statistics includes; with few.hpp, of surveying and
   /// quantising, too.
   double sort_ms = 0;
@@ -41,7 +43,7 @@ struct OrderResult {
 /// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level
 /// (make_levels(n, coarsest_level)). Throws invalid_argument (a bad fixed grid), coordinate_not_finite and
 /// coordinate_outside_grid (indices {vertex, axis}, the least such vertex). `points`, at most max_vertices, are
-/// released as soon as their keys are made.
+/// released as soon as their keys are made, unless rounding may have made some one: then these are counted.
 OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
                   const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level);
 

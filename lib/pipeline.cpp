@@ -63,6 +63,9 @@ void Pipeline::run_steps() {
     OrderResult ordered = order_points(std::move(input.points));
     vertices_ = std::move(ordered.vertices);
     statistics_.vertices_merged = ordered.merged;
+    statistics_.vertices_rounded_together = ordered.together.count;
+    statistics_.rounded_pair = ordered.together.first;
+    if (options_.distinct && ordered.together.count > 0) throw together_error(ordered.together);
     sort_ms_ = ordered.sort_ms;
     primitives_.release();
     by_problem_ = enforces_by_problem(runtime_, vertices_);
@@ -308,10 +311,28 @@ void Pipeline::select(OrderedMesh& ordered) {
                       "way from outside");
   if (options_.domain == Domain::hull) return;
   s.triangles_removed = ordered.triangles - selected.mesh.triangles;
-  if (selected.mesh.triangles == 0) s.notes.push_back("the domain is empty: no triangles");
+  if (selected.mesh.triangles == 0) s.notes.push_back(empty_note());
   result_.hull = std::move(ordered);
   result_.kept = std::move(selected.kept);
   ordered = std::move(selected.mesh);
+}
+
+// Regions that are open to the outside are all at depth 0.
+std::string Pipeline::empty_note() const {
+  const bool by_outer = options_.domain == Domain::outer || options_.domain == Domain::outer_holes;
+  if (!by_outer || statistics_.deepest > 0) return "the domain is empty: no triangles";
+  return "the domain is empty: all of the hull is open to the outside across edges of it that are no constraints, as "
+         "with Triangle's -p, which closes the hull with -c; the domain of holes alone takes nothing away there";
+}
+
+// Fewer than three vertices, or all on one line.
+std::string Pipeline::flat_note() {
+  const bool few = vertices_.n() < 3;
+  if (may_round_together(vertices_.grid) && !given_on_one_line(runtime_, source_.load().points))
+    return few ? "fewer than three distinct vertices are left by rounding to the grid, of more that are not on one "
+                 "line as given: no triangles"
+               : "all vertices lie on one line after rounding to the grid, but not as given: no triangles";
+  return few ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles";
 }
 
 void Pipeline::finish_statistics() {
@@ -328,9 +349,7 @@ void Pipeline::finish_statistics() {
   s.driver = runtime_.info().driver;
   s.platform = runtime_.info().platform;
   s.version = GCDT_VERSION;
-  if (s.triangles + s.triangles_removed == 0)
-    s.notes.push_back(vertices_.n() < 3 ? "fewer than three distinct vertices: no triangles"
-                                        : "all vertices lie on one line: no triangles");
+  if (s.triangles + s.triangles_removed == 0) s.notes.push_back(flat_note());
   result_.pieces = std::move(pieces_);
   result_.vertices = std::move(vertices_);
 }

@@ -72,6 +72,8 @@ class Pipeline {
   void flip_all();
   void select(OrderedMesh& ordered);
   bool wants_regions() const { return options_.regions || options_.domain != Domain::hull; }
+  std::string empty_note() const;
+  std::string flat_note();
   void finish_statistics();
   void run_steps();
   [[noreturn]] void ask_for_workspace(const Error& error) const;

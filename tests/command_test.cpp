@@ -350,7 +350,7 @@ TEST_CASE("--assess says what the mesh is worth at the coordinates as they are g
   CHECK(nlohmann::json::parse(session.read("s.json"))["given"]["valid"] == true);
   // A cell of 4: the middle two vertices change sides.
   session.write("in.node", "4 2 0 0\n0 0 0\n1 4 0\n2 3 2.1\n3 1 1.9\n");
-  session.good("triangulate in.node --grid 0,0,4 --assess --stats s.json");
+  CHECK(session.gcdt("triangulate in.node --grid 0,0,4 --assess --stats s.json").status == 0);
   const auto given = nlohmann::json::parse(session.read("s.json"))["given"];
   CHECK(given["valid"] == false);
   CHECK(given["vertices_lost"] == 1);
@@ -384,12 +384,17 @@ TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collect
   CHECK(contains(session.read("hill.asc"), "\n18.75 18.75 18.75 18.75\n"));
   const char* broken[][2] = {
       {"{", "no JSON"},
-      {"[]", "an object is due"},
+      {"\n\n[]", "bad.json:3: the file: an object is due, not []"},
+      {"{\"type\": \"FeatureCollection\",\n \"features\": [{\"a\": [1, {\"type\": 2}],\n \"type\": \"Feature\",\n"
+       " \"geometry\": {\"type\": \"Point\",\n \"coordinates\":\n [1, 2]}},\n \"se\\\"ven\"]}",
+       "bad.json:7: the file, feature 1: an object is due, not \"se\\\"ven\""},
+      {"{\"type\": \"Polygon\",\n \"coordinates\": [[[0, 0], [1, 1]],\n 5]}",
+       "bad.json:3: the file, ring 1: an array is due, not 5"},
       {R"({"type": "Polygon"})", "\"coordinates\" is missing"},
       {R"({"type": "Circle", "coordinates": []})", "there is no type \"Circle\""},
       {R"({"type": "Topology", "objects": {}, "arcs": []})", "there is no type \"Topology\""},
       {R"({"type": "Polygon", "coordinates": [[[0, 0], [1]]]})",
-       "ring 0, position 1: a position of two numbers is due"},
+       "ring 0, position 1: a position of two numbers is due, not [1]"},
       {R"({"type": "LineString", "coordinates": [[0, "x"]]})", "position 0: a position of two numbers"},
       {R"({"type": "Point", "coordinates": [1e999, 0]})", "no JSON"}};
   for (const auto& [text, part] : broken) {
@@ -880,11 +885,6 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   }
   session.write("many/bad.poly", "nonsense\n");
   session.write("many/crossed.poly", crossed);
-  // Hole and region points are not read.
-  session.write("points.poly", "3 2 0 0\n0 0 0\n1 9 0\n2 0 9\n0 0\n1\n0 1 1\n1\n0 2 2 7\n");
-  session.good("batch points.poly -o out --regions --verify --format ele --format vtu --format poly --format svg");
-  CHECK(session.read("out/points.ele").find("1 3 0\n0 0 1 2\n") == 0);
-  CHECK(!contains(session.read("out/points.vtu"), "region_attribute"));
   session.run("rm -r out");
   const Outcome mixed = session.gcdt("batch many -o out");
   CHECK(mixed.status == 3);
@@ -994,8 +994,8 @@ TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   session.run("mkdir empty other && cp in.poly other/");
   for (const char* arguments :
        {"batch", "batch in.poly --format xyz -o out", "batch in.poly other -o out", "batch in.poly -o . --format poly",
-        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --domain holes -o out",
-        "batch in.poly --stats in.poly", "batch in.poly --trace ./in.poly", "batch in.poly -o out --stats out/in.ele",
+        "batch in.poly --grid 0,0 -o out", "batch in.poly --no-such-option", "batch in.poly --stats in.poly",
+        "batch in.poly --trace ./in.poly", "batch in.poly -o out --stats out/in.ele",
         "batch in.poly --stats same.json --trace ./same.json"})
     session.bad(2, arguments);
   CHECK(session.read("in.poly") == square);
@@ -1004,4 +1004,88 @@ TEST_CASE("what a batch cannot do is status 2 or 3 and one line") {
   CHECK(session.names() == std::vector<std::string>{"empty", "in.poly", "other"});
   session.good("batch in.poly -o out --device all --trace t.json");
   CHECK(nlohmann::json::parse(session.read("t.json")).at("traceEvents").size() > 10);
+}
+
+/// 770 vertices with six decimals, but for two numbers.
+std::string mixed_decimals() {
+  std::ostringstream text;
+  text << "770 2 0 0\n";
+  for (int i = 1; i <= 768; ++i) text << i << " " << i % 32 * 10 << ".123456 " << i / 32 * 5 << ".654321\n";
+  text << "769 320.12345612 5.654321\n770 10.1234560012 5.654321\n0 0\n0\n";
+  return text.str();
+}
+
+TEST_CASE(
+    "vertices that rounding makes one are warned of by number, with what helps, and are an error with --distinct") {
+  Session session;
+  session.write("in.poly", mixed_decimals());
+  const Outcome run = session.gcdt("triangulate in.poly --stats s.json -o o.ele");
+  CHECK(run.status == 0);
+  CHECK(std::count(run.err.begin(), run.err.end(), '\n') == 1);
+  for (const char* part : {"gcdt: note: 1 vertex differs", "vertices 33 (10.123456, 5.654321) and 770 (10.1234560012",
+                           "--grid", "--assess", "--distinct"})
+    CHECK(contains(run.err, part));
+  const auto json = nlohmann::json::parse(session.read("s.json"));
+  CHECK(json.at("vertices_rounded_together") == 1);
+  CHECK(json.at("rounded_pair") == nlohmann::json({32, 769}));
+  CHECK(json.at("vertices_merged") == 1);
+  CHECK(json.at("notes").size() == 1);
+  const std::string refused = session.bad(3, "triangulate in.poly --distinct -o p.ele");
+  CHECK(contains(refused, "in.poly:771: vertices 33 ("));
+  CHECK(contains(refused, "--grid"));
+  const Outcome batch = session.gcdt("batch in.poly -o out --stats b.json");
+  CHECK(batch.status == 0);
+  CHECK(contains(batch.err, "gcdt: note: in.poly: 1 vertex differs"));
+  CHECK(nlohmann::json::parse(session.read("b.json")).at("vertices_rounded_together") == 1);
+  CHECK(session.read("out/in.ele") == session.read("o.ele"));
+  CHECK(session.gcdt("batch in.poly --distinct -o out").status == 3);
+  // Nothing is said where nothing is made one.
+  session.write("square.poly", square);
+  session.good("triangulate square.poly --distinct -o q.ele");
+}
+
+/// A square in a square, each with a point for a region, the inner one with a hole.
+std::string framed() {
+  return "8 2 0 0\n0 0 0\n1 9 0\n2 9 9\n3 0 9\n4 3 3\n5 6 3\n6 6 6\n7 3 6\n8 0\n0 4 5\n1 5 6\n2 6 7\n3 7 4\n4 0 1\n"
+         "5 1 2\n6 2 3\n7 3 0\n1\n0 4 4\n2\n0 1 1 17.5 -1\n1 4 5 4 -1\n";
+}
+
+TEST_CASE("batch uses the hole and region points of each input, or says that it does not, as triangulate does") {
+  Session session;
+  session.write("framed.poly", framed());
+  session.write("square.poly", square);
+  for (const std::string options : {"", "--regions", "--domain holes", "--domain outer-holes", "--domain even-odd",
+                                    "--domain outer --verify", "--domain holes --verify"}) {
+    CAPTURE(options);
+    const Outcome one = session.gcdt("triangulate framed.poly -o one.ele -o one.vtu -o one.neigh " + options);
+    const Outcome many =
+        session.gcdt("batch framed.poly square.poly -o out --format ele --format vtu --format neigh " + options);
+    CHECK(one.status == 0);
+    CHECK(many.status == 0);
+    for (const std::string format : {".ele", ".vtu", ".neigh"})
+      CHECK(session.read("out/framed" + format) == session.read("one" + format));
+    std::istringstream notes(one.err);
+    for (std::string line; std::getline(notes, line);)
+      CHECK(contains(many.err, "gcdt: note: framed.poly: " + line.substr(12)));
+  }
+  CHECK(contains(session.read("out/framed.ele"), " 3 1\n"));
+  const Outcome said = session.gcdt("batch framed.poly -o out --stats s.json --domain holes");
+  CHECK(nlohmann::json::parse(session.read("s.json")).at("n") == 8);
+  CHECK(said.err == "");
+}
+
+TEST_CASE("an outline that is open to the hull leaves no triangles of outer-holes, and a note says why") {
+  Session session;
+  session.write("open.poly", "4 2 0 0\n0 0 0\n1 9 0\n2 9 9\n3 0 9\n3 0\n0 0 1\n1 1 2\n2 2 3\n0\n");
+  for (const char* domain : {"outer", "outer-holes"}) {
+    const Outcome open = session.gcdt(std::string("triangulate open.poly -o o.ele --domain ") + domain);
+    CHECK(open.status == 0);
+    CHECK(data_lines(session.read("o.ele")) == "0 3 0\n");
+    CHECK(contains(open.err, "all of the hull is open to the outside"));
+    CHECK(contains(open.err, "-c"));
+  }
+  // What closed borders and hole points leave nothing of is not open.
+  session.write("framed.poly", framed());
+  const Outcome holes = session.gcdt("triangulate framed.poly --domain even-odd -o o.ele");
+  CHECK(!contains(holes.err, "open to the outside"));
 }

@@ -3,19 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <gcdt/gcdt_pool.hpp>
 #include <gcdt/verify.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
+#include "batch_statistics.hpp"
 #include "command.hpp"
 #include "io/formats.hpp"
 #include "io/geojson.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
+#include "solved.hpp"
 #include "trace.hpp"
 
 namespace gcdt::command {
@@ -57,6 +61,7 @@ struct Problem {
   io::Input input;
   std::optional<Failure> failure;
   std::size_t number = 0;  ///< in the batch
+  bool alone = false;      ///< not in the batch, which has no seeds, but triangulated by itself
 
   fs::path output(const std::string& folder, const std::string& format) const {
     const std::string stem = fs::path(path).stem().string();
@@ -141,15 +146,23 @@ void check_outputs(const std::vector<Problem>& problems, const BatchArguments& a
   }
 }
 
-Batch read(std::vector<Problem>& problems) {
+/// Whether the input has points that the options use.
+bool uses_seeds(const io::Input& input, const Options& options) {
+  const bool by_holes = options.domain == Domain::holes || options.domain == Domain::outer_holes;
+  const bool regions = options.regions || options.domain != Domain::hull;
+  return (by_holes && !input.holes.empty()) || (regions && !input.regions.empty());
+}
+
+Batch read(std::vector<Problem>& problems, const Options& options) {
   Batch batch;
   for (Problem& problem : problems) {
     stop_if_interrupted();
     try {
       problem.input = problem.line ? io::read_geojson_line(problem.path, *problem.line) : io::read_input(problem.path);
       if (problem.line) problem.line->text = {};
+      problem.alone = uses_seeds(problem.input, options);
       problem.number = batch.size();
-      batch.add(problem.input.vertices, problem.input.constraints);
+      if (!problem.alone) batch.add(problem.input.vertices, problem.input.constraints);
     } catch (const Failure& failure) {
       problem.failure = failure;
     }
@@ -162,8 +175,15 @@ std::vector<T> copied(Span<T> span) {
   return {span.begin(), span.end()};
 }
 
-Triangulation mesh_of(const BatchResult& result, std::size_t p) {
+/// Of a problem in the batch; without its arrays unless they are wanted.
+Triangulation mesh_of(const BatchResult& result, std::size_t p, bool arrays) {
   Triangulation mesh;
+  mesh.statistics.grid = result.grid(p);
+  std::tie(mesh.statistics.vertices_rounded_together, mesh.statistics.rounded_pair) = result.rounded_together(p);
+  const SplitReport split = result.split(p);
+  mesh.statistics.crossings = split.crossings, mesh.statistics.vertices_added = split.vertices_added;
+  mesh.statistics.constraints_split = split.constraints_split, mesh.statistics.constraint_move = split.constraint_move;
+  if (!arrays) return mesh;
   mesh.triangles = copied(result.triangles(p));
   mesh.neighbours = copied(result.neighbours(p));
   mesh.constrained = copied(result.constrained(p));
@@ -175,13 +195,45 @@ Triangulation mesh_of(const BatchResult& result, std::size_t p) {
   mesh.region = copied(result.region(p));
   mesh.depth = copied(result.depth(p));
   mesh.winding = copied(result.winding(p));
-  mesh.statistics.grid = result.grid(p);
+  mesh.region_seed = copied(result.region_seed(p));
   mesh.added_on_grid = copied(result.added_on_grid(p));
   mesh.added_crossing = copied(result.added_crossing(p));
   mesh.added = grid_coordinates(mesh.statistics.grid, mesh.added_on_grid);
   mesh.statistics.triangles = mesh.triangles.size();
   return mesh;
 }
+
+/// Triangulates inputs that have points of their own for the domain, one by one, as `triangulate` does.
+class Alone {
+ public:
+  /// `devices`: of those given the first, which any of several may be.
+  Alone(const std::string& devices, const BatchArguments& arguments, const Options& options)
+      : spec_(devices.substr(0, devices.find(','))), arguments_(arguments), options_(options) {
+    if (spec_ == "all") spec_ = "auto";
+  }
+
+  /// The options for an input; only as long as it is there.
+  Options options(const io::Input& input) const {
+    Options own = options_;
+    set_domain(arguments_.domain, input, own);
+    return own;
+  }
+  Triangulation triangulate(const io::Input& input) {
+    if (!solver_) solver_.emplace(device_number(spec_, true));
+    Triangulation mesh = solver_->triangulate(input.vertices, input.constraints, options(input));
+    constraints += input.constraints.size();
+    vertices += input.vertices.size();
+    triangles += mesh.triangles.size();
+    return mesh;
+  }
+  std::uint64_t vertices = 0, constraints = 0, triangles = 0;  ///< of all of them
+
+ private:
+  std::string spec_;
+  const BatchArguments& arguments_;
+  const Options& options_;
+  std::optional<Solver> solver_;
+};
 
 void prove(Problem& problem, const Triangulation& mesh, const Options& options) {
   MeshView view;
@@ -226,12 +278,21 @@ class Collections {
   std::map<std::string, io::OutputFile*> files_;
 };
 
-void triangulated(Problem& problem, const BatchResult& result, const Options& options) {
-  const std::optional<Error> error = result.error(problem.number);
-  if (!error) return;
-  const Failure said = explained(*error, problem.input, options);
+void fail(Problem& problem, const Error& error, const Options& options) {
+  const Failure said = explained(error, problem.input, options);
   const bool named = std::string(said.what()).find(problem.name) == 0;
   problem.failure = Failure(said.exit(), named ? said.what() : fmt::format("{}: {}", problem.name, said.what()));
+}
+
+/// What is said of an input that was triangulated.
+void say_notes(const Problem& problem, const Triangulation& mesh, const Options& options) {
+  std::vector<std::string> notes;
+  add_unused(problem.input, options, notes);
+  const Statistics& s = mesh.statistics;
+  for (const std::string& text :
+       {together_note(problem.input, s.vertices_rounded_together, s.rounded_pair), rounding_note(mesh)})
+    if (!text.empty()) notes.push_back(text);
+  for (const std::string& text : notes) note(fmt::format("{}: {}", problem.name, text));
 }
 
 /// The files of a problem's own: an .ele with added vertices gets the .node that has them. That fails the problem if it
@@ -254,14 +315,33 @@ std::vector<std::pair<std::string, io::Write>> files_of(Problem& problem, const 
   return files;
 }
 
+/// The mesh of a problem, unless that fails.
+std::optional<Triangulation> mesh_of(Problem& problem, const BatchResult& result, Alone& alone, const Options& options,
+                                     bool arrays) {
+  try {
+    if (problem.failure) return {};
+    if (problem.alone) return alone.triangulate(problem.input);
+    if (const std::optional<Error> error = result.error(problem.number)) throw *error;
+    return mesh_of(result, problem.number, arrays);
+  } catch (const Error& error) {
+    fail(problem, error, options);
+    return {};
+  }
+}
+
 /// The outputs of one problem that are its own appear together.
 void finish(Problem& problem, const BatchResult& result, const BatchArguments& arguments,
-            const std::vector<std::string>& formats, const Options& options, Collections& collections) {
-  if (!problem.failure) triangulated(problem, result, options);
+            const std::vector<std::string>& formats, const Options& options, Alone& alone, Told& told,
+            Collections& collections) {
   const bool writes = !arguments.folder.empty();
-  std::optional<Triangulation> mesh;
-  if (!problem.failure && (arguments.verify || writes)) mesh = mesh_of(result, problem.number);
-  if (mesh && arguments.verify) prove(problem, *mesh, options);
+  const std::optional<Triangulation> mesh = mesh_of(problem, result, alone, options, writes || arguments.verify);
+  if (mesh) {
+    const Statistics& s = mesh->statistics;
+    told.rounded_together += s.vertices_rounded_together;
+    add({s.crossings, s.vertices_added, s.constraints_split, s.constraint_move}, told.split);
+    if (!arguments.quiet) say_notes(problem, *mesh, options);
+    if (arguments.verify) prove(problem, *mesh, problem.alone ? alone.options(problem.input) : options);
+  }
   if (!writes) return;
   std::vector<std::pair<std::string, io::Write>> own;
   if (!problem.failure) own = files_of(problem, *mesh, arguments.folder, formats);
@@ -271,64 +351,6 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
   io::OutputFiles files(stop_if_interrupted);
   for (const auto& [path, write] : own) write(files.add(path), {problem.input, *mesh});
   files.commit();
-  if (const std::string rounding = rounding_note(*mesh); !rounding.empty() && !arguments.quiet)
-    note(fmt::format("{}: {}", problem.name, rounding));
-}
-
-struct Told {
-  std::size_t inputs = 0, failed = 0;
-  SplitReport split;  ///< of all inputs; the largest move
-  double read = 0, write = 0;
-};
-
-void add(const SplitReport& one, SplitReport& all) {
-  all.crossings += one.crossings;
-  all.vertices_added += one.vertices_added;
-  all.constraints_split += one.constraints_split;
-  all.constraint_move = std::max(all.constraint_move, one.constraint_move);
-}
-
-std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, const Pool& pool) {
-  nlohmann::ordered_json devices = nlohmann::ordered_json::array();
-  for (const PoolDevice& device : pool.devices())
-    devices.push_back({{"device", device.info.name},
-                       {"platform", device.info.platform},
-                       {"driver", device.info.driver},
-                       {"problems", device.problems},
-                       {"vertices", device.vertices},
-                       {"runs", device.runs},
-                       {"ms", device.ms_busy},
-                       {"lost", device.lost ? device.lost->what() : ""}});
-  const nlohmann::ordered_json json = {{"inputs", told.inputs},
-                                       {"failed", told.failed},
-                                       {"n", s.vertices},
-                                       {"m", s.constraints},
-                                       {"triangles", s.triangles},
-                                       {"crossings", told.split.crossings},
-                                       {"vertices_added", told.split.vertices_added},
-                                       {"constraints_split", told.split.constraints_split},
-                                       {"constraint_move", told.split.constraint_move},
-                                       {"ms", {{"read", told.read}, {"full", s.ms_full}, {"write", told.write}}},
-                                       {"devices", std::move(devices)},
-                                       {"version", version()}};
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
-
-std::string statistics_table(const Told& told, const gcdt_batch_statistics& s, const Pool& pool) {
-  std::string table = fmt::format(
-      "inputs        {} ({} failed)\nvertices      {}\nconstraints   {}\ntriangles     {}\n"
-      "time          {:.1f} ms, read {:.1f}, write {:.1f}\n",
-      told.inputs, told.failed, s.vertices, s.constraints, s.triangles, s.ms_full, told.read, told.write);
-  if (told.split.crossings > 0)
-    table += fmt::format("crossings     {} ({} vertices added, {} constraints split, moved by {} at most)\n",
-                         told.split.crossings, told.split.vertices_added, told.split.constraints_split,
-                         told.split.constraint_move);
-  for (const PoolDevice& device : pool.devices())
-    table += fmt::format("device        {} ({}): {}\n", device.info.name, device.info.platform,
-                         device.lost ? "taken out: " + std::string(device.lost->what())
-                                     : fmt::format("{} inputs, {} vertices in {} runs, {:.1f} ms", device.problems,
-                                                   device.vertices, device.runs, device.ms_busy));
-  return table;
 }
 
 }  // namespace
@@ -339,15 +361,13 @@ void triangulate_batch(const BatchArguments& arguments) {
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
   options.regions = arguments.regions;
+  options.distinct = arguments.distinct;
   set_domain(arguments.domain, {}, options);
-  if (options.domain == Domain::holes || options.domain == Domain::outer_holes)
-    throw Failure(Exit::usage,
-                  fmt::format("--domain {}: hole points are one input's: use gcdt triangulate", arguments.domain));
   std::vector<Problem> problems = problems_of(arguments);
   Told told;
   told.inputs = problems.size();
   const Stopwatch reading;
-  const Batch batch = read(problems);
+  const Batch batch = read(problems, options);
   told.read = reading.milliseconds();
   check_outputs(problems, arguments, formats);
   TraceRecord trace;
@@ -365,11 +385,12 @@ void triangulate_batch(const BatchArguments& arguments) {
   if (!arguments.folder.empty()) fs::create_directories(arguments.folder, failed);
   if (failed) throw Failure(Exit::output, fmt::format("{}: {}", arguments.folder, failed.message()));
   std::optional<Exit> first;
+  const char* chosen = std::getenv("GCDT_DEVICE");
+  Alone alone(arguments.device.empty() && chosen ? chosen : arguments.device, arguments, options);
   Collections collections;
   for (Problem& problem : problems) {
     stop_if_interrupted();
-    if (!problem.failure) add(result.split(problem.number), told.split);
-    finish(problem, result, arguments, formats, options, collections);
+    finish(problem, result, arguments, formats, options, alone, told, collections);
     if (!problem.failure) continue;
     ++told.failed;
     if (!first) first = problem.failure->exit();
@@ -377,12 +398,13 @@ void triangulate_batch(const BatchArguments& arguments) {
   }
   collections.commit();
   told.write = writing.milliseconds();
+  gcdt_batch_statistics counts = result.statistics();
+  counts.vertices += alone.vertices, counts.constraints += alone.constraints, counts.triangles += alone.triangles;
   io::OutputFiles files(stop_if_interrupted);
-  if (!arguments.statistics.empty())
-    files.add(arguments.statistics).write(statistics_json(told, result.statistics(), pool));
+  if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(told, counts, pool));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());
   files.commit();
-  if (!arguments.quiet && arguments.folder.empty()) print(statistics_table(told, result.statistics(), pool));
+  if (!arguments.quiet && arguments.folder.empty()) print(statistics_table(told, counts, pool));
   for (const PoolDevice& device : pool.devices())
     if (device.lost && !arguments.quiet)
       note(fmt::format("{} was taken out: {}", device.info.name, device.lost->what()));

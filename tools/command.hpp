@@ -2,6 +2,7 @@
 // The subcommands of gcdt and what they share.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
   std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
-  bool verify = false, assess = false, quiet = false, regions = false;
+  bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
 };
 
 /// A mesh that is made of INPUT, or read, to be asked something.
@@ -49,7 +50,7 @@ struct VerifyArguments {
 struct BatchArguments {
   std::vector<std::string> inputs, formats = {"ele"};
   std::string folder, crossing = "reject", domain = "hull", grid, device, statistics, trace;
-  bool verify = false, quiet = false, regions = false;
+  bool verify = false, quiet = false, regions = false, distinct = false;
 };
 
 /// Each returns when all is done and throws io::Failure or gcdt::Error otherwise.
@@ -72,6 +73,12 @@ std::optional<FixedGrid> grid_from_option(const std::string& text);
 /// Turns what the library threw about `input` into one line (crossings: more) in the input's own
 /// numbers, with the status to leave with.
 io::Failure explained(const Error& error, const io::Input& input, const Options& options);
+
+/// Adds what the input has and the options do not use.
+void add_unused(const io::Input& input, const Options& options, std::vector<std::string>& notes);
+
+/// What is to be said of vertices that rounding made one, the first two named; empty if there are none.
+std::string together_note(const io::Input& input, std::uint64_t count, const std::array<std::uint32_t, 2>& first);
 
 /// What is to be said of added vertices that files cannot hold; empty if they can.
 std::string rounding_note(const Triangulation& mesh);

@@ -56,7 +56,25 @@ std::string about_coordinate(const Error& error, const io::Input& input, const c
                      axis == 0 ? 'x' : 'y', vertex + input.first, input.vertices[vertex][axis], what);
 }
 
+std::string together(const io::Input& input, std::uint64_t a, std::uint64_t b) {
+  const auto named = [&](std::uint64_t v) {
+    return fmt::format("{} ({}, {})", v + input.first, input.vertices[v][0], input.vertices[v][1]);
+  };
+  return fmt::format("vertices {} and {} differ, but are one on the grid: --grid X,Y,CELL sets another", named(a),
+                     named(b));
+}
+
 }  // namespace
+
+std::string together_note(const io::Input& input, std::uint64_t count, const std::array<std::uint32_t, 2>& first) {
+  if (count == 0) return {};
+  return fmt::format(
+      "{} {} from a lesser one that rounding has merged {} with, first {}; --distinct makes that an error, --assess "
+      "says "
+      "whether the mesh is valid as given",
+      count, count == 1 ? "vertex differs" : "vertices differ", count == 1 ? "it" : "them",
+      together(input, first[0], first[1]));
+}
 
 Crossing crossing_named(const std::string& name) {
   return name == "split" ? Crossing::split : name == "drop" ? Crossing::drop : Crossing::reject;
@@ -104,6 +122,7 @@ io::Exit exit_for(Status status) {
     case Status::coordinate_outside_grid:
     case Status::index_out_of_range:
     case Status::too_many_vertices:
+    case Status::vertices_coincide:
     case Status::constraints_cross: return io::Exit::input;
     case Status::no_device:
     case Status::device_failed:
@@ -129,8 +148,20 @@ io::Failure explained(const Error& error, const io::Input& input, const Options&
     text = about_coordinate(error, input, "lies outside the grid");
   if (error.status() == Status::coordinate_not_finite && names_vertex)
     text = about_coordinate(error, input, "is not finite");
+  if (error.status() == Status::vertices_coincide && names_vertex)
+    text = fmt::format("{}: {}", place(input.vertex_file, input.vertex_lines, error.indices()[1]),
+                       together(input, error.indices()[0], error.indices()[1]));
   if (error.status() == Status::cancelled) text = "interrupted";
   return io::Failure(exit_for(error.status()), text);
+}
+
+void add_unused(const io::Input& input, const Options& options, std::vector<std::string>& notes) {
+  const bool holes_used = options.domain == Domain::holes || options.domain == Domain::outer_holes;
+  if (holes_used && input.holes.empty()) notes.push_back("the input has no holes");
+  if (!holes_used && !input.holes.empty())
+    notes.push_back(fmt::format("holes ({}) of the input are not used: see --domain", input.holes.size()));
+  if (!input.regions.empty() && options.domain == Domain::hull && !options.regions)
+    notes.push_back(fmt::format("regions ({}) of the input are not used: see --regions", input.regions.size()));
 }
 
 // Files hold doubles, and where those are farther apart than the grid's lines, not all grid points are one.

@@ -73,6 +73,10 @@ void add_domain(CLI::App& app, std::string& domain) {
       ->capture_default_str();
 }
 
+void add_distinct(CLI::App& app, bool& distinct) {
+  app.add_flag("--distinct", distinct, "Refuse input of which rounding to the grid makes vertices one that differ");
+}
+
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
   app->add_option("INPUT", arguments.input,
@@ -88,6 +92,7 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
                 "Find region, depth and winding number of each triangle (in .vtu; region attributes in .ele too) where "
                 "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
+  add_distinct(*app, arguments.distinct);
   app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
   app->add_flag(
       "--assess", arguments.assess,
@@ -123,8 +128,10 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
       ->capture_default_str();
   add_crossing(*app, arguments.crossing);
   add_domain(*app, arguments.domain);
-  app->add_flag("--regions", arguments.regions, "Label the regions that constraints bound (.vtu)");
+  app->add_flag("--regions", arguments.regions,
+                "Label the regions that constraints bound (.vtu; region attributes in .ele too)");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
+  add_distinct(*app, arguments.distinct);
   app->add_option("--device", arguments.device,
                   "Devices, separated by commas: all, gpu, cpu, auto (all GPUs if there are any, else a CPU), numbers "
                   "from \"gcdt devices\", parts of names; default: the variable GCDT_DEVICE, else auto")

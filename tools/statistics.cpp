@@ -66,6 +66,8 @@ std::string statistics_json(const Statistics& s, const Measured& measured) {
   Json json = {{"n", s.n},
                {"m", s.m},
                {"vertices_merged", s.vertices_merged},
+               {"vertices_rounded_together", s.vertices_rounded_together},
+               {"rounded_pair", s.vertices_rounded_together == 0 ? Json() : Json(s.rounded_pair)},
                {"constraints_zero", s.constraints_zero},
                {"constraints_pieces", s.constraints_pieces},
                {"constraints_overlapping", s.constraints_overlapping},
@@ -104,7 +106,8 @@ std::string statistics_json(const Statistics& s, const Measured& measured) {
 std::string statistics_table(const Statistics& s, const Measured& measured) {
   std::string table;
   auto row = [&](const char* name, const std::string& value) { table += fmt::format("{:<12}  {}\n", name, value); };
-  row("vertices", fmt::format("{} ({} merged)", s.n, s.vertices_merged));
+  row("vertices",
+      fmt::format("{} ({} merged, {} of these by rounding)", s.n, s.vertices_merged, s.vertices_rounded_together));
   row("constraints", fmt::format("{} ({} of length zero, {} dropped)", s.m, s.constraints_zero, s.constraints_dropped));
   row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
   row("crossings", s.vertices_added + s.constraints_split == 0

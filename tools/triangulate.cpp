@@ -108,17 +108,6 @@ void prove(const io::Input& input, const Triangulation& mesh, const Options& opt
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
 
-/// What the input has and the options do not use.
-void note_unused(const io::Input& input, const Options& options, Statistics& statistics) {
-  const bool holes_used = options.domain == Domain::holes || options.domain == Domain::outer_holes;
-  auto& notes = statistics.notes;
-  if (holes_used && input.holes.empty()) notes.push_back("the input has no holes");
-  if (!holes_used && !input.holes.empty())
-    notes.push_back(fmt::format("holes ({}) of the input are not used: see --domain", input.holes.size()));
-  if (!input.regions.empty() && options.domain == Domain::hull && !options.regions)
-    notes.push_back(fmt::format("regions ({}) of the input are not used: see --regions", input.regions.size()));
-}
-
 void write_outputs(const TriangulateArguments& arguments, const std::vector<std::string>& paths,
                    const io::Result& result, Statistics& statistics, const Measured& measured,
                    const TraceRecord& trace) {
@@ -149,6 +138,7 @@ void triangulate(const TriangulateArguments& arguments) {
   check_overwrites_no_input(arguments, input.files);
   set_domain(arguments.domain, input, options);
   options.regions = arguments.regions;
+  options.distinct = arguments.distinct;
   stop_if_interrupted();
 
   TraceRecord trace;
@@ -156,7 +146,11 @@ void triangulate(const TriangulateArguments& arguments) {
   Triangulation mesh = computed(input, arguments, options, trace, measured);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
-  note_unused(input, options, mesh.statistics);
+  add_unused(input, options, mesh.statistics.notes);
+  if (const std::string together =
+          together_note(input, mesh.statistics.vertices_rounded_together, mesh.statistics.rounded_pair);
+      !together.empty())
+    mesh.statistics.notes.push_back(together);
   if (const std::string rounding = rounding_note(mesh); !rounding.empty()) mesh.statistics.notes.push_back(rounding);
   if (arguments.verify) prove(input, mesh, options);
   if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);

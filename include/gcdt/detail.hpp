@@ -27,6 +27,7 @@ inline Status status_of(std::int32_t code) {
     case GCDT_ERROR_BUFFER_ACCESS: return Status::buffer_access;
     case GCDT_ERROR_BUFFERS_OVERLAP: return Status::buffers_overlap;
     case GCDT_ERROR_IN_USE: return Status::in_use;
+    case GCDT_ERROR_VERTICES_COINCIDE: return Status::vertices_coincide;
     case GCDT_ERROR_OUT_OF_MEMORY:
     case -4:   // CL_MEM_OBJECT_ALLOCATION_FAILURE
     case -5:   // CL_OUT_OF_RESOURCES
@@ -163,6 +164,7 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
   c.domain = static_cast<std::int32_t>(options.domain), c.regions = options.regions;
   c.hole_seeds = seeds(options.hole_seeds), c.hole_seed_count = options.hole_seeds.size();
   c.region_seeds = seeds(options.region_seeds), c.region_seed_count = options.region_seeds.size();
+  c.distinct = options.distinct;
   return c;
 }
 
@@ -231,6 +233,8 @@ inline Statistics statistics(const gcdt_result* result) {
   s.ms.call = c.ms_call, s.ms.walk = c.ms_walk, s.ms.gather = c.ms_gather;
   s.cases.pairs_cut_one_corner = c.pairs_cut_one_corner, s.cases.pairs_from_one_corner = c.pairs_from_one_corner;
   s.cases.pairs_cut_two_corners = c.pairs_cut_two_corners, s.cases.pairs_cut_and_from = c.pairs_cut_and_from;
+  s.vertices_rounded_together = c.vertices_rounded_together;
+  s.rounded_pair = {c.rounded_pair[0], c.rounded_pair[1]};
   for (std::size_t i = 0; const char* note = gcdt_result_note(result, i); ++i) s.notes.emplace_back(note);
   return s;
 }

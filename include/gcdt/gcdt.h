@@ -70,7 +70,9 @@ enum {
   GCDT_ERROR_IN_USE = -20019,                  /* the solver is in a call, or its results still hold memory */
   GCDT_ERROR_NOT_VALID = -20020,               /* gcdt_verify: the mesh is not the CDT; the message says why */
   GCDT_ERROR_HOST_MEMORY = -20021,             /* the host is out of memory */
-  GCDT_ERROR_INTERNAL = -20022                 /* a defect of this library */
+  GCDT_ERROR_INTERNAL = -20022,                /* a defect of this library */
+  GCDT_ERROR_VERTICES_COINCIDE = -20023        /* gcdt_options.distinct: rounding made vertices one; indices: the first
+                                                  two of them */
 };
 
 /* A sentence for the status, OpenCL's codes included; never null. */
@@ -257,11 +259,12 @@ typedef struct gcdt_options {
   uint64_t hole_seed_count; /* at most GCDT_MAX_VERTICES */
   const double* region_seeds;
   uint64_t region_seed_count;
+  int32_t distinct; /* 1: vertices that differ as given must differ on the grid: else GCDT_ERROR_VERTICES_COINCIDE */
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \
   {                                                                                                                \
     sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
-        NULL, 0                                                                                                    \
+        NULL, 0, 0                                                                                                 \
   }
 
 /* The CDT of `input` (paper: Fan et al., gCDT, 2026, sections 4 to 8). `options` may be null. Fewer than three
@@ -425,6 +428,10 @@ typedef struct gcdt_statistics {
    * one, each cuts off another, one cuts off a corner and one comes from another. Once for each edge of the triangle
    * on which the one nearest to an end is not the nearest to the other. */
   uint64_t pairs_cut_one_corner, pairs_from_one_corner, pairs_cut_two_corners, pairs_cut_and_from;
+  /* Of vertices_merged those that differ, as given, from the vertex that stands for them: rounding made them one. The
+   * pair: the first of them behind the vertex that stands for it; 0, 0 if there is none. */
+  uint64_t vertices_rounded_together;
+  uint32_t rounded_pair[2];
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);

@@ -105,6 +105,8 @@ typedef struct gcdt_problem {
   /* Under GCDT_CROSSING_SPLIT, as in gcdt_statistics; else 0. */
   uint64_t crossings, vertices_added, constraints_split;
   double constraint_move;
+  uint64_t vertices_rounded_together; /* as in gcdt_statistics */
+  uint32_t rounded_pair[2];
 } gcdt_problem;
 
 GCDT_API int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_problem* info);

@@ -74,6 +74,12 @@ class BatchResult {
     return {c.crossings, c.vertices_added, c.constraints_split, c.constraint_move};
   }
 
+  /// Vertices that rounding made one, and the first of them with the one that stands for it; see Statistics.
+  std::pair<std::uint64_t, std::array<std::uint32_t, 2>> rounded_together(std::size_t problem) const {
+    const gcdt_problem c = info(problem);
+    return {c.vertices_rounded_together, {c.rounded_pair[0], c.rounded_pair[1]}};
+  }
+
   /// The problem's arrays; see the members of Triangulation. Empty if it has an error.
   Span<std::array<std::uint32_t, 3>> triangles(std::size_t problem) const {
     return array<std::array<std::uint32_t, 3>>(problem, GCDT_TRIANGLES);
@@ -94,6 +100,7 @@ class BatchResult {
   Span<std::uint32_t> region(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_REGIONS); }
   Span<std::uint32_t> depth(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DEPTHS); }
   Span<std::int32_t> winding(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_WINDINGS); }
+  Span<std::int32_t> region_seed(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_REGION_SEEDS); }
   Span<std::uint32_t> dropped(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DROPPED); }
   /// Empty unless constraints were split (Crossing::split); grid_coordinates has the coordinates.
   Span<std::array<std::int32_t, 2>> added_on_grid(std::size_t problem) const {

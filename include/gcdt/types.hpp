@@ -106,6 +106,7 @@ enum class Status {
   buffer_access,            ///< an output that is read-only, or an input that is write-only
   buffers_overlap,          ///< two ranges of device memory that must be apart are not
   in_use,                   ///< the solver is in a call, or its results still hold memory
+  vertices_coincide,  ///< Options::distinct: rounding made vertices one; indices: {vertex, vertex}, the first pair
 };
 
 /// Everything this library throws, std::bad_alloc apart.
@@ -193,6 +194,7 @@ struct Options {
   bool regions = false;          ///< region, depth, winding and seed of each triangle; always so unless `hull`
   /// Points in the input's coordinates, rounded to the grid; on an edge or vertex: in the least triangle there.
   std::vector<std::array<double, 2>> hole_seeds, region_seeds;
+  bool distinct = false;  ///< vertices that differ as given must differ on the grid: else throw vertices_coincide
 };
 
 /// Counts and times of one call; names as in the statistics file of the command.
@@ -254,6 +256,10 @@ struct Statistics {
   /// Constrained edges beside which the parity or the winding numbers are not what the edge says, since the
   /// borders are not closed there.
   std::uint64_t open_parity = 0, open_winding = 0;
+  /// Of vertices_merged those that differ, as given, from the vertex that stands for them: rounding made them one. The
+  /// first of them is the second of the pair, and that vertex the first.
+  std::uint64_t vertices_rounded_together = 0;
+  std::array<std::uint32_t, 2> rounded_pair{0, 0};
   std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
 };
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geojson.hpp"
+#include "json_line.hpp"
 #include "paths.hpp"
 
 namespace gcdt::io {
@@ -21,11 +22,14 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 class Reader {
  public:
-  /// `name`: of the text in messages.
-  Reader(std::string path, std::string name) : name_(std::move(name)) { input_.files.push_back(std::move(path)); }
+  /// `name`: of the text in messages; `lines`: they name lines of the text, too.
+  Reader(std::string path, std::string name, bool lines) : name_(std::move(name)), lines_(lines) {
+    input_.files.push_back(std::move(path));
+  }
 
   Input read(std::string_view text) {
     input_.vertex_file = input_.constraint_file = name_;
+    text_ = text;
     Json root;
     try {
       root = Json::parse(text);
@@ -39,8 +43,28 @@ class Reader {
   }
 
  private:
+  /// While it lives, the value that is looked at is a part of the one before.
+  class Inside {
+   public:
+    Inside(Reader& reader, JsonStep step) : reader_(reader) { reader_.path_.push_back(std::move(step)); }
+    ~Inside() { reader_.path_.pop_back(); }
+    Inside(const Inside&) = delete;
+    Inside& operator=(const Inside&) = delete;
+
+   private:
+    Reader& reader_;
+  };
+
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
-    throw Failure(Exit::input, fmt::format("{}: {}: {}", name_, where, what));
+    const std::string line = lines_ ? fmt::format(":{}", json_line(text_, path_)) : "";
+    throw Failure(Exit::input, fmt::format("{}{}: {}: {}", name_, line, where, what));
+  }
+
+  /// The beginning of a value as it may be shown.
+  static std::string shown(const Json& value) {
+    constexpr std::size_t most = 40;
+    const std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+    return text.size() > most ? text.substr(0, most) + "..." : text;
   }
 
   /// The third numbers of positions are an attribute, if all have one.
@@ -64,56 +88,73 @@ class Reader {
   }
 
   const Json& array(const Json& value, const std::string& where) const {
-    if (!value.is_array()) fail(where, "an array is due");
+    if (!value.is_array()) fail(where, fmt::format("an array is due, not {}", shown(value)));
     return value;
   }
 
   template <class Each>
   void for_each(const Json& value, const std::string& where, const char* kind, Each&& each) {
     std::size_t number = 0;
-    for (const Json& element : array(value, where)) each(element, fmt::format("{}, {} {}", where, kind, number++));
+    for (const Json& element : array(value, where)) {
+      const Inside inside(*this, {"", number});
+      each(element, fmt::format("{}, {} {}", where, kind, number++));
+    }
+  }
+
+  template <class Each>
+  void for_each_of(const Json& of, const char* key, const std::string& where, const char* kind, Each&& each) {
+    const Json& value = member(of, key, where);
+    const Inside inside(*this, {key, 0});
+    for_each(value, where, kind, each);
   }
 
   void object(const Json& value, const std::string& where, int depth) {
     if (depth > deepest) fail(where, "collections are nested too deeply");
-    if (!value.is_object()) fail(where, "an object is due");
+    if (!value.is_object()) fail(where, fmt::format("an object is due, not {}", shown(value)));
     const Json& type = member(value, "type", where);
-    if (!type.is_string()) fail(where, "\"type\" is no text");
+    if (!type.is_string()) {
+      const Inside inside(*this, {"type", 0});
+      fail(where, fmt::format("\"type\" is no text, but {}", shown(type)));
+    }
     const auto name = type.get<std::string>();
     if (name == "FeatureCollection")
-      return for_each(member(value, "features", where), where, "feature",
-                      [&](const Json& f, const std::string& at) { object(f, at, depth + 1); });
+      return for_each_of(value, "features", where, "feature",
+                         [&](const Json& f, const std::string& at) { object(f, at, depth + 1); });
     if (name == "Feature") {
       const Json& geometry = member(value, "geometry", where);
+      const Inside inside(*this, {"geometry", 0});
       if (!geometry.is_null()) object(geometry, where, depth + 1);
       return;
     }
     if (name == "GeometryCollection")
-      return for_each(member(value, "geometries", where), where, "geometry",
-                      [&](const Json& g, const std::string& at) { object(g, at, depth + 1); });
+      return for_each_of(value, "geometries", where, "geometry",
+                         [&](const Json& g, const std::string& at) { object(g, at, depth + 1); });
     geometry(name, value, where);
   }
 
   void geometry(const std::string& type, const Json& value, const std::string& where) {
-    const auto at = [&]() -> const Json& { return member(value, "coordinates", where); };
+    constexpr const char* types[] = {"Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon"};
+    if (std::count(std::begin(types), std::end(types), type) == 0)
+      fail(where, fmt::format("there is no type \"{}\"", type));
+    const Json& at = member(value, "coordinates", where);
+    const Inside inside(*this, {"coordinates", 0});
     const auto line = [&](const Json& l, const std::string& place) { positions(l, place, false); };
     const auto polygon = [&](const Json& p, const std::string& place) {
       for_each(p, place, "ring", [&](const Json& r, const std::string& inner) { positions(r, inner, true); });
       polygon_offsets_.push_back(rings_.size());
     };
-    if (type == "Point") return position(at(), where);
+    if (type == "Point") return position(at, where);
     if (type == "MultiPoint")
-      return for_each(at(), where, "point", [&](const Json& p, const std::string& place) { position(p, place); });
-    if (type == "LineString") return line(at(), where);
-    if (type == "MultiLineString") return for_each(at(), where, "line", line);
-    if (type == "Polygon") return polygon(at(), where);
-    if (type == "MultiPolygon") return for_each(at(), where, "polygon", polygon);
-    fail(where, fmt::format("there is no type \"{}\"", type));
+      return for_each(at, where, "point", [&](const Json& p, const std::string& place) { position(p, place); });
+    if (type == "LineString") return line(at, where);
+    if (type == "MultiLineString") return for_each(at, where, "line", line);
+    if (type == "Polygon") return polygon(at, where);
+    for_each(at, where, "polygon", polygon);
   }
 
   void position(const Json& value, const std::string& where) {
     if (array(value, where).size() < 2 || !value[0].is_number() || !value[1].is_number())
-      fail(where, "a position of two numbers is due");
+      fail(where, fmt::format("a position of two numbers is due, not {}", shown(value)));
     const std::array<double, 2> at = {value[0].get<double>(), value[1].get<double>()};
     for (const double c : at)
       if (!(c - c == 0)) fail(where, "a coordinate is not finite");
@@ -161,6 +202,9 @@ class Reader {
     std::size_t first_constraint;
   };
   std::string name_;
+  bool lines_;
+  std::string_view text_;
+  std::vector<JsonStep> path_;  ///< to the value that is looked at
   Input input_;
   std::vector<Ring> rings_;
   std::vector<std::uint64_t> polygon_offsets_ = {0};
@@ -169,7 +213,7 @@ class Reader {
 
 }  // namespace
 
-Input read_geojson(const std::string& path) { return Reader(path, path).read(read_file(path)); }
+Input read_geojson(const std::string& path) { return Reader(path, path, true).read(read_file(path)); }
 
 bool is_line_file(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -191,7 +235,7 @@ std::vector<TextLine> lines_of(const std::string& path) {
 }
 
 Input read_geojson_line(const std::string& path, const TextLine& line) {
-  return Reader(path, fmt::format("{}:{}", path, line.number)).read(line.text);
+  return Reader(path, fmt::format("{}:{}", path, line.number), false).read(line.text);
 }
 
 }  // namespace gcdt::io

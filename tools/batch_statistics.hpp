@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The statistics of a batch, as JSON and as a table.
+#pragma once
+
+#include <gcdt/gcdt_pool.hpp>
+#include <string>
+
+namespace gcdt::command {
+
+/// What the library does not count.
+struct Told {
+  std::size_t inputs = 0, failed = 0;
+  SplitReport split;  ///< of all inputs; the largest move
+  std::uint64_t rounded_together = 0;
+  double read = 0, write = 0;
+};
+
+void add(const SplitReport& one, SplitReport& all);
+
+std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, const Pool& pool);
+std::string statistics_table(const Told& told, const gcdt_batch_statistics& s, const Pool& pool);
+
+}  // namespace gcdt::command
