@@ -344,3 +344,20 @@ TEST_CASE("points in device memory are located as host arrays are, with offsets,
           locate(result, {Points::Type::int32, app.buffer(queries), 1, 0}, buffer_of(result, GCDT_REGIONS));
         }).status() == Status::buffers_overlap);
 }
+
+TEST_CASE("vertices in device memory that rounding makes one are counted and refused as those of host arrays are") {
+  const App app;
+  std::vector<std::array<double, 2>> points = {{7, 7}};
+  for (int i = 0; i < 3000; ++i) points.push_back({i % 60 / 3.0, i / 60 / 7.0 + (i % 11 == 0 ? 1e-12 : 0)});
+  for (int i = 0; i < 500; ++i) points.push_back({points[5 * i][0], points[5 * i][1] + (i % 2 ? 1e-11 : 0)});
+  const Triangulation expected = solver().triangulate(points, {});
+  CHECK(expected.statistics.vertices_rounded_together > 100);
+  Solver here = make_solver(app.queue);
+  const DevicePoints there = {Points::Type::float64, app.buffer(points), points.size(), 0};
+  const Statistics found = solve(here, there, {}).statistics();
+  CHECK(found.vertices_rounded_together == expected.statistics.vertices_rounded_together);
+  CHECK(found.rounded_pair == expected.statistics.rounded_pair);
+  Options options;
+  options.distinct = true;
+  CHECK(error_of([&] { solve(here, there, {}, options); }).status() == Status::vertices_coincide);
+}

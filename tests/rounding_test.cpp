@@ -199,3 +199,20 @@ TEST_CASE("the largest move is the nearest double, denormal or not; on a decimal
     CHECK(found - exact <= exact * 0x1p-51);
   }
 }
+
+TEST_CASE("numbers with a point so close that a binary grid holds their doubles are those doubles, else as written") {
+  // A triangle of 1e-8: doubles near 0.1 are multiples of 2^-56, and the binary grid comes first.
+  const Doubles near = {{0.1, 0.1}, {0.10000001, 0.1}, {0.1, 0.10000001}};
+  const Triangulation binary = solver().triangulate(near, {});
+  CHECK(binary.statistics.grid.kind == Grid::Kind::binary);
+  // On a decimal cell of more than a last place they stand where they are written.
+  Options options;
+  options.grid = FixedGrid{0.1, 0.1, "1e-16"};
+  const std::vector<std::array<std::int32_t, 2>> written = {{0, 0}, {100000000, 0}, {0, 100000000}};
+  const Triangulation fixed = solver().triangulate(near, {}, options);
+  CHECK(grid_points(fixed.statistics.grid, near) == written);
+  CHECK(grid_points(binary.statistics.grid, near)[1][0] * binary.statistics.grid.cell() != 1e-8);
+  // Farther apart they are decimals.
+  const Triangulation decimal = solver().triangulate(Doubles{{0.1, 0.1}, {0.3, 0.1}, {0.1, 0.7}}, {});
+  CHECK(decimal.statistics.grid.kind == Grid::Kind::decimal);
+}
