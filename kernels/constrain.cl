@@ -80,8 +80,10 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
       if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
       ++pairs;
     }
-    if (event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_HIT);
-    else if (event != WALK_END) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+    if (event == WALK_HIT)
+      atomic_or(&counters->failed, GCDT_FAILED_HIT);
+    else if (event != WALK_END)
+      atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }
   add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
   existing = sum_of_group(&sum, existing);

@@ -3,6 +3,8 @@
 // low that small inputs take every way that large ones take.
 #include <doctest/doctest.h>
 
+#include <map>
+
 #include "api.hpp"
 #include "device_list.hpp"
 #include "foreign.hpp"
@@ -17,14 +19,14 @@ namespace {
 const std::vector<cl::Device> all_of_them = every_device();
 
 /// A solver on PoCL, or on llvmpipe, that treats it as a GPU.
-Solver as_gpu(DeviceKind really, const Tuning& given = {}) {
+Solver as_gpu(DeviceKind really, const Tuning& given = {}, Trace trace = {}) {
   for (const cl::Device& device : all_of_them) {
     if (runtime::kind_of(runtime::describe(device), {}) != really) continue;
     runtime::CallHook hook;
     hook.tuning = given;
     hook.tuning.kind = DeviceKind::gpu;
     auto handle = std::make_unique<gcdt_solver>();
-    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), Trace(), hook);
+    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), std::move(trace), hook);
     return Solver(handle.release());
   }
   throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
@@ -193,4 +195,30 @@ TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups'
       for (const Options& options : {Options(), regions})
         Alone(some, options).check(pool.triangulate(batch.view(), options));
     }
+}
+
+// Flips and steps: as in statistics_test.cpp, by levels.
+TEST_CASE(
+    "rounds are counted as they are launched, where none is inside a work-group; flips and steps as theory expects") {
+  std::map<std::string, std::uint64_t> launches;
+  Tuning wide;
+  wide.one_group_vertices = wide.one_group_edges = 0;
+  wide.least_sweep = 3000;
+  Solver gpu = as_gpu(DeviceKind::threads, wide, [&](const TraceSpan& span) {
+    if (span.on_device) ++launches[span.name];
+  });
+  const std::uint64_t n = 10000;
+  const Workload problem = uniform(n);
+  const Statistics s = gpu.solve(problem.points).statistics();
+  CHECK(launches["flip_sweep"] > 0);
+  CHECK(launches["flip_test"] > 0);
+  CHECK(s.rounds.flip == launches["flip_sweep"] + launches["flip_test"]);
+  CHECK(s.rounds.insert == launches["insert_split"]);
+  CHECK(s.flips > 1.3 * n);
+  CHECK(s.flips < 3.6 * n);
+  CHECK(s.location_steps > n);
+  CHECK(s.location_steps < 6 * n);
+  // A round makes a vertex's path at most one longer; some vertex of the last level waits for another.
+  CHECK(s.history_depth > 0);
+  CHECK(s.history_depth <= s.rounds.insert);
 }

@@ -25,8 +25,8 @@ struct Treated {
   std::unique_ptr<runtime::Runtime> runtime;
 };
 
-/// PoCL and Mesa's llvmpipe, both as they are and as GPUs, and the machine's other devices. Fails without the two, unless
-/// GCDT_TEST_DEVICE is set: whoever names a device, such as a GPU, takes what else the machine has.
+/// PoCL and Mesa's llvmpipe, both as they are and as GPUs, and the machine's other devices. Fails without the two,
+/// unless GCDT_TEST_DEVICE is set: whoever names a device, such as a GPU, takes what else the machine has.
 inline std::vector<Treated>& devices_as_all_kinds() {
   static std::vector<Treated> all = [] {
     std::vector<Treated> made;

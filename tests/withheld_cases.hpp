@@ -110,7 +110,8 @@ struct Damage {
 
 inline std::vector<Damage> damages() {
   return {
-      {"a corner", "has a corner that is no vertex", [](Places& at, HostResult& wrong) {
+      {"a corner", "has a corner that is no vertex",
+       [](Places& at, HostResult& wrong) {
          wrong.corners[7] = static_cast<cl_uint>(withheld_copies() * at.points.size()) + 9;
        },
        false},
