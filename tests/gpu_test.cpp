@@ -18,13 +18,13 @@ namespace {
 // Before any test lists devices.
 const std::vector<cl::Device> all_of_them = every_device();
 
-/// A solver on PoCL, or on llvmpipe, that treats it as a GPU.
+/// A solver on PoCL, or on llvmpipe, that treats it as a GPU, or as what is given.
 Solver as_gpu(DeviceKind really, const Tuning& given = {}, Trace trace = {}) {
   for (const cl::Device& device : all_of_them) {
     if (runtime::kind_of(runtime::describe(device), {}) != really) continue;
     runtime::CallHook hook;
     hook.tuning = given;
-    hook.tuning.kind = DeviceKind::gpu;
+    hook.tuning.kind = given.kind.value_or(DeviceKind::gpu);
     auto handle = std::make_unique<gcdt_solver>();
     handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), std::move(trace), hook);
     return Solver(handle.release());
@@ -110,6 +110,14 @@ TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same o
   const auto triangles = hull.triangles();
   same(gpu.adopt(problem.points, triangles, problem.constraints),
        solver().adopt(problem.points, triangles, problem.constraints));
+}
+
+TEST_CASE("a device treated as neither CPU nor GPU gives a CPU's bytes") {
+  Tuning tuning;
+  tuning.kind = DeviceKind::accelerator;
+  const Workload problem = workload("uniform", 3000);
+  CHECK(difference(as_gpu(DeviceKind::threads, tuning).triangulate(problem.points),
+                   solver().triangulate(problem.points)) == "");
 }
 
 TEST_CASE("a device treated as a GPU gives the same triangles in any order, and finds a fault in a mesh from outside") {
