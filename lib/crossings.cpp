@@ -12,8 +12,9 @@ namespace {
 
 constexpr std::size_t pairs_in_message = 10;
 
-// Testing all pieces with all others is one loop of a work-item over the pieces.
-constexpr cl_uint most_for_all = 1u << 16;
+// Testing all pieces with all others is one loop of a work-item over the pieces; it takes several, and loops of lanes
+// end early (docs/devices.md).
+constexpr cl_uint most_for_all = 1u << 16, most_for_all_of_lanes = 1u << 11;
 
 }  // namespace
 
@@ -51,7 +52,8 @@ void CrossingPieces::find_records() {
   if (counters_.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
   const std::uint64_t by_faces = wide(counters_.last().pairs_low, counters_.last().pairs_high);
   // In a forest, pieces of different problems must not meet: their grids are different.
-  all_ = walked_.vertices.roots == 1 && pieces_.count <= most_for_all &&
+  const cl_uint most = runtime_.kind() == DeviceKind::lanes ? most_for_all_of_lanes : most_for_all;
+  all_ = walked_.vertices.roots == 1 && pieces_.count <= most &&
          std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
   rows_ = pieces_.count;
   if (all_) return;
