@@ -50,7 +50,7 @@ bool check_one(double x, const FixedGrid& fixed, const ChosenGrid& chosen, const
   const Rational move = abs(distance - Rational(expected) * cell),
                  reported = oracle::exact(move_length(got.move, chosen.scale));
   CHECK((got.move == 0) == (move == 0));
-  const Rational slack = std::max<Rational>(move * oracle::power_of_two(-52), cell * oracle::power_of_two(-106));
+  const Rational slack = std::max<Rational>(move * oracle::power_of_two(-51), cell * oracle::power_of_two(-106));
   CHECK(abs(reported - move) <= std::max<Rational>(slack, oracle::power_of_two(-1074)));
   return true;
 }
