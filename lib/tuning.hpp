@@ -50,7 +50,7 @@ struct Tuning {
   /// (kernels/few.cl): in less time than the launches and blocking reads take that other threads would need to help
   /// it, each of which wakes all of them (bench/NOTES.md).
   std::uint32_t few_vertices = 2048;
-  /// Work-groups of launches while there are several runtimes, where a work-item is a thread; 0: as many as they want;
+  /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;
   /// none: where the driver needs them to be of one width, as many as the widest has (opencl.cpp).
   std::optional<std::uint32_t> width;
   /// Whether a pool's runs write through memory of the driver's own, and have the room for their results made while the

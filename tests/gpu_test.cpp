@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole calls and batches on devices that are treated as GPUs: the bytes are those of a CPU's ways, with thresholds so
-// low that small inputs take every way that large ones take.
+// Whole calls on devices that are treated as GPUs (batches: gpu_pool_test.cpp): the bytes are those of a CPU's ways,
+// with thresholds so low that small inputs take every way that large ones take.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -8,6 +8,7 @@
 #include "api.hpp"
 #include "device_list.hpp"
 #include "foreign.hpp"
+#include "kinds.hpp"
 #include "pool_cases.hpp"
 
 using namespace gcdt;
@@ -30,18 +31,6 @@ Solver as_gpu(DeviceKind really, const Tuning& given = {}, Trace trace = {}) {
     return Solver(handle.release());
   }
   throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
-}
-
-// Levels, groups and lists of a few; stamps that run out; sweeps from the start.
-Tuning small() {
-  Tuning tuning;
-  tuning.coarsest_level = 8;
-  tuning.one_group_vertices = 16;
-  tuning.one_group_edges = 32;
-  tuning.least_sweep = 100;
-  tuning.most_stamps = 3;
-  tuning.rounds_of_group = 2;
-  return tuning;
 }
 
 // All that a call can be asked for, with problems that take it to every phase.
@@ -72,7 +61,7 @@ std::vector<std::pair<Workload, Options>> calls() {
 }  // namespace
 
 TEST_CASE("calls on a device treated as a GPU give a CPU's bytes, with usual thresholds and with small ones") {
-  Solver usual_gpu = as_gpu(DeviceKind::threads), small_gpu = as_gpu(DeviceKind::threads, small());
+  Solver usual_gpu = as_gpu(DeviceKind::threads), small_gpu = as_gpu(DeviceKind::threads, small_thresholds());
   for (const auto& [problem, options] : calls()) {
     CAPTURE(problem.points.size());
     const Triangulation expected = solver().triangulate(problem.points, problem.constraints, options);
@@ -143,22 +132,6 @@ TEST_CASE("a device treated as a GPU gives the same triangles in any order, and 
   CHECK_THROWS_AS(check(wrong), Error);
 }
 
-// Which leaves cores to the GPU's lanes, and rehearses while the GPU works.
-TEST_CASE("a CPU beside a device treated as a GPU, in one pool") {
-  std::vector<Workload> problems = smallest_problems();
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) problems.push_back(randomPslg(150, 1000, 40, seed));
-  runtime::CallHook hook;
-  hook.tuning.kind = DeviceKind::gpu;
-  hook.tuning.pack_overhead = 0;
-  DevicePool pool({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), {}}}, {}, {});
-  const RaggedBatch batch(problems);
-  const Alone alone(problems);
-  for (int round = 0; round < 3; ++round) {
-    alone.check(pool.triangulate(batch.view(), {}));
-    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
-  }
-}
-
 TEST_CASE("a problem too large for a work-group beside small ones, on a device treated as a GPU") {
   runtime::CallHook hook;
   hook.tuning.kind = DeviceKind::gpu;
@@ -177,32 +150,6 @@ TEST_CASE("llvmpipe treated as a GPU gives PoCL's bytes, by sweeps of a mesh tha
   const Workload problem = workload("uniform", 45000);
   REQUIRE(3 * problem.points.size() > Tuning().least_sweep);
   CHECK(difference(as_gpu(DeviceKind::lanes).triangulate(problem.points), solver().triangulate(problem.points)) == "");
-}
-
-// Of a pool's GPU: lanes in one context, memory of the driver's own, results through it.
-TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups', give each problem's bytes alone") {
-  std::vector<Workload> problems = smallest_problems();
-  for (const std::string& name : workloadNames()) problems.push_back(workload(name, 60));
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) problems.push_back(randomPslg(150, 9, 150, seed));
-  problems.push_back(randomCrossing(200, 1000, 60, 5));
-  const std::size_t group_sized = problems.size();
-  problems.push_back(workload("uniform", 40000));  // one more than a group takes, and all go through rounds together
-  for (const std::size_t count : {group_sized, problems.size()})
-    for (const Tuning& tuning : {Tuning(), small()}) {
-      CAPTURE(count);
-      CAPTURE(tuning.most_stamps);
-      const std::vector<Workload> some(problems.begin(), problems.begin() + std::ptrdiff_t(count));
-      runtime::CallHook hook;
-      hook.tuning = tuning;
-      hook.tuning.kind = DeviceKind::gpu;
-      hook.tuning.pack_overhead = 0;  // so that there are more packs than one
-      DevicePool pool({{cl::Context(), app_device(), hook}}, {}, {});
-      const RaggedBatch batch(some);
-      Options regions;
-      regions.regions = true;
-      for (const Options& options : {Options(), regions})
-        Alone(some, options).check(pool.triangulate(batch.view(), options));
-    }
 }
 
 // Flips and steps: as in statistics_test.cpp, by levels.

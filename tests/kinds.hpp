@@ -49,6 +49,18 @@ inline std::vector<Treated>& devices_as_all_kinds() {
   return all;
 }
 
+/// Levels, groups and lists of a few; stamps that run out; sweeps from the start.
+inline Tuning small_thresholds() {
+  Tuning tuning;
+  tuning.coarsest_level = 8;
+  tuning.one_group_vertices = 16;
+  tuning.one_group_edges = 32;
+  tuning.least_sweep = 100;
+  tuning.most_stamps = 3;
+  tuning.rounds_of_group = 2;
+  return tuning;
+}
+
 /// Other choices of a runtime for its life.
 class Tuned {
  public:
