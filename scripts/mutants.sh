@@ -63,6 +63,7 @@ chosen() {
 target_of() {
   case $1 in
     scripts | readme | consumers) ;;
+    forget_launches) echo launch_layer ;;
     abi | example_interop) echo gcdt_shared ;;
     bench_quick) echo gcdt_bench ;;
     bench_batch) echo gcdt_bench_batch ;;
