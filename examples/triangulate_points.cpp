@@ -21,7 +21,7 @@ int main() {
       for (std::int32_t neighbour : across) hull_edges += neighbour == -1;
 
     std::printf("%zu seeds, %zu triangles, %zu edges on the hull\n", seeds.size(), mesh.triangles.size(), hull_edges);
-    std::printf("on %s in %.1f ms\n", mesh.statistics.device.c_str(), mesh.statistics.ms.full);
+    std::printf("on %s in %.1f ms\n", mesh.statistics.device.c_str(), mesh.statistics.ms.call);
 
     // Euler: n vertices, h of them on the hull, give 2n - 2 - h triangles.
     return mesh.triangles.size() == 2 * seeds.size() - 2 - hull_edges ? 0 : 1;

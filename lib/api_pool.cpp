@@ -163,6 +163,7 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
   if (pool && pool->in_call.test_and_set())
     return failed(nullptr, GCDT_ERROR_IN_USE, "the pool is in a call, of another thread or of a callback's caller");
   const std::int32_t status = guarded(nullptr, [&] {
+    const auto start = std::chrono::steady_clock::now();
     require(pool, "pool is null");
     require(batch, "batch is null");
     const ReadBatch read = read_batch(input);
@@ -177,7 +178,7 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
     }
     s.failed = made->made.errors.size();
     for (const ForestResult& result : made->made.results) s.triangles += result.triangles();
-    s.ms_full = made->made.milliseconds;
+    s.ms_call = milliseconds_since(start);
     *batch = made.release();
   });
   if (pool) pool->in_call.clear();

@@ -271,7 +271,7 @@ TEST_CASE("statistics have the names of the contract") {
     CHECK(json.at(name).is_number_unsigned());
   }
   for (const char* name :
-       {"read", "core", "full", "write", "build", "order", "insert", "constrain", "flip", "check", "output"})
+       {"read", "call", "core", "full", "write", "build", "order", "insert", "constrain", "flip", "check", "output"})
     CHECK(json.at("ms").at(name).is_number());
   for (const char* name : {"insert", "flip"}) CHECK(json.at("rounds").at(name).is_number_unsigned());
   for (const char* name : {"device", "driver", "platform", "version"}) CHECK(!json.at(name).get<std::string>().empty());

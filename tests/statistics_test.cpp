@@ -6,6 +6,8 @@
 #include <chrono>
 #include <map>
 
+#include <gcdt/gcdt_pool.hpp>
+
 #include "solver_fixture.hpp"
 
 using namespace gcdt;
@@ -125,6 +127,19 @@ TEST_CASE("call is the caller's clock: with copies and new arrays, and with buil
     CHECK(first.ms.build > 0);
     CHECK(first.ms.build + first.ms.full <= first.ms.call);
   }
+}
+
+TEST_CASE("the call of a batch is the caller's clock") {
+  const Workload problem = workload("random_pslg", 60);
+  Batch batch;
+  for (int i = 0; i < 300; ++i) batch.add(problem.points, problem.constraints);
+  Pool pool(testDevice());
+  pool.triangulate(batch);
+  const auto start = std::chrono::steady_clock::now();
+  const double told = pool.triangulate(batch).statistics().ms_call;
+  const double clock = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  CHECK(told <= clock);
+  check_same_time(told, clock);
 }
 
 TEST_CASE("each copy of a result adds its time to output, full and call") {

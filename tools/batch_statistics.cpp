@@ -36,7 +36,7 @@ std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, co
                                        {"vertices_added", told.split.vertices_added},
                                        {"constraints_split", told.split.constraints_split},
                                        {"constraint_move", told.split.constraint_move},
-                                       {"ms", {{"read", told.read}, {"full", s.ms_full}, {"write", told.write}}},
+                                       {"ms", {{"read", told.read}, {"call", s.ms_call}, {"write", told.write}}},
                                        {"devices", std::move(devices)},
                                        {"version", version()}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -46,7 +46,7 @@ std::string statistics_table(const Told& told, const gcdt_batch_statistics& s, c
   std::string table = fmt::format(
       "inputs        {} ({} failed)\nvertices      {}\nconstraints   {}\ntriangles     {}\n"
       "time          {:.1f} ms, read {:.1f}, write {:.1f}\n",
-      told.inputs, told.failed, s.vertices, s.constraints, s.triangles, s.ms_full, told.read, told.write);
+      told.inputs, told.failed, s.vertices, s.constraints, s.triangles, s.ms_call, told.read, told.write);
   if (told.split.crossings > 0)
     table += fmt::format("crossings     {} ({} vertices added, {} constraints split, moved by {} at most)\n",
                          told.split.crossings, told.split.vertices_added, told.split.constraints_split,

@@ -126,7 +126,7 @@ typedef struct gcdt_batch_statistics {
   size_t struct_size;
   uint64_t problems, failed; /* failed: with errors of their own */
   uint64_t vertices, constraints, triangles;
-  double ms_full; /* the whole call, programs built included */
+  double ms_call; /* the whole call on the caller's clock, programs built included */
 } gcdt_batch_statistics;
 GCDT_API int32_t gcdt_batch_get_statistics(const gcdt_batch* batch, gcdt_batch_statistics* statistics);
 
