@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
+#include <cmath>
 #include <map>
 
 #include <gcdt/gcdt_pool.hpp>
@@ -111,6 +112,17 @@ TEST_CASE("full is the sum of the phases, core that of its parts, and each part 
     CHECK(s.gather <= s.output);
     CHECK(s.core <= s.full);
   }
+}
+
+// Sorting alone has no figure of its own: what core has beside the others must be what the trace calls so. Clocks are
+// read one after the other, far less than half a walk apart.
+TEST_CASE("core is sorting, inserting, enforcing with the walk that cleaning shares with it, flipping and gathering") {
+  Told t = told(workload("fan", 20000));
+  const auto& s = t.statistics.ms;
+  const double sorting = s.core - (s.insert + (s.constrain - s.clean) + s.walk + s.flip + s.gather);
+  const double least = std::min(s.walk, s.gather);
+  CHECK(least > 0.5);
+  CHECK(std::abs(sorting - t.spans["sort"]) < least / 2);
 }
 
 TEST_CASE("call is the caller's clock: with copies and new arrays, and with building where programs are built") {
