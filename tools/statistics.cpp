@@ -125,8 +125,8 @@ std::string statistics_table(const Statistics& s, const Measured& measured) {
                                 given->valid ? "valid" : "not valid", given->triangles_inverted, given->triangles_flat,
                                 given->vertices_lost, given->edges_not_delaunay));
   row("rounds", fmt::format("{} insert, {} flip ({} flips)", s.rounds.insert, s.rounds.flip, s.flips));
-  row("time", fmt::format("{:.1f} ms the call (of it building {:.1f}, phases {:.1f}), read {:.1f}, core {:.1f}",
-                          s.ms.call, s.ms.build, s.ms.full, s.ms.read, s.ms.core));
+  row("time", fmt::format("{:.1f} ms (building {:.1f}, phases {:.1f}; core {:.1f}), read {:.1f}", s.ms.call, s.ms.build,
+                          s.ms.full, s.ms.core, s.ms.read));
   row("", fmt::format("order {:.1f}, insert {:.1f}, constrain {:.1f}, flip {:.1f}, check {:.1f}, output {:.1f}",
                       s.ms.order, s.ms.insert, s.ms.constrain, s.ms.flip, s.ms.check, s.ms.output));
   row("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
