@@ -23,7 +23,7 @@ typedef struct Appender {
 
 // Called by the whole group, as is append_flush. `length` counts the list, and is not changed by others
 // but through appenders in the same launch.
-static inline Appender make_appender(local uint* items, local uint* gathered, global uint* list,
+GCDT_GIVEN_LOCAL Appender make_appender(local uint* items, local uint* gathered, global uint* list,
                                      volatile global uint* length) {
   Appender a;
   a.items = items;
@@ -36,7 +36,7 @@ static inline Appender make_appender(local uint* items, local uint* gathered, gl
 }
 
 // Each item gets its own place, in local memory or, if that is full, in the list: no race.
-static inline void append(Appender a, uint item) {
+GCDT_GIVEN_LOCAL void append(Appender a, uint item) {
   const uint at = atomic_inc(a.gathered);
   if (at < APPEND_CAPACITY)
     a.items[at] = item;
@@ -46,7 +46,7 @@ static inline void append(Appender a, uint item) {
 
 // Moves what was gathered to the list if it is more than `keep` items. All work-items of the group pass,
 // between two appends of different tiles.
-static inline void append_flush(Appender a, uint keep) {
+GCDT_GIVEN_LOCAL void append_flush(Appender a, uint keep) {
   barrier(CLK_LOCAL_MEM_FENCE);
   const uint gathered = min(a.gathered[0], APPEND_CAPACITY);
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -64,7 +64,7 @@ static inline void append_flush(Appender a, uint keep) {
 
 // Distinct numbers, counted on by `counter`: `mine` for each work-item, the first is returned. One global atomic for
 // the group, all of which calls it; `taken` is two words of local memory.
-static inline uint take_numbers(volatile local uint* taken, volatile global uint* counter, uint mine) {
+GCDT_GIVEN_LOCAL uint take_numbers(volatile local uint* taken, volatile global uint* counter, uint mine) {
   barrier(CLK_LOCAL_MEM_FENCE);
   if (get_local_id(0) == 0) taken[0] = 0u;
   barrier(CLK_LOCAL_MEM_FENCE);

@@ -118,7 +118,7 @@ static inline uint4 intersection_case(volatile global uint* near, uint4 c, uint4
 }
 
 // Adds the group's amounts to a counter, by one atomic.
-static inline void add_count(volatile local uint* sum, volatile global uint* counter, uint amount) {
+GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* counter, uint amount) {
   const uint all = sum_of_group(sum, amount);
   if (get_local_id(0) == 0 && all > 0u) atomic_add(counter, all);
 }

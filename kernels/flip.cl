@@ -34,7 +34,7 @@ typedef struct Queue {
   Appender list;
 } Queue;
 
-static inline Queue make_list_queue(volatile global uint* marks, Appender list) {
+GCDT_GIVEN_LOCAL Queue make_list_queue(volatile global uint* marks, Appender list) {
   Queue q;
   q.marks = marks;
   q.listed = true;
@@ -56,7 +56,7 @@ static inline void queue_edge(Queue q, uint e) {
 }
 
 // Edge e, not constrained.
-static void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
+GCDT_GIVEN_LOCAL void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
   const uint2 refs = faces_of_edge(mesh, e);
   if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || !is_illegal(mesh, refs.x, refs.y)) return;
   const uint ticket = make_ticket(c.stamp, c.bits, e);
@@ -173,7 +173,7 @@ static inline uint take_marks(uint all, global uint* edge_marks, uint first, uin
 }
 
 // The place of bit i among those set: how many are set before it.
-static inline uint place_of_bit(volatile local const uint* taken, uint i) {
+GCDT_GIVEN_LOCAL uint place_of_bit(volatile local const uint* taken, uint i) {
   uint before = 0;
   for (uint word = 0; word < i / 32u; ++word) before += popcount(taken[word]);
   return i % 32u == 0u ? before : before + popcount(taken[i / 32u] << (32u - i % 32u));
@@ -293,7 +293,7 @@ typedef struct OwnLists {
 // list; barriers order what two kernels do otherwise, and the same arguments hold for each part. Nobody else touches
 // the faces that these edges lead to. Ends when the list is empty or after `most` rounds. Returns how many were done;
 // the list is what is left.
-static uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
+GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
                           local uint* items, local uint* gathered, private uint* flips) {
   uint done = 0;
   for (;;) {

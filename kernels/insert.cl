@@ -231,7 +231,7 @@ kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCD
 }
 
 // A tile of the vertices in a list, by the whole group: those not inserted yet locate themselves and vote.
-static void vote_tile(Mesh mesh, History h, Round r, global const uint* list, uint count, uint tile, Appender left) {
+GCDT_GIVEN_LOCAL void vote_tile(Mesh mesh, History h, Round r, global const uint* list, uint count, uint tile, Appender left) {
   const uint i = tile + get_local_id(0);
   if (i < count && relocate_and_vote(mesh, h, r, list[i])) append(left, list[i]);
   append_flush(left, APPEND_CAPACITY / 2u);
@@ -290,7 +290,7 @@ kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETE
 // kernels do otherwise; the same argument holds for each part. Nobody else touches the faces that these vertices lie
 // in. The loop ends: a round with vertices left has a winner. Returns how many were done; the list of the next round
 // holds the vertices left.
-static uint insert_in_group(Mesh mesh, History h, Round r, uint most, global uint* list_even, global uint* list_odd,
+GCDT_GIVEN_LOCAL uint insert_in_group(Mesh mesh, History h, Round r, uint most, global uint* list_even, global uint* list_odd,
                             volatile global uint* lengths, volatile global Counters* counters, local uint* items,
                             local uint* gathered, private uint* on_edges) {
   uint done = 0;

@@ -100,7 +100,7 @@ static inline void add_wide(volatile global uint* low, volatile global uint* hig
 
 // The sum of every work-item's amount, below 2^32, valid on work-item 0 of the group. All work-items of the
 // group call it; `sum` is one word of local memory.
-static inline uint sum_of_group(volatile local uint* sum, uint amount) {
+GCDT_GIVEN_LOCAL uint sum_of_group(volatile local uint* sum, uint amount) {
   barrier(CLK_LOCAL_MEM_FENCE);
   if (get_local_id(0) == 0) *sum = 0u;
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -109,7 +109,7 @@ static inline uint sum_of_group(volatile local uint* sum, uint amount) {
   return *sum;
 }
 
-static inline void add_for_group(volatile local uint* sum, volatile global uint* low, volatile global uint* high,
+GCDT_GIVEN_LOCAL void add_for_group(volatile local uint* sum, volatile global uint* low, volatile global uint* high,
                                  uint amount) {
   const uint total = sum_of_group(sum, amount);
   if (get_local_id(0) == 0) add_wide(low, high, total);

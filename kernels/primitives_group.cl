@@ -11,7 +11,7 @@
 
 // sums[lane] = value(0) + ... + value(lane). Called by the whole group; sums is free before and ready
 // for all after.
-static void group_scan(local u32* sums, u32 lane, u32 lanes, u32 value) {
+GCDT_GIVEN_LOCAL void group_scan(local u32* sums, u32 lane, u32 lanes, u32 value) {
   barrier(CLK_LOCAL_MEM_FENCE);
   if (lane < lanes) sums[lane] = value;
   barrier(CLK_LOCAL_MEM_FENCE);

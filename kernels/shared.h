@@ -9,6 +9,10 @@ typedef uint u32;
 typedef long i64;
 typedef ulong u64;
 #define GCDT_INLINE static inline
+// A function that is given local memory. It has to become part of the kernel: PoCL gives each work-group its own copy
+// of those local variables that it finds in the kernel, and a compiler that keeps such a function apart may put the one
+// variable that all its calls are given into it, where every group then shares it (tests/local_memory.sh looks for it).
+#define GCDT_GIVEN_LOCAL static inline __attribute__((always_inline))
 #include "loops.h"
 #else
 #include <cstdint>

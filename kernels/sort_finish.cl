@@ -18,7 +18,7 @@ GCDT_INLINE bool comes_before(u64 key, u32 index, u64 other_key, u32 other_index
 // missing to a power of two counts as greatest; then either array goes through local memory to its new order. In a step
 // every pair of places has one work-item, which also reads and writes the same global words throughout; barriers stand
 // between steps. Ends: `run` doubles, `step` halves.
-static void sort_in_group(u32 count, u64 mask, global u64* keys, global u32* values, local u64* moved,
+GCDT_GIVEN_LOCAL void sort_in_group(u32 count, u64 mask, global u64* keys, global u32* values, local u64* moved,
                           local u32* indices) {
   u32 size = 1;
   while (size < count) size *= 2u;

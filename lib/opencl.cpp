@@ -97,7 +97,7 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
   const cl_uint all_shares = compute_units_of_root(device_) * shares_per_unit;
   const std::size_t widest = std::max<std::size_t>(all_shares, geometry_.max_groups);
-  widest_ = hook_.tuning.width ? *hook_.tuning.width : loads_code_by_width(info_) ? widest : 0;
+  widest_ = hook_.tuning.width.value_or(loads_code_by_width(info_) ? widest : 0);
   if (widest_ > 0) {
     ++loaded_by_width;
     present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });

@@ -20,7 +20,8 @@ struct DeviceInput {
   runtime::Buffer<cl_uint2> constraints;  ///< pairs of input points
 };
 
-/// Where the input comes from. `load` is called once, as part of the order step.
+/// Where the input comes from. `load` is called as part of the order step; and once more at the end for a note, where
+/// rounding may have put all vertices on one line. What it reads must last as long as the call.
 struct InputSource {
   std::uint64_t n = 0, m = 0;  ///< vertices and constraints
   std::function<DeviceInput()> load;

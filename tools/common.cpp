@@ -69,9 +69,8 @@ std::string together(const io::Input& input, std::uint64_t a, std::uint64_t b) {
 std::string together_note(const io::Input& input, std::uint64_t count, const std::array<std::uint32_t, 2>& first) {
   if (count == 0) return {};
   return fmt::format(
-      "{} {} from a lesser one that rounding has merged {} with, first {}; --distinct makes that an error, --assess "
-      "says "
-      "whether the mesh is valid as given",
+      "{} {} from a lesser one that rounding has merged {} with, first {}; --distinct makes that an error, "
+      "--assess says whether the mesh is valid as given",
       count, count == 1 ? "vertex differs" : "vertices differ", count == 1 ? "it" : "them",
       together(input, first[0], first[1]));
 }
