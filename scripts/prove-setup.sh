@@ -6,7 +6,7 @@
 #   --demo    only demo.sh
 #   --quick   test.sh without its slow tests
 #   --keep    keep the root for a look at it, and say where it is
-#   --ubuntu  Ubuntu 24.04 instead of Debian 12
+#   --ubuntu  Ubuntu 24.04 with its updates instead of Debian 12
 # Needs root, debootstrap, about 5 GB under TMPDIR (/var/tmp). What is tested is the commit HEAD.
 # Packages come from where this machine's apt takes them, proxies included; GCDT_SUITE (default bookworm)
 # and GCDT_MIRROR (default: this machine's mirror of that suite, else debootstrap's) say otherwise. A release is taken
@@ -75,6 +75,9 @@ make_root() {
     { tail -20 "$work/debootstrap.log" >&2; return 1; }
   if [[ -z ${GCDT_MIRROR-} && $mirror ]]; then
     host_sources | sed 's/^/deb /' >"$root/etc/apt/sources.list"
+  elif [[ $ubuntu ]]; then
+    # As Ubuntu installs it: with its updates.
+    printf "deb $mirror %s ${components/,/ }\n" "$suite" "$suite-updates" >"$root/etc/apt/sources.list"
   fi
   apt-config dump | grep -E '^Acquire::(http|https)::.*[Pp]roxy|^Acquire::Check-(Valid-Until|Date) ' \
     >"$root/etc/apt/apt.conf.d/90host" || true
