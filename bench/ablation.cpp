@@ -13,10 +13,10 @@
 
 #include <gcdt/gcdt.hpp>
 
+#include "batch/device_pool.hpp"
 #include "batch_inputs.hpp"
-#include "device_pool.hpp"
 #include "inputs.hpp"
-#include "pipeline.hpp"
+#include "solve/pipeline.hpp"
 
 namespace {
 

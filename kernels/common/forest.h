@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mesh of many triangulations at once, a forest: one root triangle for each problem of a batch.
+// OpenCL C only.
+//
+// Without GCDT_FOREST the mesh has one root and everything here is a constant: the programs are what they
+// would be if there were no forests. With it, `points` goes on behind its n points, in words:
+//
+//   [0] P, the problems   [2 .. 2 + n) problem of vertex v   [2 + n .. 2 + n + P] first rank of problem p
+//
+// Problem p has the root face p, the root edges 3p .. 3p+2, and symbolic vertices of its own, n + 3p .. n + 3p+2,
+// which stand for the same three directions in all problems: so no directed edge occurs twice in the forest.
+// Ranks run through the problems one after the other: those of problem p are [first rank, next first rank).
+// Each problem's faces are linked among themselves only. Until constraints are enforced, slot p is one of them, and so
+// are those that the problem's vertices bring: a split leaves the first child in the slot, a flip exchanges faces of
+// one problem. Enforcement hands out the slots of all crossed faces and edges together, so that problems exchange some.
+#ifndef GCDT_FOREST_H
+#define GCDT_FOREST_H
+
+#include "common/levels.h"
+
+#ifdef GCDT_FOREST
+
+static inline global const uint* forest_words(global const int2* points, uint n) {
+  return (global const uint*)(points + n);
+}
+static inline uint root_count(global const int2* points, uint n) { return forest_words(points, n)[0]; }
+static inline uint problem_of(global const int2* points, uint n, uint v) { return forest_words(points, n)[2u + v]; }
+static inline uint first_rank(global const int2* points, uint n, uint problem) {
+  return forest_words(points, n)[2u + n + problem];
+}
+static inline uint root_of(global const int2* points, uint n, uint v) { return problem_of(points, n, v); }
+// Which of the three directions symbolic vertex v >= n stands for.
+static inline uint symbol_of(uint v, uint n) { return (v - n) % 3u; }
+
+// The vertices of a problem in the levels up to `level`, as ranks in units of stride[level]: from x up to y.
+static inline uint2 units_of_problem(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
+                                     uint problem) {
+  const uint stride = levels->stride[level];
+  return (uint2)((first_rank(points, n, problem) + stride - 1u) / stride,
+                 (first_rank(points, n, problem + 1u) + stride - 1u) / stride);
+}
+
+// The vertices of v's problem that are coarser than `level`, as ranks in units of stride[level - 1]: from x up to y.
+static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
+                                 uint v) {
+  (void)coarse;
+  return units_of_problem(levels, level - 1u, points, n, problem_of(points, n, v));
+}
+
+#else
+
+static inline uint root_count(global const int2* points, uint n) {
+  (void)points;
+  (void)n;
+  return 1u;
+}
+static inline uint root_of(global const int2* points, uint n, uint v) {
+  (void)points;
+  (void)n;
+  (void)v;
+  return 0u;
+}
+static inline uint symbol_of(uint v, uint n) { return v - n; }
+static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
+                                 uint v) {
+  (void)levels;
+  (void)level;
+  (void)points;
+  (void)n;
+  (void)v;
+  return (uint2)(0u, coarse);
+}
+
+#endif
+
+#endif

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Coarse-to-fine levels (paper, section 8, "Upsampling", made geometric). OpenCL C and C++17.
+//
+// The distinct vertices sorted along the Z-order curve have ranks 0 .. n-1. Level j of K holds the
+// ranks that are multiples of R^(K-1-j) and not of R^(K-j): every R-th vertex along the curve is
+// coarser, so each level is spread evenly and every new vertex has a coarser one close by on the
+// curve. Vertices are numbered level by level, along the curve inside each: numbers below begin[j]
+// are coarser than level j, and number <-> rank is arithmetic, no table.
+#ifndef GCDT_LEVELS_H
+#define GCDT_LEVELS_H
+
+#include "common/shared.h"
+
+#ifndef __OPENCL_VERSION__
+namespace gcdt::device {
+#endif
+
+#define GCDT_LEVEL_RATIO 4u
+#define GCDT_MAX_LEVELS 16
+
+typedef struct Levels {
+  u32 n;                           // distinct finite vertices
+  u32 count;                       // K >= 1
+  u32 stride[GCDT_MAX_LEVELS];     // R^(K-1-j)
+  u32 begin[GCDT_MAX_LEVELS + 1];  // first vertex of level j; begin[K] = n
+  u32 padding;
+} Levels;
+
+#ifdef __OPENCL_VERSION__
+#define GCDT_LEVELS_POINTER global const Levels*
+#else
+#define GCDT_LEVELS_POINTER const Levels*
+#endif
+
+// Rank on the curve of finite vertex v. Ends: j decreases, and begin[0] = 0.
+GCDT_INLINE u32 gcdt_rank_of_vertex(GCDT_LEVELS_POINTER levels, u32 v) {
+  u32 j = levels->count - 1u;
+  while (v < levels->begin[j]) --j;
+  if (j == 0) return v * levels->stride[0];
+  const u32 i = v - levels->begin[j];
+  return (i + i / (GCDT_LEVEL_RATIO - 1u) + 1u) * levels->stride[j];
+}
+
+// The finite vertex with that rank, looking at levels 0 .. last only: rank counts in units of
+// stride[last]. With last = K-1 it is the plain rank. Ends: j decreases.
+GCDT_INLINE u32 gcdt_vertex_of_rank(GCDT_LEVELS_POINTER levels, u32 last, u32 rank) {
+  u32 j = last, r = rank;
+  while (j > 0 && r % GCDT_LEVEL_RATIO == 0) {
+    r /= GCDT_LEVEL_RATIO;
+    --j;
+  }
+  return j == 0 ? r : levels->begin[j] + r - r / GCDT_LEVEL_RATIO - 1u;
+}
+
+// How many vertices of `level` come before rank `unit` of the curve, which counts in units of stride[level]: of these
+// ranks, every R-th is coarser.
+GCDT_INLINE u32 gcdt_vertices_before(u32 level, u32 unit) {
+  return level == 0 ? unit : unit - (unit + GCDT_LEVEL_RATIO - 1u) / GCDT_LEVEL_RATIO;
+}
+
+// 62-bit Morton code of a grid point: bit 2i is bit i of x, bit 2i+1 is bit i of y.
+GCDT_INLINE u64 gcdt_spread_bits(u64 v) {
+  v = (v | (v << 16)) & 0x0000FFFF0000FFFFul;
+  v = (v | (v << 8)) & 0x00FF00FF00FF00FFul;
+  v = (v | (v << 4)) & 0x0F0F0F0F0F0F0F0Ful;
+  v = (v | (v << 2)) & 0x3333333333333333ul;
+  return (v | (v << 1)) & 0x5555555555555555ul;
+}
+GCDT_INLINE u64 gcdt_morton(u32 x, u32 y) { return gcdt_spread_bits(x) | (gcdt_spread_bits(y) << 1); }
+// The inverse of gcdt_spread_bits: the even bits of v. x = gather(code), y = gather(code >> 1).
+GCDT_INLINE u32 gcdt_gather_bits(u64 v) {
+  v &= 0x5555555555555555ul;
+  v = (v | (v >> 1)) & 0x3333333333333333ul;
+  v = (v | (v >> 2)) & 0x0F0F0F0F0F0F0F0Ful;
+  v = (v | (v >> 4)) & 0x00FF00FF00FF00FFul;
+  v = (v | (v >> 8)) & 0x0000FFFF0000FFFFul;
+  return (u32)(v | (v >> 16));
+}
+
+// The levels of n distinct vertices; the coarsest has at most `coarsest` vertices where K allows.
+GCDT_INLINE Levels make_levels(u32 n, u32 coarsest) {
+  Levels levels;
+  levels.n = n;
+  levels.count = 1;
+  levels.padding = 0;
+  for (u32 j = 0; j < GCDT_MAX_LEVELS; ++j) levels.stride[j] = levels.begin[j] = 0;
+  levels.begin[GCDT_MAX_LEVELS] = 0;
+  for (u64 stride = 1; levels.count < GCDT_MAX_LEVELS && (n + stride - 1) / stride > coarsest;
+       stride *= GCDT_LEVEL_RATIO)
+    ++levels.count;
+  u32 stride = 1;
+  levels.begin[levels.count] = n;
+  for (u32 j = levels.count; j-- > 0; stride *= GCDT_LEVEL_RATIO) {
+    const u64 coarser = (u64)stride * GCDT_LEVEL_RATIO;
+    levels.stride[j] = stride;
+    levels.begin[j] = j == 0 ? 0 : (u32)((n + coarser - 1) / coarser);
+  }
+  return levels;
+}
+
+#ifndef __OPENCL_VERSION__
+}  // namespace gcdt::device
+#endif
+
+#endif

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cleaning constraints (contract, section 3): end points to vertices, zero-length ones out, each split
+// at every vertex on it (found by walking), equal pieces merged with the list of their sources.
+#include "constrain/walk.h"
+
+// One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in which it is
+// walked, and whether it has a length. An index out of range is reported by atomic_min: the least one wins. No other
+// race: each its own words. After: kept[c] is 0 or 1; kept[count + 1] is the least 2 c + end out of range, or
+// GCDT_NONE.
+kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
+                      global const uint* wanted, uint all_wanted, global uint2* ends, volatile global uint* kept) {
+  FOR_EACH(c, count) {
+    const uint2 in = constraints[c];
+    kept[c] = 0u;
+    ends[c] = (uint2)(0u, 0u);
+    if (in.x >= inputs || in.y >= inputs) {
+      atomic_min(kept + count + 1u, 2u * c + (in.x >= inputs ? 0u : 1u));
+      continue;
+    }
+    ends[c] = walk_ends((uint2)(input_vertex[in.x], input_vertex[in.y]));
+    kept[c] = (ends[c].x != ends[c].y && (all_wanted || wanted[c])) ? 1u : 0u;
+  }
+}
+
+// One work-item per kept constraint. Gathers its ends. No race: each its own word.
+kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global uint2* to) {
+  FOR_EACH(i, count) to[i] = from[list[i]];
+}
+
+// One work-item per kept constraint. The same for their numbers. No race: each its own word.
+kernel void clean_gather_list(uint count, global const uint* list, global const uint* from, global uint* to) {
+  FOR_EACH(i, count) to[i] = from[list[i]];
+}
+
+// One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, and its own
+// number, to be sorted. No race: its own words.
+kernel void clean_ranks(uint count, GCDT_LEVELS_POINTER levels, global const uint2* ends, global uint* keys,
+                        global uint* places) {
+  FOR_EACH(i, count) {
+    keys[i] = gcdt_rank_of_vertex(levels, ends[i].x);
+    places[i] = i;
+  }
+}
+
+// One work-item per kept constraint, in any order. Writes how many pieces it becomes at places[c]. No race: places is a
+// permutation. After the scan: where the pieces of the constraint at each place begin.
+kernel void clean_count(uint count, global const uint* begins, global const uint* offsets, global const uint* places,
+                        global uint* pieces) {
+  FOR_EACH(c, count) pieces[places[c]] = offsets[begins[c + 1u]] - offsets[begins[c]] + 1u;
+}
+
+// One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
+// (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1, only parts that have some). No race: each
+// part has its own word, or its own range; faces crossed are added to their constraint's count. After: counts[part] for
+// every part, 0 beyond the last, and part_face[part], where it begins.
+kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
+                       global const uint* list, global const uint* begins, global uint* part_face, global uint* counts,
+                       global uint* hits, volatile global uint* crossed, volatile global Counters* counters) {
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const uint parts = begins[pieces], faces = gcdt_face_count(n);
+  uint steps = 0, hit = 0;
+  FOR_EACH(part, capacity) {
+    uint found = 0, edges = 0;
+    if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
+      const uint c = piece_of_part(begins, pieces, part);
+      const uint2 e = ends[c];
+      const int4 line = line_of(points, e);
+      Walk w;
+      const uint k = part - begins[c], all = begins[c + 1u] - begins[c];
+      uint event = emit ? walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), k, all)
+                        : walk_begin(&w, levels, level, mesh, h, e.x, e.y, k, all, &steps);
+      if (!emit) part_face[part] = w.face;
+      // Ends: every event lies further along the piece.
+      while (event == WALK_CROSS || event == WALK_HIT) {
+        if (event == WALK_HIT) {
+          if (emit) hits[counts[part] + found] = w.hit;
+          ++found;
+          event = walk_turn(&w, mesh, w.hit, faces);
+        } else {
+          event = walk_cross(&w, mesh, look_behind(&w, mesh));
+          ++edges;
+        }
+      }
+      if (!emit && edges > 0u) atomic_add(crossed + list[c], edges);
+      if (event != WALK_END) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+    }
+    if (!emit) counts[part] = found;
+    hit += found;
+  }
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, emit ? 0u : steps);
+  hit = sum_of_group(&sum, hit);
+  if (get_local_id(0) == 0 && !emit && hit > 0u) atomic_add(&counters->hits, hit);
+}
+
+static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,
+                               global ulong* keys, global uint* sources) {
+  const uint ru = gcdt_rank_of_vertex(levels, u), rv = gcdt_rank_of_vertex(levels, v);
+  keys[at] = ((ulong)min(ru, rv) << bits) | max(ru, rv);
+  sources[at] = source;
+}
+
+// One work-item per part. A constraint with hits h1 .. hk becomes the pieces a-h1, h1-h2, .. hk-b. Each
+// part writes the pieces that end in its hits, the last part also the final one: piece number = hits
+// before it + constraints before it, among all that are ascending (firsts, at places, where the list is along the
+// curve), so no two write the same word. After: keys = (rank, rank) of the ends, lower first, and the source of every
+// piece, in order of the sources; of a constraint's crossed faces what comes to each of its pieces; and for a source
+// that stays whole its parts.
+kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
+                         global const uint* begins, global const uint* offsets, global const uint* hits,
+                         global const uint* list, global const uint* places, global const uint* firsts,
+                         global ulong* keys, global uint* sources, global uint* crossed, global uint2* whole) {
+  const uint parts = begins[pieces];
+  FOR_EACH(part, parts) {
+    const uint c = piece_of_part(begins, pieces, part);
+    const uint first = offsets[begins[c]], last = offsets[part + 1u];
+    const uint at = along_curve ? firsts[places[c]] : first + c;
+    uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];
+    for (uint i = offsets[part]; i < last; ++i) {
+      write_piece(levels, bits, before, hits[i], list[c], at + (i - first), keys, sources);
+      before = hits[i];
+    }
+    if (part + 1u != begins[c + 1u]) continue;
+    write_piece(levels, bits, before, ends[c].y, list[c], at + (last - first), keys, sources);
+    crossed[list[c]] = crossed[list[c]] / (last - first + 1u);
+    whole[list[c]] = last == first ? (uint2)(begins[c], begins[c + 1u] - begins[c]) : (uint2)(0u, 0u);
+  }
+}
+
+// One work-item per sorted piece. Flags the first of each run of equal keys. No race: its own word.
+kernel void clean_first(uint count, global const ulong* keys, global uint* flags) {
+  FOR_EACH(i, count)
+  flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
+}
+
+// One work-item per distinct piece. Writes its ends, lower rank first, its weight, and its source's parts if it is all
+// of that. No race: its own words.
+kernel void clean_ends(uint count, uint bits, GCDT_LEVELS_POINTER levels, global const ulong* keys,
+                       global const uint* firsts, global const uint* sources, global const uint* crossed,
+                       global const uint2* whole, global uint2* ends, global uint* weights, global uint2* parts) {
+  const uint last = levels->count - 1u;
+  FOR_EACH(i, count) {
+    const ulong key = keys[firsts[i]];
+    ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> bits)),
+                      gcdt_vertex_of_rank(levels, last, (uint)(key & (((ulong)1 << bits) - 1u))));
+    weights[i] = crossed[sources[firsts[i]]];
+    parts[i] = whole[sources[firsts[i]]];
+  }
+}

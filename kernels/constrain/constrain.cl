@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 2: all constraints at once (paper, section 6; rules in kernels/README.md).
+//
+// Two walks over the same parts, whose first faces constrain_first finds: constrain_near finds the nearest piece at
+// each end of every crossed edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the
+// farthest cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl and stitch.cl. Claim
+// words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed, claim + 1 + h =
+// crossed, hexagon h.
+#include "common/append.h"
+#include "constrain/near.h"
+
+// One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
+// words. Cleaning has walked along most pieces from the same point or from the one that their parts are cut at now, and
+// says where it was. Apart from the walks, since else a GPU waits for many loads one after the other, and here it has
+// registers for more work-items.
+kernel void constrain_first(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
+                            global const uint* begins, global const uint2* walked, global const uint* walked_face,
+                            global int4* lines, global uint* part_piece, global uint* part_face,
+                            volatile global Counters* counters) {
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const uint parts = begins[pieces];
+  uint steps = 0;
+  FOR_EACH(part, min(parts, capacity)) {
+    const uint c = piece_of_part(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
+    const uint2 before = walked[c];
+    const uint cut = before.y > 0u ? count / before.y : 0u;  // into so many
+    const uint2 e = walk_ends(ends[c]);
+    const int4 line = line_of(points, e);
+    part_piece[part] = c;
+    part_face[part] = cut > 0u && k % cut == 0u ? walked_face[before.x + k / cut]
+                                                : locate_division_point(levels, level, mesh, h, e.x, line_begin(line),
+                                                                        line_end(line), k, count, &steps);
+    if (k == 0u) lines[c] = line;
+  }
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
+}
+
+// One work-item per part. Writes near words by compare-and-exchange (reduce_piece: order cannot
+// matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
+// an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by
+// atomic_or). After: near and crossed faces are complete, or failure bits are set.
+kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* edge_marks,
+                           volatile global uint* near, global const uint2* ends, global const uint* begins,
+                           global const int4* lines, global const uint* part_piece, global const uint* part_face,
+                           global uint* piece_edge, uint claim, volatile global Counters* counters) {
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const uint parts = begins[pieces];
+  uint pairs = 0, existing = 0;
+  FOR_EACH(part, min(parts, capacity)) {
+    const uint c = part_piece[part];
+    const uint2 e = walk_ends(ends[c]);
+    const int4 line = lines[c];
+    Walk w;
+    uint event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), part - begins[c],
+                               begins[c + 1u] - begins[c]);
+    if (w.k == 0u) {
+      const bool is_edge = event == WALK_END && w.hit == w.b;
+      piece_edge[c] = is_edge ? GCDT_SIDE_EDGE(w.code) : GCDT_NONE;
+      if (is_edge) {
+        atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
+        ++existing;
+      } else if (event != WALK_FAILED) {
+        *claim_word(mesh.face_data, w.face) = claim;
+        ++pairs;
+      }
+    }
+    Compared seen_left = nothing_compared(), seen_right = nothing_compared();
+    // Ends: every edge crossed lies further along the piece.
+    while (event == WALK_CROSS) {
+      volatile global uint *left = near_left(near, w.code), *right = near_right(near, w.code);
+      const uint at_left = *left, at_right = *right;
+      const Behind behind = look_behind(&w, mesh);
+      reduce_piece(left, at_left, c, &w, w.left, 0u, &seen_left, mesh, lines, counters);
+      reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, lines, counters);
+      event = walk_cross(&w, mesh, behind);
+      // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
+      if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
+      ++pairs;
+    }
+    if (event == WALK_HIT)
+      atomic_or(&counters->failed, GCDT_FAILED_HIT);
+    else if (event != WALK_END)
+      atomic_or(&counters->failed, GCDT_FAILED_WALK);
+  }
+  add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
+  existing = sum_of_group(&sum, existing);
+  if (get_local_id(0) == 0 && existing > 0u) atomic_add(&counters->existing_edges, existing);
+}
+
+// A crossed face whose three corners are each cut off by some piece, nearest to it on both of its edges, is a hexagon:
+// one hole triangle (paper, 6.5).
+static inline bool is_hexagon(volatile global uint* near, uint4 s) {
+  // Edge opposite corner 0 runs from corner 1 (right) to corner 2 (left), and so on.
+  const uint a1 = *near_right(near, s.z), a2 = *near_left(near, s.y);
+  const uint b1 = *near_right(near, s.x), b2 = *near_left(near, s.z);
+  const uint c1 = *near_right(near, s.y), c2 = *near_left(near, s.x);
+  return a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2;
+}
+
+// How the two pieces lie in the face that are met first from the ends of its edge e = {u, v} across from corner k,
+// which is w (paper, figure 6), as a 1 in one place. x: both cut off the same corner; y: both come from w; z: one cuts
+// off u, one v; w: one comes from w, the other cuts off u or v; nowhere: there are no two. A piece that crosses e comes
+// from w or crosses one more edge. p, the first from u, cuts u off if it is the first from u on {u, w}, too (L6), and
+// if it cuts v off, so does q, which is nearer to v.
+static inline uint4 intersection_case(volatile global uint* near, uint4 c, uint4 s, uint k, global const uint2* ends) {
+  const uint p = *near_right(near, element(s, k)), q = *near_left(near, element(s, k));
+  if (p == q) return (uint4)(0u);
+  const uint w = element(c, k);
+  const uint2 of_p = ends[p], of_q = ends[q];
+  const uint from = (of_p.x == w || of_p.y == w) + (of_q.x == w || of_q.y == w);
+  if (from > 0u) return (uint4)(0u, from == 2u, 0u, from == 1u);
+  const bool cuts_u = *near_left(near, element(s, previous_corner(k))) == p;
+  const bool cuts_v = *near_right(near, element(s, next_corner(k))) == q;
+  return (uint4)(!(cuts_u && cuts_v), 0u, cuts_u && cuts_v, 0u);
+}
+
+// Adds the group's amounts to a counter, by one atomic.
+GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* counter, uint amount) {
+  const uint all = sum_of_group(sum, amount);
+  if (get_local_id(0) == 0 && all > 0u) atomic_add(counter, all);
+}
+
+// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. Writes the
+// claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
+// After: counters->hexagons and pairs_of_two.
+kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, volatile global uint* near,
+                                    global const uint2* ends, global uint* crossed,
+                                    volatile global Counters* counters) {
+  local uint sum;
+  uint4 pairs = (uint4)(0u);
+  DECLARE_APPENDER(list);
+  const Appender list = make_appender(list_items, list_gathered, crossed, &counters->crossed_faces);
+  FOR_EACH_TILE(tile, faces) {
+    const uint t = tile + get_local_id(0);
+    if (t < faces && *claim_word(face_data, t) >= claim) {
+      append(list, t);
+      const uint4 corners = face_data[GCDT_CORNERS(t)], sides = face_data[GCDT_SIDES(t)];
+      pairs += intersection_case(near, corners, sides, 0u, ends) + intersection_case(near, corners, sides, 1u, ends) +
+               intersection_case(near, corners, sides, 2u, ends);
+      if (is_hexagon(near, sides)) *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
+    }
+    append_flush(list, APPEND_CAPACITY / 2u);
+  }
+  append_flush(list, 0u);
+  add_count(&sum, counters->pairs_of_two, pairs.x);
+  add_count(&sum, counters->pairs_of_two + 1, pairs.y);
+  add_count(&sum, counters->pairs_of_two + 2, pairs.z);
+  add_count(&sum, counters->pairs_of_two + 3, pairs.w);
+}
+
+// One work-item per edge. Lists crossed edges, in any order; a crossed edge that is a piece means that two pieces
+// cross.
+kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, global const uint* near,
+                                    global uint* crossed_edges, volatile global Counters* counters) {
+  DECLARE_APPENDER(list);
+  const Appender list = make_appender(list_items, list_gathered, crossed_edges, &counters->crossed_edges);
+  FOR_EACH_TILE(tile, edges) {
+    const uint e = tile + get_local_id(0);
+    if (e < edges && near[2u * e] != GCDT_NONE) {
+      append(list, e);
+      if (edge_marks[e] & GCDT_MARK_CONSTRAINED) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
+    }
+    append_flush(list, APPEND_CAPACITY / 2u);
+  }
+  append_flush(list, 0u);
+}
+
+// One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
+kernel void constrain_list_hexagons(uint count, uint claim, global const uint* crossed, global uint4* face_data,
+                                    global uint* hexagon_face) {
+  FOR_EACH(i, count) {
+    const uint word = *claim_word(face_data, crossed[i]);
+    if (word > claim) hexagon_face[word - claim - 1u] = crossed[i];
+  }
+}
+
+// ---- Chains ----------------------------------------------------------------------------------------
+// All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
+// walk order, b. See left_begin; a and b have distance 0.
+//
+// How long each part's share is, is known after its walk. So the walk writes what it owns to chunks: the part's own
+// first one, then others from a pool, taken by an atomic counter (most parts need none). Each knows its place within
+// the part.
+//
+// Where the edge from a vertex of a chain to the one before it is an edge of the mesh already, not crossed, the walk
+// has it at hand: a side of the face in which it comes to the later vertex, if it left the earlier one there, and both
+// are owned. (A piece that is nearer to u on the edge where the walk leaves u behind is nearer on all edges between
+// them that end in u: it cannot cross this piece, so it crosses them all. So to own u is the same on each.) No other
+// chain finds the same side: who owns both ends there is unique. All other edges between neighbours in chains are left
+// to stitch.cl.
+#define CHUNK_LENGTH 8u
+#define CHUNK_LENGTH_BITS 4u
+
+// A chunk: its part, the vertices that the part owns left and right before it; its length, and above that a bit for
+// each of its vertices, which says right.
+typedef uint4 ChunkHead;
+
+typedef struct Chunks {
+  global ChunkHead* heads;
+  global uint2* entries;  // a vertex; the side along the chain before it, or GCDT_NONE
+  uint pool, capacity;    // the pool begins behind the parts' own
+} Chunks;
+
+// One part's stream of owned vertices.
+typedef struct Owned {
+  ChunkHead head;    // of the current chunk
+  uint chunk;        // or GCDT_NONE
+  uint left, right;  // so far
+} Owned;
+
+static Owned own_nothing(uint part) {
+  Owned o;
+  o.chunk = part;
+  o.left = 0u, o.right = 0u;
+  o.head = (ChunkHead)(part, 0u, 0u, 0u);
+  return o;
+}
+
+static void end_chunk(Chunks chunks, const private Owned* o) {
+  if (o->chunk != GCDT_NONE) chunks.heads[o->chunk] = o->head;
+}
+
+// No race: chunks taken are distinct. There are enough for as many vertices as faces are crossed, and more are owned
+// only if pieces cross.
+static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, uint before,
+                       volatile global Counters* counters) {
+  uint length = o->head.w & ((1u << CHUNK_LENGTH_BITS) - 1u);
+  if (o->chunk == GCDT_NONE || length == CHUNK_LENGTH) {
+    end_chunk(chunks, o);
+    o->chunk = chunks.pool + atomic_inc(&counters->chunks);
+    if (o->chunk >= chunks.capacity) {
+      atomic_or(&counters->failed, GCDT_FAILED_COUNT);
+      o->chunk = GCDT_NONE;
+      return;
+    }
+    o->head = (ChunkHead)(o->head.x, o->left, o->right, 0u);
+    length = 0u;
+  }
+  chunks.entries[CHUNK_LENGTH * o->chunk + length] = (uint2)(v, before);
+  o->head.w += 1u + (right << (CHUNK_LENGTH_BITS + length));
+  if (right)
+    ++o->right;
+  else
+    ++o->left;
+}
+
+// The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
+// the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
+// last face, at the edge where the walk came in) has one owner, and one part of that piece comes there.
+static inline uint chain_side(volatile global uint* near, uint along, bool from_end, uint word, uint c) {
+  if (!(from_end || near[word] == c) || near[along] != GCDT_NONE) return GCDT_NONE;
+  near[along] = NEAR_CHAIN;
+  return along;
+}
+
+// In the last face, across from whose corner `b` the walk came in: the sides to b from the left and from the right.
+static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* near, uint c) {
+  const uint4 corners = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
+  const uint k = corners.x == w->b ? 0u : corners.y == w->b ? 1u : 2u, in = element(sides, k);
+  return (uint2)(chain_side(near, element(sides, previous_corner(k)), false, in, c),
+                 chain_side(near, element(sides, next_corner(k)), false, in ^ 1u, c));
+}
+
+// One work-item per part. Writes the vertices that the part owns to chunks, the first of which all parts have, and how
+// many are left and right (its own words, the right ones `capacity` behind), marks known sides along chains with
+// NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon (reduce_piece). A piece that is an edge already
+// crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each piece that was
+// walked.
+kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS,
+                          volatile global uint* near, global const uint2* ends, global const uint* begins,
+                          global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
+                          global const uint* part_face, global uint* counts, volatile global uint* far,
+                          global ChunkHead* heads, global uint2* entries, global uint2* last, uint claim,
+                          volatile global Counters* counters) {
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  Chunks chunks;
+  chunks.heads = heads;
+  chunks.entries = entries;
+  chunks.pool = capacity;
+  chunks.capacity = chunk_capacity;
+  const uint parts = begins[pieces];
+  uint all_left = 0, all_right = 0;
+  FOR_EACH(part, capacity) {
+    Owned o = own_nothing(part);
+    if (part < parts) {
+      const uint c = part_piece[part];
+      const uint2 e = walk_ends(ends[c]);
+      const int4 line = lines[c];
+      Walk w;
+      uint event = WALK_END;
+      if (piece_edge[c] == GCDT_NONE)
+        event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), part - begins[c],
+                              begins[c + 1u] - begins[c]);
+      uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
+      // Ends: every edge crossed lies further along the piece.
+      while (event == WALK_CROSS) {
+        const Behind behind = look_behind(&w, mesh);
+        if (owns_left(&w, near, c))
+          own_vertex(chunks, &o, w.left, 0u, chain_side(near, w.across_right, w.third_side == 0, w.across_left, c),
+                     counters);
+        if (owns_right(&w, near, c))
+          own_vertex(chunks, &o, w.right, 1u,
+                     chain_side(near, w.across_left, w.third_side == 0, w.across_right ^ 1u, c), counters);
+        if (w.third_side != 0 && word > claim) {
+          volatile global uint* at = far + 3u * (word - claim - 1u) + cut_corner(&w);
+          Compared seen = nothing_compared();
+          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, lines, counters);
+        }
+        word = behind.corners.w;
+        event = walk_cross(&w, mesh, behind);
+      }
+      end_chunk(chunks, &o);
+      // The last part comes to b; the one before may, too.
+      if (piece_edge[c] == GCDT_NONE && part + 1u == begins[c + 1u] && event == WALK_END)
+        last[c] = last_sides(&w, mesh, near, c);
+    }
+    counts[part] = o.left;
+    counts[capacity + part] = o.right;
+    all_left += o.left;
+    all_right += o.right;
+  }
+  all_left = sum_of_group(&sum, all_left);
+  if (get_local_id(0) == 0 && all_left > 0u) atomic_add(&counters->owned_left, all_left);
+  all_right = sum_of_group(&sum, all_right);
+  if (get_local_id(0) == 0 && all_right > 0u) atomic_add(&counters->owned_right, all_right);
+}
+
+// Where a part of piece c begins in the chains. The scan of both counts has all left ones before the right ones, and
+// each piece before c has two places for its ends on each side.
+static inline uint left_begin(global const uint* starts, uint part, uint c) { return starts[part] + 2u * c; }
+static inline uint right_begin(global const uint* starts, uint capacity, uint pieces, uint part, uint c) {
+  return starts[capacity + part] + 2u * (pieces + c);
+}
+
+typedef struct Chains {
+  global uint* vertex;
+  global ulong* distance;
+  global uint* piece;
+  global uint* side;  // along the chain to the place before, or GCDT_NONE
+} Chains;
+
+// Distance from the line a -> b: |orient2d| < 2^62 for finite vertices, > 0. A symbolic one is farther than
+// every finite one, and the farther the greater its symbol.
+static inline ulong chain_distance(Vertex a, Vertex b, Vertex v) {
+  if (v.symbol != 0) return ((ulong)1 << 62) + (ulong)v.symbol;
+  const i64 d = gcdt_orient2d(a, b, v);
+  return (ulong)(d < 0 ? -d : d);
+}
+
+static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, uint side) {
+  chains.vertex[at] = v;
+  chains.piece[at] = c;
+  chains.distance[at] = distance;
+  chains.side[at] = side;
+}
+
+// One work-item per place in a chunk, of the parts' own and of `taken` from the pool behind them, and one per piece.
+// Writes the chunk's vertices to its own range of the chains, the piece's ends around its chains. After: the chains are
+// complete.
+kernel void constrain_chain(uint pieces, uint taken, uint capacity, uint n, global const int2* points,
+                            global const uint2* ends, global const uint* begins, global const uint* piece_edge,
+                            global const int4* lines, global const uint* part_piece, global const uint2* last_of_piece,
+                            global const uint* starts, global const ChunkHead* heads, global const uint2* entries,
+                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
+                            global uint* chain_side, volatile global Counters* counters) {
+  Chains chains;
+  chains.vertex = chain_vertex;
+  chains.piece = chain_piece;
+  chains.distance = chain_distances;
+  chains.side = chain_side;
+  const uint parts = begins[pieces];
+  FOR_EACH(i, CHUNK_LENGTH * (parts + taken)) {
+    const uint j = i % CHUNK_LENGTH, own = i / CHUNK_LENGTH, chunk = own < parts ? own : capacity + (own - parts);
+    const ChunkHead head = heads[chunk];
+    const uint length = head.w & ((1u << CHUNK_LENGTH_BITS) - 1u), rights = head.w >> CHUNK_LENGTH_BITS;
+    if (j >= length) continue;
+    const uint2 entry = entries[CHUNK_LENGTH * chunk + j];
+    const uint v = entry.x, c = part_piece[head.x], right_before = popcount(rights & ((1u << j) - 1u));
+    const uint at = (rights >> j) & 1u ? right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z + right_before
+                                       : left_begin(starts, head.x, c) + 1u + head.y + (j - right_before);
+    const int4 line = lines[c];
+    write_chain(chains, at, v, c, chain_distance(line_begin(line), line_end(line), load_vertex(points, n, v)), entry.y);
+    if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
+  }
+  FOR_EACH(c, pieces) {
+    const uint2 e = walk_ends(ends[c]);
+    const uint first = begins[c], last = begins[c + 1u];
+    const uint2 sides = piece_edge[c] == GCDT_NONE ? last_of_piece[c] : (uint2)(GCDT_NONE, GCDT_NONE);
+    write_chain(chains, left_begin(starts, first, c), e.x, c, 0u, GCDT_NONE);
+    write_chain(chains, left_begin(starts, last, c) + 1u, e.y, c, 0u, sides.x);
+    write_chain(chains, right_begin(starts, capacity, pieces, first, c), e.x, c, 0u, GCDT_NONE);
+    write_chain(chains, right_begin(starts, capacity, pieces, last, c) + 1u, e.y, c, 0u, sides.y);
+  }
+}
+
+// The part of piece c that crosses the edge from `right` to `left`: the first that does not end before it
+// (come_to_edge). Ends: the range halves.
+static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint left, uint parts) {
+  const Vertex r = load_vertex(mesh.points, mesh.n, right), l = load_vertex(mesh.points, mesh.n, left);
+  uint low = 0, high = parts - 1u;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if (gcdt_orient2d_division(r, l, a, b, middle + 1u, parts) > 0)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
+// just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
+// left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
+kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
+                            global const uint2* ends, global const uint* begins, global const int4* lines,
+                            global const uint* part_face, global const uint* starts, global const uint* far,
+                            global const uint* hexagon_face, global uint* hole_place,
+                            volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(i, 3u * hexagons) {
+    const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
+    hole_place[i] = 0u;
+    if (c == GCDT_NONE) {
+      atomic_or(&counters->failed, GCDT_FAILED_WALK);
+      continue;
+    }
+    const uint4 corners = mesh.face_data[GCDT_CORNERS(t)];
+    const uint2 e = walk_ends(ends[c]);
+    const Vertex a = line_begin(lines[c]), b = line_end(lines[c]);
+    const bool cut_right = gcdt_orient2d(a, b, load_vertex(mesh.points, mesh.n, element(corners, k))) < 0;
+    const uint third = cut_right ? previous_corner(k) : next_corner(k), parts = begins[c + 1u] - begins[c];
+    const uint part = part_that_crosses(mesh, a, b, element(corners, next_corner(third)),
+                                        element(corners, previous_corner(third)), parts);
+    uint left = left_begin(starts, begins[c] + part, c) + 1u;
+    uint right = right_begin(starts, capacity, pieces, begins[c] + part, c) + 1u;
+    Walk w;
+    uint event = walk_begin_in(&w, mesh, part_face[begins[c] + part], e.x, e.y, a, b, part, parts);
+    // Ends: every edge crossed lies further along the piece.
+    while (event == WALK_CROSS && w.face != t) {
+      left += owns_left(&w, near, c) ? 1u : 0u;
+      right += owns_right(&w, near, c) ? 1u : 0u;
+      event = walk_cross(&w, mesh, look_behind(&w, mesh));
+    }
+    if (event != WALK_CROSS) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+    hole_place[i] = cut_right ? left - 1u : right;
+  }
+}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names every pair of pieces that cross. Only run when the constrain phase or the final check has found
+// that some do.
+//
+// Two pieces cross at a point X inside both. X is no vertex (pieces are split at vertices), so it lies
+// in a face or inside an edge, and both pieces pass through every face whose closure holds X, or run
+// along one of its edges. So all pairs of pieces in one face are tested, and a pair counts in the face
+// that holds X; if X lies on an edge, in the face of the smaller number: exactly once. Where few faces are large and
+// each is crossed by many pieces, testing every piece with every other one is less work (lib/phases/crossings.cpp).
+#include "constrain/snap.h"
+#include "constrain/walk.h"
+
+// One work-item per part. For each face that the part passes (and both faces beside a piece that is an
+// edge) counts one record (emit = 0: atomic_inc of starts[face]), or writes the piece to the face's
+// range (emit = 1: places by atomic counter; the order within a face is free, since pairs are sorted).
+// A face in which one part ends and the next begins would be recorded twice: the later part skips its
+// first face, which the earlier one has recorded.
+kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
+                              global const uint* begins, volatile global uint* starts, volatile global uint* filled,
+                              global uint* records, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const uint parts = begins[pieces];
+  uint steps = 0;
+  FOR_EACH(part, min(parts, capacity)) {
+    const uint c = piece_of_part(begins, pieces, part);
+    const uint2 e = walk_ends(ends[c]);
+    Walk w;
+    uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+    const bool is_edge = event == WALK_END && w.hit == w.b && w.code != GCDT_NONE;
+    if (is_edge && w.k != 0u) continue;
+    bool record = w.k == 0u;
+    // Ends: every edge crossed lies further along the piece.
+    for (uint pass = 0;; ++pass) {
+      if (record && event != WALK_FAILED) {
+        if (emit)
+          records[starts[w.face] + atomic_inc(filled + w.face)] = c;
+        else
+          atomic_inc(starts + w.face);
+      }
+      record = true;
+      if (is_edge && pass == 0u && mesh.edge_faces[w.code ^ 1u] != GCDT_NONE) {
+        w.face = GCDT_REF_FACE(mesh.edge_faces[w.code ^ 1u]);
+        continue;
+      }
+      if (event != WALK_CROSS) break;
+      event = walk_cross(&w, mesh, look_behind(&w, mesh));
+    }
+    if (event == WALK_FAILED || event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+  }
+}
+
+// One work-item per face. Adds to the 64-bit total the pairs of records of the face. Sums do not depend on order.
+kernel void crossings_work(uint faces, global const uint* counts, volatile global Counters* counters) {
+  u64 mine = 0;
+  FOR_EACH(t, faces) {
+    const u64 k = counts[t];
+    mine += k * (k - (k > 0 ? 1u : 0u)) / 2u;
+  }
+  add_wide(&counters->pairs_low, &counters->pairs_high, mine);
+}
+
+// Sign of the side of the line p -> q on which the crossing X lies that divides a1-b1 as s : r, s + r > 0:
+// (s + r) orient2d(p, q, X) = s orient2d(p, q, b1) + r orient2d(p, q, a1), below 2^62 * 2^63 * 2 = 2^126.
+static int side_of_crossing(Vertex p, Vertex q, Vertex a1, Vertex b1, i64 s, i64 r) {
+  return gcdt_sign128(gcdt_add(gcdt_multiply(s, gcdt_orient2d(p, q, b1)), gcdt_multiply(r, gcdt_orient2d(p, q, a1))));
+}
+
+static bool cross_in_face(Mesh mesh, uint t, uint2 e1, uint2 e2) {
+  const Vertex a1 = load_vertex(mesh.points, mesh.n, e1.x), b1 = load_vertex(mesh.points, mesh.n, e1.y);
+  i64 s, r;
+  if (!gcdt_segments_cross(a1, b1, load_vertex(mesh.points, mesh.n, e2.x), load_vertex(mesh.points, mesh.n, e2.y), &s,
+                           &r))
+    return false;
+  const uint4 c = mesh.face_data[GCDT_CORNERS(t)], sides = mesh.face_data[GCDT_SIDES(t)];
+  for (uint k = 0; k < 3u; ++k) {
+    const int side = side_of_crossing(load_vertex(mesh.points, mesh.n, element(c, next_corner(k))),
+                                      load_vertex(mesh.points, mesh.n, element(c, previous_corner(k))), a1, b1, s, r);
+    if (side < 0) return false;
+    const uint across = mesh.edge_faces[element(sides, k) ^ 1u];
+    if (side == 0 && across != GCDT_NONE && GCDT_REF_FACE(across) < t) return false;
+  }
+  return true;
+}
+
+// One work-item per record. Tests its piece against those recorded after it in the same face. emit = 0:
+// writes how many cross to its own word, and adds to the 64-bit total; emit = 1, `counts` then being their scan:
+// writes the pairs (smaller piece first) of numbers first .. last - 1 to their own places. No race.
+kernel void crossings_pairs(uint emit, uint first, uint last, uint faces, GCDT_MESH_PARAMETERS,
+                            global const uint2* ends, global const uint* starts, global const uint* records,
+                            global uint* counts, global uint2* pairs, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const uint total = starts[faces];
+  FOR_EACH(i, total) {
+    if (emit && (counts[i] == counts[i + 1u] || counts[i] >= last || counts[i + 1u] <= first)) continue;
+    const uint t = piece_of_part(starts, faces, i);
+    const uint c = records[i];
+    uint found = 0;
+    for (uint j = i + 1u; j < starts[t + 1u]; ++j) {
+      const uint d = records[j];
+      if (!cross_in_face(mesh, t, ends[c], ends[d])) continue;
+      if (emit && counts[i] + found >= first && counts[i] + found < last)
+        pairs[counts[i] + found - first] = (uint2)(min(c, d), max(c, d));
+      ++found;
+    }
+    if (!emit) {
+      counts[i] = found;
+      add_wide(&counters->pairs_low, &counters->pairs_high, found);
+    }
+  }
+}
+
+// The same for all pairs of pieces, whatever faces they pass: one work-item per piece, tested against those after it.
+kernel void crossings_all(uint emit, uint first, uint last, uint pieces, global const int2* points,
+                          global const uint2* ends, global uint* counts, global uint2* pairs,
+                          volatile global Counters* counters) {
+  FOR_EACH(c, pieces) {
+    if (emit && (counts[c] == counts[c + 1u] || counts[c] >= last || counts[c + 1u] <= first)) continue;
+    const int2 a = points[ends[c].x], b = points[ends[c].y];
+    uint found = 0;
+    for (uint d = c + 1u; d < pieces; ++d) {
+      const int2 p = points[ends[d].x], q = points[ends[d].y];
+      i64 s, r;
+      if (!gcdt_segments_cross(gcdt_finite_vertex(a.x, a.y), gcdt_finite_vertex(b.x, b.y), gcdt_finite_vertex(p.x, p.y),
+                               gcdt_finite_vertex(q.x, q.y), &s, &r))
+        continue;
+      if (emit && counts[c] + found >= first && counts[c] + found < last)
+        pairs[counts[c] + found - first] = (uint2)(c, d);
+      ++found;
+    }
+    if (!emit) {
+      counts[c] = found;
+      add_wide(&counters->pairs_low, &counters->pairs_high, found);
+    }
+  }
+}

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 2: new triangles in the slots of the crossed faces, one for each vertex of the chains (paper, 6.3, equation 3)
+// and one for each hexagon, and what is known of their links.
+//
+// Vertex i of a chain makes the triangle p, q, i: p is the last place before i with a smaller distance, q the first
+// place after it with a distance not larger. The sentinels' distance 0 is smaller than any other, so a search never
+// leaves its chain. The triangle's edges:
+//   base pq  If p and q are the chain's ends, the piece itself, which is the base of one triangle on the other side too
+//            or of none. Else its parent's: that of q if q's distance is larger than p's, else that of p. Then nothing
+//            between p and q is as near as the parent, so with the parent q, p is also the last before q with
+//            a smaller distance, and with p, q is also the first after p with one not larger: pq is the parent's edge.
+//   pi, iq   If p is the place just before i, the side that the walk found there, or one that is found in stitch.cl.
+//            Else it is the base of a child: the nearest vertex between them.
+// So each base makes a new edge and joins both its sides; a side is written once, by itself or by its child.
+#include "common/append.h"
+#include "common/mesh.h"
+
+// Long chains: a tree of minima, each of GCDT_MINIMA_RADIX entries of the layer below.
+static inline ulong layer_value(global const ulong* distances, global const ulong* minima,
+                                constant MinimaLayers* layers, uint l, uint i) {
+  return l == 0u ? distances[i] : minima[layers->begin[l] + i];
+}
+
+// One work-item. Says how many layers there are over chains of so many places, and where they begin. Ends: lengths
+// fall, and 8 layers reach beyond 2^32 places.
+kernel void retriangulate_layers(uint length, global MinimaLayers* layers) {
+  FOR_EACH(one, 1u) {
+    uint count = 0, total = 0;
+    for (uint entries = length; count < GCDT_MINIMA_LAYERS; entries = (entries - 1u) / GCDT_MINIMA_RADIX + 1u) {
+      layers->length[count] = entries;
+      layers->begin[count] = total;
+      if (count++ > 0u) total += entries;
+      if (entries <= GCDT_MINIMA_RADIX) break;
+    }
+    layers->count = count;
+  }
+}
+
+// One work-item per entry of the layer above. No race: its own word.
+kernel void retriangulate_minima(uint count, uint below_count, uint below_begin, uint above_begin, uint from_distances,
+                                 global const ulong* distances, global ulong* minima) {
+  FOR_EACH(i, count) {
+    ulong least = ~(ulong)0;
+    for (uint j = i * GCDT_MINIMA_RADIX; j < min(below_count, (i + 1u) * GCDT_MINIMA_RADIX); ++j)
+      least = min(least, from_distances ? distances[j] : minima[below_begin + j]);
+    minima[above_begin + i] = least;
+  }
+}
+
+// The last place before i with a distance < d. Climbs to the first layer where an entry to the left in
+// the same group has one, then descends to it: at most 2 * GCDT_MINIMA_RADIX entries a layer. Ends: the
+// sentinel is there.
+static uint smaller_before(global const ulong* distances, global const ulong* minima, constant MinimaLayers* layers,
+                           uint i, ulong d) {
+  uint l = 0, at = i;
+  for (;;) {
+    const uint group = at / GCDT_MINIMA_RADIX * GCDT_MINIMA_RADIX;
+    while (at > group && !(layer_value(distances, minima, layers, l, at - 1u) < d)) --at;
+    if (at > group) break;
+    if (++l == layers->count) return 0;
+    at = group / GCDT_MINIMA_RADIX;
+  }
+  --at;
+  while (l > 0u) {
+    --l;
+    uint j = min(layers->length[l], (at + 1u) * GCDT_MINIMA_RADIX) - 1u;
+    while (j > at * GCDT_MINIMA_RADIX && !(layer_value(distances, minima, layers, l, j) < d)) --j;
+    at = j;
+  }
+  return at;
+}
+
+// The first place after i with a distance <= d. Mirror image.
+static uint not_larger_after(global const ulong* distances, global const ulong* minima, constant MinimaLayers* layers,
+                             uint i, ulong d) {
+  uint l = 0, at = i + 1u;
+  for (;;) {
+    const uint group_end =
+        min(layers->length[l], (at + GCDT_MINIMA_RADIX - 1u) / GCDT_MINIMA_RADIX * GCDT_MINIMA_RADIX);
+    while (at < group_end && layer_value(distances, minima, layers, l, at) > d) ++at;
+    if (at < group_end) break;
+    if (l + 1u == layers->count) return layers->length[0] - 1u;
+    at = (at + GCDT_MINIMA_RADIX - 1u) / GCDT_MINIMA_RADIX;
+    ++l;
+  }
+  while (l > 0u) {
+    --l;
+    uint j = at * GCDT_MINIMA_RADIX;
+    const uint last = min(layers->length[l], (at + 1u) * GCDT_MINIMA_RADIX) - 1u;
+    while (j < last && layer_value(distances, minima, layers, l, j) > d) ++j;
+    at = j;
+  }
+  return at;
+}
+
+typedef struct Chains {
+  global const uint* vertex;
+  global const ulong* distance;
+  global const uint* piece;
+  uint right_begin, pieces;
+} Chains;
+
+// The number of the triangle at place i among all chains: owned vertices before it. 2c + 1 sentinels stand before it
+// among the left chains, 2 pieces + 2c + 1 among all.
+static inline uint triangle_number(Chains chains, uint i) {
+  return i - 2u * chains.piece[i] - 1u - (i < chains.right_begin ? 0u : 2u * chains.pieces);
+}
+
+// The triangle is (p, q, i) left of its piece and (q, p, i) right of it, counter-clockwise both: base across from
+// corner 2, and these are across from p and q.
+static inline uint corner_of_p(Chains chains, uint i) { return i < chains.right_begin ? 0u : 1u; }
+static inline uint corner_of_q(Chains chains, uint i) { return i < chains.right_begin ? 1u : 0u; }
+
+static inline void set_side(global uint4* face_data, uint t, uint k, uint code) {
+  ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
+}
+
+static inline void join(global uint4* face_data, global uint* edge_faces, uint t, uint k, uint code) {
+  set_side(face_data, t, k, code);
+  edge_faces[code] = GCDT_FACE_REF(t, k);
+}
+
+// The side of t along the chain, which a walk has found or stitch.cl will.
+static inline void join_along(global uint4* face_data, global uint* edge_faces, uint t, uint k, uint code) {
+  if (code == GCDT_NONE)
+    set_side(face_data, t, k, code);
+  else
+    join(face_data, edge_faces, t, k, code);
+}
+
+// One work-item per place in the chains. Writes the corners of one crossed slot, the owned vertex's number, so no two
+// write the same; its sides along the chain; and its base with the parent's side there, in a new edge, or
+// itself to roots: roots[c].x is the left one of piece c, roots[c].y the right one, GCDT_NONE before.
+kernel void retriangulate_chains(uint length, uint right_begin, uint pieces, constant MinimaLayers* layers,
+                                 global const uint* chain_vertex, global const ulong* chain_distances,
+                                 global const uint* chain_piece, global const uint* chain_side,
+                                 global const ulong* minima, global const uint* crossed, uint free_edges,
+                                 global const uint* crossed_edges, global uint4* face_data, global uint* edge_faces,
+                                 global uint* edge_marks, global uint* roots, volatile global Counters* counters) {
+  local uint taken[2];
+  Chains chains;
+  chains.vertex = chain_vertex;
+  chains.distance = chain_distances;
+  chains.piece = chain_piece;
+  chains.right_begin = right_begin;
+  chains.pieces = pieces;
+  FOR_EACH_TILE(tile, length) {
+    const uint i = tile + get_local_id(0);
+    uint p = 0, q = 0, t = GCDT_NONE, parent = GCDT_NONE;
+    const ulong d = i < length ? chain_distances[i] : 0u;
+    if (d != 0u) {
+      p = smaller_before(chain_distances, minima, layers, i, d);
+      q = not_larger_after(chain_distances, minima, layers, i, d);
+      t = crossed[triangle_number(chains, i)];
+      parent = chain_distances[q] > chain_distances[p] ? q : chain_distances[p] > 0u ? p : GCDT_NONE;
+    }
+    const uint slot = take_numbers(taken, &counters->new_edges, parent != GCDT_NONE ? 1u : 0u);
+    if (t == GCDT_NONE) continue;
+    const uint kp = corner_of_p(chains, i), kq = corner_of_q(chains, i), v = chain_vertex[i];
+    face_data[GCDT_CORNERS(t)] = i < right_begin ? (uint4)(chain_vertex[p], chain_vertex[q], v, 0u)
+                                                 : (uint4)(chain_vertex[q], chain_vertex[p], v, 0u);
+    if (p + 1u == i) join_along(face_data, edge_faces, t, kq, chain_side[i]);
+    if (i + 1u == q) join_along(face_data, edge_faces, t, kp, chain_side[q]);
+    if (parent == GCDT_NONE) {
+      roots[2u * chain_piece[i] + (i < right_begin ? 0u : 1u)] = t;
+      set_side(face_data, t, 2u, GCDT_NONE);
+    } else if (slot >= free_edges) {
+      atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+    } else {
+      const uint e = crossed_edges[slot];
+      edge_marks[e] = 0u;
+      join(face_data, edge_faces, t, 2u, GCDT_SIDE(e, 0u));
+      join(face_data, edge_faces, crossed[triangle_number(chains, parent)], parent == q ? kq : kp, GCDT_SIDE(e, 1u));
+    }
+  }
+}
+
+// One work-item per piece. Joins the triangles on its two sides, if both are of its own chains, in a new edge, and
+// names that in piece_edge. No race: roots are triangles of one piece. The bases of single roots are left to stitch.cl.
+kernel void retriangulate_pieces(uint pieces, global const uint2* roots, uint free_edges,
+                                 global const uint* crossed_edges, global uint4* face_data, global uint* edge_faces,
+                                 global uint* edge_marks, global uint* piece_edge, volatile global Counters* counters) {
+  local uint taken[2];
+  FOR_EACH_TILE(tile, pieces) {
+    const uint c = tile + get_local_id(0);
+    const uint2 root = c < pieces ? roots[c] : (uint2)(GCDT_NONE, GCDT_NONE);
+    const bool both = root.x != GCDT_NONE && root.y != GCDT_NONE;
+    const uint slot = take_numbers(taken, &counters->new_edges, both ? 1u : 0u);
+    if (!both) continue;
+    if (slot >= free_edges) {
+      atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+      continue;
+    }
+    const uint e = crossed_edges[slot];
+    edge_marks[e] = GCDT_MARK_CONSTRAINED;
+    piece_edge[c] = e;
+    join(face_data, edge_faces, root.x, 2u, GCDT_SIDE(e, 0u));
+    join(face_data, edge_faces, root.y, 2u, GCDT_SIDE(e, 1u));
+  }
+}
+
+// One work-item per hexagon. Writes the hole triangle into its own slot, after the chains' triangles. Its links
+// are left to stitch.cl.
+kernel void retriangulate_holes(uint hexagons, uint first, global const uint* hole_place,
+                                global const uint* chain_vertex, global const uint* crossed, global uint4* face_data) {
+  FOR_EACH(h, hexagons) {
+    const uint t = crossed[first + h];
+    face_data[GCDT_CORNERS(t)] = (uint4)(chain_vertex[hole_place[3u * h]], chain_vertex[hole_place[3u * h + 1u]],
+                                         chain_vertex[hole_place[3u * h + 2u]], 0u);
+    for (uint k = 0; k < 3u; ++k) set_side(face_data, t, k, GCDT_NONE);
+  }
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 2, last step: joins the sides of new triangles that retriangulate.cl has left open (GCDT_NONE), to each other
+// and to the faces around them, by a hash table of directed edges. Open addressing, nothing is removed.
+//
+// Entries: every directed edge u -> v of a crossed face that is not crossed itself, and that no walk has found along a
+// chain (it stays, and its side waits for the new triangle that has it), and for every new edge {u, v}, u < v, that is
+// made here, the direction v -> u, whose triangle comes second.
+#include "common/append.h"
+#include "common/mesh.h"
+
+typedef struct Table {
+  u32 capacity;
+  // Three words a slot, together in memory: the side code, or GCDT_NONE: empty; from and to, GCDT_NONE until written.
+  volatile global uint* slots;
+} Table;
+
+#define TABLE_PARAMETERS uint capacity, volatile global uint *slots
+
+static inline Table make_table(TABLE_PARAMETERS) {
+  Table table;
+  table.capacity = capacity;
+  table.slots = slots;
+  return table;
+}
+
+static inline uint first_slot(Table table, uint u, uint v) {
+  uint x = u * 0x9E3779B1u ^ (v * 0x85EBCA6Bu + 0x165667B1u);
+  x ^= x >> 15;
+  x *= 0xC2B2AE35u;
+  x ^= x >> 16;
+  return (uint)(((ulong)x * table.capacity) >> 32);
+}
+
+// Ends: the table has more slots than entries. False if it does not.
+static bool insert_direction(Table table, uint u, uint v, uint code) {
+  uint slot = first_slot(table, u, v);
+  for (uint probe = 0; probe < table.capacity; ++probe) {
+    volatile global uint* at = table.slots + 3u * (size_t)slot;
+    if (atomic_cmpxchg(at, GCDT_NONE, code) == GCDT_NONE) {
+      at[1] = u;
+      at[2] = v;
+      return true;
+    }
+    slot = slot + 1u == table.capacity ? 0u : slot + 1u;
+  }
+  return false;
+}
+
+// The side code of u -> v, if it was inserted in an earlier launch, else GCDT_NONE. An entry inserted
+// meanwhile has the opposite kind of direction (v < u against u < v), so even a half-written one, with
+// GCDT_NONE as one end, cannot be taken for it. Ends as insert_direction.
+static uint find_direction(Table table, uint u, uint v) {
+  uint slot = first_slot(table, u, v);
+  for (uint probe = 0; probe < table.capacity; ++probe) {
+    volatile global const uint* at = table.slots + 3u * (size_t)slot;
+    const uint code = at[0], from = at[1], to = at[2];
+    if (code == GCDT_NONE) return GCDT_NONE;
+    if (from == u && to == v) return code;
+    slot = slot + 1u == table.capacity ? 0u : slot + 1u;
+  }
+  return GCDT_NONE;
+}
+
+// One work-item per crossed face, before its slot is overwritten. Enters its sides that wait. Slots are taken by
+// compare-and-exchange; where an entry lands does not matter.
+kernel void stitch_keep(uint count, global const uint* crossed, global const uint4* face_data, global const uint* near,
+                        TABLE_PARAMETERS, volatile global Counters* counters) {
+  const Table table = make_table(capacity, slots);
+  FOR_EACH(i, count) {
+    const uint4 s = face_data[GCDT_SIDES(crossed[i])];
+    for (uint k = 0; k < 3u; ++k) {
+      const uint code = element(s, k);
+      if (near[code] != GCDT_NONE) continue;
+      const uint4 c = face_data[GCDT_CORNERS(crossed[i])];
+      if (!insert_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)), code))
+        atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+    }
+  }
+}
+
+// The open sides of face t, as bits, whose direction u -> v has u > v (second), or u < v.
+static uint open_sides(global const uint4* face_data, uint t, bool second) {
+  const uint4 s = face_data[GCDT_SIDES(t)];
+  if (s.x != GCDT_NONE && s.y != GCDT_NONE && s.z != GCDT_NONE) return 0u;
+  const uint4 c = face_data[GCDT_CORNERS(t)];
+  uint open = 0;
+  for (uint k = 0; k < 3u; ++k)
+    if (element(s, k) == GCDT_NONE && (element(c, next_corner(k)) > element(c, previous_corner(k))) == second)
+      open |= 1u << k;
+  return open;
+}
+
+// Joins side k of new triangle t to the side code, which waits for it.
+static inline void join(uint t, uint k, uint code, global uint4* face_data, global uint* edge_faces) {
+  ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
+  edge_faces[code] = GCDT_FACE_REF(t, k);
+}
+
+// One work-item per new triangle: its open directions u -> v with u < v. A direction in the table takes the
+// side that waits there; otherwise it makes a new edge in the slot of a crossed one and enters the other
+// direction. A work-group takes slots for all its new edges at once (any numbering does). Writes its own
+// face's side words, the sides found (each direction occurs once among the new triangles of a valid mesh,
+// which stitch_prove checks), and new edges' words. After: no direction u < v is open.
+kernel void stitch_first(uint count, uint free_edges, global const uint* crossed, global uint4* face_data,
+                         global uint* edge_faces, global uint* edge_marks, global const uint* crossed_edges,
+                         TABLE_PARAMETERS, volatile global Counters* counters) {
+  local uint taken[2];
+  const Table table = make_table(capacity, slots);
+  FOR_EACH_TILE(tile, count) {
+    const uint i = tile + get_local_id(0);
+    const uint t = i < count ? crossed[i] : GCDT_NONE;
+    uint found[3] = {0u, 0u, 0u}, wanted = 0;
+    const uint open = t == GCDT_NONE ? 0u : open_sides(face_data, t, false);
+    for (uint k = 0; k < 3u; ++k) {
+      if (!((open >> k) & 1u)) continue;
+      const uint4 c = face_data[GCDT_CORNERS(t)];
+      found[k] = find_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)));
+      wanted += found[k] == GCDT_NONE ? 1u : 0u;
+    }
+    uint slot = take_numbers(taken, &counters->new_edges, wanted);
+    for (uint k = 0; k < 3u; ++k) {
+      if (!((open >> k) & 1u)) continue;
+      uint code = found[k];
+      if (code == GCDT_NONE) {
+        if (slot >= free_edges) {
+          atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+          continue;
+        }
+        const uint4 c = face_data[GCDT_CORNERS(t)];
+        const uint e = crossed_edges[slot++];
+        code = GCDT_SIDE(e, 0u);
+        edge_marks[e] = 0u;
+        edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;
+        if (!insert_direction(table, element(c, previous_corner(k)), element(c, next_corner(k)), GCDT_SIDE(e, 1u)))
+          atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+      }
+      join(t, k, code, face_data, edge_faces);
+    }
+  }
+}
+
+// One work-item per new triangle, after stitch_first: its open directions u -> v with u > v, all of which are in
+// the table now. Writes as there.
+kernel void stitch_second(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
+                          TABLE_PARAMETERS, volatile global Counters* counters) {
+  const Table table = make_table(capacity, slots);
+  FOR_EACH(i, count) {
+    const uint t = crossed[i], open = open_sides(face_data, t, true);
+    for (uint k = 0; k < 3u; ++k) {
+      if (!((open >> k) & 1u)) continue;
+      const uint4 c = face_data[GCDT_CORNERS(t)];
+      const uint code = find_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)));
+      if (code == GCDT_NONE)
+        atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+      else
+        join(t, k, code, face_data, edge_faces);
+    }
+  }
+}
+
+// One work-item per new triangle. Checks that it is counter-clockwise and that each of its side codes is
+// its own. That proves the mesh: the 3C sides of C triangles then are distinct, as many as the sides that stay and both
+// sides of the new edges, so every direction met its reverse; counter-clockwise triangles whose edges pair up
+// cover what the crossed ones covered, once. No race: only the failure bits are written.
+kernel void stitch_prove(uint count, global const uint* crossed, GCDT_MESH_PARAMETERS,
+                         volatile global Counters* counters) {
+  FOR_EACH(i, count) {
+    const uint t = crossed[i];
+    const uint4 c = face_data[GCDT_CORNERS(t)], s = face_data[GCDT_SIDES(t)];
+    bool right =
+        gcdt_orient2d(load_vertex(points, n, c.x), load_vertex(points, n, c.y), load_vertex(points, n, c.z)) > 0;
+    for (uint k = 0; k < 3u; ++k) {
+      const uint code = element(s, k);
+      right =
+          right && code < 2u * gcdt_forest_edges(n, root_count(points, n)) && edge_faces[code] == GCDT_FACE_REF(t, k);
+    }
+    if (!right) atomic_or(&counters->failed, GCDT_FAILED_MATCH);
+  }
+}
+
+// One work-item per piece. Marks the edge of a piece that was walked and has no edge yet: that of its one triangle
+// with the piece as base (roots), or one between two other chains. Pieces are distinct edges, so no two write the same
+// word. After: every piece is a marked edge, or a failure bit is set.
+kernel void stitch_mark(uint pieces, global const uint2* ends, global const uint* piece_edge, global const uint2* roots,
+                        global const uint4* face_data, global uint* edge_marks, TABLE_PARAMETERS,
+                        volatile global Counters* counters) {
+  const Table table = make_table(capacity, slots);
+  FOR_EACH(c, pieces) {
+    if (piece_edge[c] != GCDT_NONE) continue;
+    const uint root = min(roots[c].x, roots[c].y);
+    const uint code = root != GCDT_NONE ? face_data[GCDT_SIDES(root)].z
+                                        : find_direction(table, max(ends[c].x, ends[c].y), min(ends[c].x, ends[c].y));
+    if (code == GCDT_NONE)
+      atomic_or(&counters->failed, GCDT_FAILED_MISSING);
+    else
+      edge_marks[GCDT_SIDE_EDGE(code)] = GCDT_MARK_CONSTRAINED;
+  }
+}

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// Walking along a straight piece through the mesh (paper, section 6.2): each work-item takes one part
+// of a piece, between two exact division points, finds its first face through the history tree and
+// goes from face to face. OpenCL C only.
+#ifndef GCDT_WALK_H
+#define GCDT_WALK_H
+
+#include "common/history.h"
+
+// What the walk has come to in the current face.
+#define WALK_CROSS 0u   // it leaves through an edge, strictly between its ends
+#define WALK_HIT 1u     // it comes to a vertex on the piece, not its end
+#define WALK_END 2u     // the part ends in this face, or before what lies ahead
+#define WALK_FAILED 3u  // the face does not hold the walk: the mesh or the location is wrong
+
+typedef struct Walk {
+  u32 a, b;  // the piece's ends; the walk goes from a to b
+  Vertex va, vb;
+  u32 k, parts;  // from division point k to k + 1 of `parts`
+  u32 face;
+  u32 third;                      // corner number: the exit edge is the one opposite it
+  i32 third_side;                 // of the line a -> b: 1 left, -1 right, 0 on it, behind
+  u32 code;                       // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
+  u32 across_left, across_right;  // at an exit edge: side codes of the face's edges across from its two ends
+  u32 left, right;                // ends of the exit edge
+  u32 hit;                        // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
+} Walk;
+
+#define GCDT_WALK_PARAMETERS GCDT_LEVELS_POINTER levels, uint level, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS
+
+// ---- Where a part begins -------------------------------------------------------------------------
+
+// A face whose closure holds division point k, moved infinitely little towards b.
+static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, Vertex va,
+                                  Vertex vb, uint k, uint parts, private uint* steps) {
+  Germ g;
+  g.p = va;
+  g.q = vb;
+  g.k = k;
+  g.parts = parts;
+  uint from;
+  if (k == 0u) {
+    from = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, mesh.n, h, a);
+  } else {
+    const Vertex at = near_germ(g);
+    from = level == 0u ? GCDT_NONE
+                       : coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
+  }
+  uint zero;
+  const uint top = find_in_top_layer(levels, level, mesh, h, g, a, from, steps, &zero);
+  return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
+}
+
+// ---- What lies ahead -----------------------------------------------------------------------------
+
+static inline int side_of(const private Walk* w, Mesh mesh, uint v) {
+  return gcdt_sign64(gcdt_orient2d(w->va, w->vb, load_vertex(mesh.points, mesh.n, v)));
+}
+
+// Does vertex z, on the piece, come after division point k + 1? Compared along the longer axis:
+// 31 bits times parts < 2^31.
+static inline bool after_next_division(const private Walk* w, Vertex z) {
+  const i64 dx = w->vb.x - w->va.x, dy = w->vb.y - w->va.y;
+  const bool along_x = (dx < 0 ? -dx : dx) >= (dy < 0 ? -dy : dy);
+  const i64 whole = along_x ? dx : dy, part = along_x ? z.x - w->va.x : z.y - w->va.y;
+  const i64 difference = part * (i64)w->parts - whole * (i64)(w->k + 1u);
+  return whole > 0 ? difference > 0 : difference < 0;
+}
+
+static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
+  w->hit = z;
+  w->code = code;
+  if (z == w->b) return WALK_END;
+  if (w->k + 1u < w->parts && after_next_division(w, load_vertex(mesh.points, mesh.n, z))) {
+    w->hit = GCDT_NONE;
+    return WALK_END;
+  }
+  return WALK_HIT;
+}
+
+// The exit edge is opposite corner `third` of the face, whose rotated corners are c = (third, right,
+// left): seen from inside, the line leaves an edge from its right to its left end. `sides` are the face's.
+static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
+  w->third = third;
+  w->third_side = third_side;
+  w->right = c.y;
+  w->left = c.z;
+  w->hit = GCDT_NONE;
+  w->code = element(sides, third);
+  w->across_right = element(sides, next_corner(third));
+  w->across_left = element(sides, previous_corner(third));
+  if (w->k + 1u < w->parts &&
+      gcdt_orient2d_division(load_vertex(mesh.points, mesh.n, c.y), load_vertex(mesh.points, mesh.n, c.z), w->va, w->vb,
+                             w->k + 1u, w->parts) > 0)
+    return WALK_END;  // the next division point lies on this side of the edge
+  return WALK_CROSS;
+}
+
+// The face holds the walk's point, moved a little towards b. Signs of the corners tell all:
+//   no corner on the line        the edge from a right to a left corner is the exit
+//   one: right, left after it    that corner lies behind, the edge opposite it is the exit
+//   one: left, right after it    that corner lies ahead
+//   two                          the walk runs along their edge, in the direction that has the third corner on
+//                                the side where it is
+static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
+  const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
+  const int s0 = side_of(w, mesh, c.x), s1 = side_of(w, mesh, c.y), s2 = side_of(w, mesh, c.z);
+  const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
+  if (zeros == 0) {
+    const uint k = (s1 < 0 && s2 > 0) ? 0u : (s2 < 0 && s0 > 0) ? 1u : (s0 < 0 && s1 > 0) ? 2u : 3u;
+    if (k == 3u) return WALK_FAILED;
+    return come_to_edge(w, mesh, k, rotate_to(c, k), sides, k == 0u ? s0 : k == 1u ? s1 : s2);
+  }
+  if (zeros == 1) {
+    const uint k = s0 == 0 ? 0u : s1 == 0 ? 1u : 2u;
+    const uint4 r = rotate_to(c, k);
+    const int right = k == 0u ? s1 : k == 1u ? s2 : s0, left = k == 0u ? s2 : k == 1u ? s0 : s1;
+    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, sides, 0);
+    if (right > 0 && left < 0) return come_to_vertex(w, mesh, r.x, GCDT_NONE);
+    return WALK_FAILED;
+  }
+  if (zeros == 2) {
+    const uint k = s0 != 0 ? 0u : s1 != 0 ? 1u : 2u;
+    const uint4 r = rotate_to(c, k);
+    return come_to_vertex(w, mesh, (s0 + s1 + s2) > 0 ? r.z : r.y, element(sides, k));
+  }
+  return WALK_FAILED;
+}
+
+// Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
+// GCDT_NONE.
+static uint walk_begin_in(private Walk* w, Mesh mesh, uint face, uint a, uint b, Vertex va, Vertex vb, uint k,
+                          uint parts) {
+  w->a = a;
+  w->b = b;
+  w->va = va;
+  w->vb = vb;
+  w->k = k;
+  w->parts = parts;
+  w->hit = GCDT_NONE;
+  w->face = face;
+  return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
+}
+
+// The same, and finds the face.
+static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, uint b,
+                       uint k, uint parts, private uint* steps) {
+  const Vertex va = load_vertex(mesh.points, mesh.n, a), vb = load_vertex(mesh.points, mesh.n, b);
+  return walk_begin_in(w, mesh, locate_division_point(levels, level, mesh, h, a, va, vb, k, parts, steps), a, b, va, vb,
+                       k, parts);
+}
+
+// What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for both at once.
+typedef struct Behind {
+  uint ref;  // of the face behind, or GCDT_NONE
+  uint4 corners, sides;
+  Vertex apex;  // across from the edge
+} Behind;
+
+static inline Behind look_behind(const private Walk* w, Mesh mesh) {
+  Behind b;
+  b.ref = mesh.edge_faces[w->code ^ 1u];
+  const uint face = b.ref == GCDT_NONE ? w->face : GCDT_REF_FACE(b.ref);
+  b.corners = mesh.face_data[GCDT_CORNERS(face)];
+  b.sides = mesh.face_data[GCDT_SIDES(face)];
+  b.apex = load_vertex(mesh.points, mesh.n, element(b.corners, GCDT_REF_CORNER(b.ref)));
+  return b;
+}
+
+// Crosses the exit edge. In the face behind it, (z, left, right) counter-clockwise, the sign of z
+// alone decides: left of the line, the exit is right -> z; right of it, z -> left.
+static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
+  if (b.ref == GCDT_NONE) return WALK_FAILED;
+  const uint j = GCDT_REF_CORNER(b.ref);
+  w->face = GCDT_REF_FACE(b.ref);
+  const int s = gcdt_sign64(gcdt_orient2d(w->va, w->vb, b.apex));
+  if (s == 0) return come_to_vertex(w, mesh, element(b.corners, j), GCDT_NONE);
+  const uint third = s > 0 ? next_corner(j) : previous_corner(j);
+  return come_to_edge(w, mesh, third, rotate_to(b.corners, third), b.sides, s > 0 ? 1 : -1);
+}
+
+// Goes on from the vertex z just hit, a corner of the face: turns counter-clockwise around z to the
+// face into which the piece continues. Ends: `limit` faces at most; the faces around z cover all
+// directions, and exactly one direction is right.
+static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
+  for (uint step = 0; step < limit; ++step) {
+    const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
+    const uint k = c.x == z ? 0u : c.y == z ? 1u : 2u;
+    const uint4 r = rotate_to(c, k);
+    const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);
+    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, sides, 0);
+    if (right == 0 && left > 0) return come_to_vertex(w, mesh, r.y, element(sides, previous_corner(k)));
+    if (right < 0 && left == 0) return come_to_vertex(w, mesh, r.z, element(sides, next_corner(k)));
+    const uint ref = mesh.edge_faces[element(sides, next_corner(k)) ^ 1u];
+    if (ref == GCDT_NONE) return WALK_FAILED;
+    w->face = GCDT_REF_FACE(ref);
+  }
+  return WALK_FAILED;
+}
+
+// ---- Parts (paper, 6.2: work-items in proportion to length) -----------------------------------------
+
+// The piece to which part `part` belongs: the last c with begins[c] <= part. Ends: the range halves.
+static inline uint piece_of_part(global const uint* begins, uint pieces, uint part) {
+  uint low = 0, high = pieces;
+  while (high - low > 1u) {
+    const uint middle = low + (high - low) / 2u;
+    if (begins[middle] <= part)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// Walks start at the finer end: its location is a leaf below a face of the top layer, found without
+// turning around a vertex of high degree.
+static inline uint2 walk_ends(uint2 ends) { return ends.x > ends.y ? ends : ends.yx; }
+
+// A piece's ends as points, from where it is walked to where: at hand in one load instead of two that wait for a third.
+static inline int4 line_of(global const int2* points, uint2 ends) { return (int4)(points[ends.x], points[ends.y]); }
+static inline Vertex line_begin(int4 line) { return gcdt_finite_vertex(line.x, line.y); }
+static inline Vertex line_end(int4 line) { return gcdt_finite_vertex(line.z, line.w); }
+
+#endif

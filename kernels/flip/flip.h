@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// A flip: its test, the exchange of an edge, and how a work-item gets hold of faces. OpenCL C only.
+#ifndef GCDT_FLIP_H
+#define GCDT_FLIP_H
+
+#include "common/mesh.h"
+
+typedef struct Claim {
+  u32 stamp, bits;
+} Claim;
+
+static inline Claim make_claim(uint stamp, uint bits) {
+  Claim c;
+  c.stamp = stamp;
+  c.bits = bits;
+  return c;
+}
+
+static inline bool claimed_now(uint word, Claim c) { return (word >> c.bits) == c.stamp; }
+
+// The face references on both sides of edge e.
+static inline uint2 faces_of_edge(Mesh mesh, uint e) { return ((global const uint2*)mesh.edge_faces)[e]; }
+
+// Is the edge with face references `near` and `far` illegal? Reads of a far face that another
+// work-item is changing give a worthless answer: the caller must own the face before acting on it.
+static bool is_illegal(Mesh mesh, uint near, uint far) {
+  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(near))],
+              opposite = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(far))];
+  const uint4 r = rotate_to(c, GCDT_REF_CORNER(near));
+  const uint d = element(opposite, GCDT_REF_CORNER(far));
+  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x),
+                        load_vertex(mesh.points, mesh.n, r.y), load_vertex(mesh.points, mesh.n, d));
+}
+
+//   before: t = (b, x, y), u = (d, y, x)        after: t = (b, x, d), u = (d, y, b)
+//        b                                            b
+//      / t \        edges of t: e, ex (y-b), ey (b-x)   /|\      t: (f_y, e, e_y)
+//     x-----y       edges of u: e, fy (x-d), fx (d-y)  x t|u y    u: (e_x, e, f_x)
+//      \ u /                                            \|/
+//        d                                              d
+// b keeps its place in t and d in u, so that e_y and f_x stay where they are: scattered words are what a flip costs.
+// Writes only words of the two faces, which the caller owns (L1). The claim words stay.
+// `refs`, `corners_t`, `corners_u`: its faces and their corners. `around` gets the owned sides' codes of the four
+// edges around.
+static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
+  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
+  const uint b = GCDT_REF_CORNER(refs.x), d = GCDT_REF_CORNER(refs.y);
+  const uint x = next_corner(b), y = previous_corner(b), y_of_u = next_corner(d), x_of_u = previous_corner(d);
+  const uint4 st = mesh.face_data[GCDT_SIDES(t)], su = mesh.face_data[GCDT_SIDES(u)];
+  const uint ex = element(st, x), fy = element(su, y_of_u);
+  mesh.face_data[GCDT_CORNERS(t)] = with_element(corners_t, y, element(corners_u, d));
+  mesh.face_data[GCDT_CORNERS(u)] = with_element(corners_u, x_of_u, element(corners_t, b));
+  mesh.face_data[GCDT_SIDES(t)] = with_element(with_element(st, b, fy), x, GCDT_SIDE(e, 0u));
+  mesh.face_data[GCDT_SIDES(u)] = with_element(with_element(su, d, ex), y_of_u, GCDT_SIDE(e, 1u));
+  ((global uint2*)mesh.edge_faces)[e] = (uint2)(GCDT_FACE_REF(t, x), GCDT_FACE_REF(u, y_of_u));
+  mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
+  mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
+  around[0] = fy;
+  around[1] = element(st, y);
+  around[2] = ex;
+  around[3] = element(su, x_of_u);
+}
+
+// Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is
+// never given back within a round, so a face taken here was not changed since the round began.
+static bool try_lock(Mesh mesh, uint face, uint ticket, Claim c) {
+  volatile global uint* word = claim_word(mesh.face_data, face);
+  const uint old = *word;
+  return !claimed_now(old, c) && atomic_cmpxchg(word, old, ticket) == old;
+}
+
+#endif

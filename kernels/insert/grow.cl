@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phases 1 and 3 for CPUs, where a work-item is a thread's loop over thousands of neighbouring vertices or edges
+// (GCDT_CONTIGUOUS): each does what a sequential program would, and meets others only along the border of its share.
+//
+// Ownership. A work-item takes every face that it changes by try_lock, with one ticket for the whole launch (its
+// number, which has as many bits as `bits` says), and keeps it to the launch's end. So no word has two writers (L1), a
+// face once taken was not changed in this launch before (what was read of it is right), and what is read of a face that
+// is not taken may be worthless, so nothing is concluded from it. What needs a face of another work-item is left to the
+// next launch; a launch of one work-item leaves nothing.
+#include "common/split_face.h"
+#include "flip/flip.h"
+
+// Faces that a walk visits where others may change the mesh beside it, and so might lead it in circles.
+#define GROW_WALK 4096u
+// Edges that a work-item remembers while it flips; further ones are queued.
+#define GROW_WORKLIST 64
+
+typedef struct Owner {
+  Claim claim;
+  u32 ticket;
+  volatile global uint* marks;
+  global uint* queue;  // edges to be tested later, each once
+  volatile global uint* queued;
+} Owner;
+
+static inline Owner make_owner(uint stamp, uint bits, global uint* edge_marks, global uint* queue,
+                               volatile global uint* queued) {
+  Owner o;
+  o.claim = make_claim(stamp, bits);
+  o.ticket = (stamp << bits) | (uint)get_global_id(0);
+  o.marks = edge_marks;
+  o.queue = queue;
+  o.queued = queued;
+  return o;
+}
+
+// Root p, whose edges no constraint has.
+static inline void plant(Mesh mesh, Owner o, uint p) {
+  make_root(mesh, p);
+  for (uint k = 0; k < 3u; ++k) o.marks[3u * p + k] = 0u;
+}
+
+// Few, so that the counter is nobody's burden.
+static void leave_edge(Owner o, uint e) {
+  if (!(atomic_or(o.marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED)) o.queue[atomic_inc(o.queued)] = e;
+}
+
+// Whether `face`, whose claim word was read as `word`, is or now becomes the work-item's own.
+static inline bool own(Mesh mesh, Owner o, uint face, uint word) {
+  if (word == o.ticket) return true;
+  return !claimed_now(word, o.claim) && atomic_cmpxchg(claim_word(mesh.face_data, face), word, o.ticket) == word;
+}
+
+// ---- Insertion ------------------------------------------------------------------------------------
+
+// What a work-item has done.
+typedef struct Grown {
+  u32 steps, flips, on_edges;
+} Grown;
+
+// Visibility walk from face t to the face that holds p in its closure, which becomes the work-item's own; GCDT_NONE
+// if another has it, or after `limit` faces. `zero` gets the corner whose opposite edge holds p, or 3. While nobody
+// else changes it the mesh is Delaunay, and the walk visits no face twice (L5).
+static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, private uint* steps, private uint* zero) {
+  for (uint step = 0; step < limit; ++step) {
+    const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
+    const Vertex x = load_vertex(mesh.points, mesh.n, c.x), y = load_vertex(mesh.points, mesh.n, c.y),
+                 z = load_vertex(mesh.points, mesh.n, c.z);
+    ++*steps;
+    const i64 ox = gcdt_orient2d(y, z, p), oy = gcdt_orient2d(z, x, p), oz = gcdt_orient2d(x, y, p);
+    if (ox >= 0 && oy >= 0 && oz >= 0) {
+      *zero = ox == 0 ? 0u : oy == 0 ? 1u : oz == 0 ? 2u : 3u;
+      return own(mesh, o, t, c.w) ? t : GCDT_NONE;
+    }
+    const uint ref = mesh.edge_faces[(ox < 0 ? s.x : oy < 0 ? s.y : s.z) ^ 1u];
+    if (ref == GCDT_NONE) return GCDT_NONE;
+    t = GCDT_REF_FACE(ref);
+  }
+  return GCDT_NONE;
+}
+
+// Flips what v's insertion made illegal: goes once around v, whose star begins with corner 0 of face t. An edge that
+// is illegal against a face that cannot be owned is left. That is all: take the edges that cannot be flipped for
+// constraints; then the faces that are the work-item's own or nobody's were constrained Delaunay before v, and are so
+// again when the edges across from v are legal (as in any incremental insertion). Returns the number of flips. Ends:
+// each pass flips, which happens finitely often (L4), or goes on to the next face of the star.
+static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
+  const Vertex vv = load_vertex(mesh.points, mesh.n, v);
+  uint k = 0, flips = 0;
+  uint4 c = mesh.face_data[GCDT_CORNERS(t)];
+  const uint first = c.y;
+  uint xn = c.y, yn = c.z;
+  Vertex x = load_vertex(mesh.points, mesh.n, xn), y = load_vertex(mesh.points, mesh.n, yn);
+  for (;;) {
+    const uint4 s = mesh.face_data[GCDT_SIDES(t)];
+    const uint code = element(s, k), far = mesh.edge_faces[code ^ 1u];
+    bool flipped = false;
+    if (far != GCDT_NONE) {
+      const uint u = GCDT_REF_FACE(far);
+      const uint4 cu = mesh.face_data[GCDT_CORNERS(u)];
+      if (!own(mesh, o, u, cu.w)) {
+        leave_edge(o, GCDT_SIDE_EDGE(code));
+      } else {
+        const uint dn = element(cu, GCDT_REF_CORNER(far));
+        const Vertex d = load_vertex(mesh.points, mesh.n, dn);
+        if (gcdt_must_flip(y, vv, x, d)) {
+          const uint near = GCDT_FACE_REF(t, k), e = GCDT_SIDE_EDGE(code);
+          uint around[4];
+          c.w = o.ticket;
+          uint4 owned = cu;
+          owned.w = o.ticket;
+          if (code & 1u)
+            flip_edge(mesh, e, (uint2)(far, near), owned, c, around);
+          else
+            flip_edge(mesh, e, (uint2)(near, far), c, owned, around);
+          ++flips;
+          // t is now (v, x, d), v still at corner k.
+          c = with_element(c, previous_corner(k), dn);
+          yn = dn;
+          y = d;
+          flipped = true;
+        }
+      }
+    }
+    if (flipped) continue;
+    if (yn == first) return flips;
+    const uint ref = mesh.edge_faces[element(s, next_corner(k)) ^ 1u];
+    t = GCDT_REF_FACE(ref);
+    k = next_corner(GCDT_REF_CORNER(ref));
+    c = mesh.face_data[GCDT_CORNERS(t)];
+    xn = yn;
+    x = y;
+    yn = element(c, previous_corner(k));
+    y = load_vertex(mesh.points, mesh.n, yn);
+  }
+}
+
+// The edges that v brings belong to no constraint. Before they are linked: until then they are nobody else's.
+static inline void clear_marks(Mesh mesh, Owner o, uint v) {
+  for (uint j = 0; j < 3u; ++j) o.marks[new_edge(mesh, v, j)] = 0u;
+}
+
+// Inserts v if all faces that it splits can be owned. Returns the face whose corner 0 v then is, or GCDT_NONE.
+static uint split_at(Mesh mesh, Owner o, uint v, uint t, uint zero) {
+  if (zero == 3u) {
+    clear_marks(mesh, o, v);
+    split_face(mesh, v, t, o.ticket);
+    return t;
+  }
+  const uint code = element(mesh.face_data[GCDT_SIDES(t)], zero), far = mesh.edge_faces[code ^ 1u];
+  const uint u = GCDT_REF_FACE(far);
+  if (!own(mesh, o, u, *claim_word(mesh.face_data, u))) return GCDT_NONE;
+  clear_marks(mesh, o, v);
+  split_edge(mesh, v, GCDT_SIDE_EDGE(code), o.ticket);
+  return t;
+}
+
+// Where the walk to v begins if no vertex of its triangulation was inserted just before: a face that the coarser
+// vertex before it on the curve brought, which flips have not moved far away. Any face is right.
+static inline uint face_to_begin(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, uint begin, uint v) {
+  if (level > 0u) {
+    const uint2 units = coarse_units(levels, level, mesh.points, mesh.n, begin, v);
+    const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
+    if (unit < units.y) return new_face(mesh, gcdt_vertex_of_rank(levels, level - 1u, unit), 0u);
+  }
+  return root_of(mesh.points, mesh.n, v);
+}
+
+// Inserts v, walking from face `last`, or GCDT_NONE. Returns a face of its star, or GCDT_NONE if it is left.
+static uint insert_vertex(Mesh mesh, Owner o, uint v, uint last, uint limit, private Grown* grown) {
+  uint zero;
+  uint t = find_and_own(mesh, o, load_vertex(mesh.points, mesh.n, v), last, limit, &grown->steps, &zero);
+  if (t != GCDT_NONE) t = split_at(mesh, o, v, t, zero);
+  if (t == GCDT_NONE) return t;
+  if (zero != 3u) ++grown->on_edges;
+  grown->flips += settle_star(mesh, o, v, t);
+  return t;
+}
+
+// One work-item per share of the vertices begin .. begin + count - 1, of which there were `segments` in the first
+// round, where `step` is 1. In later rounds a work-item takes `step` neighbouring segments, and inserts what
+// work-items of the round before, with `step_before` segments each, have left of them: along the curve, so that what
+// borders of shares kept apart is together. left_of[k] is how many are left of the share that begins with segment k;
+// they stand in `left` from that segment's first place on, ascending.
+// `level` is that of `begin`. The mesh must be Delaunay. Each vertex is found by a walk from the one before, split
+// off, and settled. Writes words of owned faces, and those that its vertices bring; the queue, in any order; `left` and
+// left_of of its own segments, no place of which it has still to read: it leaves no more than it has read.
+// The launch with begin = 0 is of one segment, and its work-item makes the roots, and the counters zero.
+// With one work-item none are left; `limit` then is the number of faces. Ends: see the functions. After: a
+// triangulation in which every edge that is not queued is legal.
+kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint step_before, uint level, uint limit,
+                        uint stamp, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
+                        global uint* edge_marks, global uint* left, global uint* left_of, global uint* queue,
+                        volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  Grown grown = {0u, 0u, 0u};
+  uint left_count = 0;
+  FOR_EACH(share, (segments + step - 1u) / step) {
+    const uint first = share * step, end = min(first + step, segments), place = share_begin(count, first, segments);
+    if (begin == 0u) {
+      for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
+      for (uint p = 0; p < mesh.roots; ++p) plant(mesh, o, p);
+    }
+    uint remaining = 0, last = GCDT_NONE, tree = 0;
+    for (uint segment = first; segment < end; segment += step_before) {
+      const uint from = share_begin(count, segment, segments);
+      const uint to = step == 1u ? share_begin(count, segment + 1u, segments) : from + left_of[segment];
+      for (uint i = from; i < to; ++i) {
+        const uint v = step == 1u ? begin + i : left[i];
+        const uint own_tree = root_of(points, n, v);
+        if (last == GCDT_NONE || own_tree != tree) last = face_to_begin(levels, level, mesh, begin, v);
+        tree = own_tree;
+        last = insert_vertex(mesh, o, v, last, limit, &grown);
+        if (last == GCDT_NONE) left[place + remaining++] = v;
+      }
+    }
+    left_of[first] = remaining;
+    left_count += remaining;
+  }
+  if (left_count > 0u) atomic_add(&counters->list_insert[0], left_count);
+  add_wide(&counters->steps_low, &counters->steps_high, grown.steps);
+  add_wide(&counters->flips_low, &counters->flips_high, grown.flips);
+  if (grown.on_edges > 0u) atomic_add(&counters->edge_splits, grown.on_edges);
+}
+
+#ifdef GCDT_FOREST
+// One work-item per problem. Makes its root, and inserts the problem's vertices coarse to fine, every 4^k-th along the
+// curve, then every 4^(k-1)-th and so on, each found by a walk from the one before, split off, and settled. No face of
+// a problem is reached from another, so none is anybody else's. Writes words of faces and edges of its problem. A
+// vertex that is not found is counted in list_insert, and the rest of its problem left out: that cannot be. Ends: the
+// stride falls; see the functions. After: every problem is Delaunay.
+kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT_LEVELS_POINTER levels,
+                          GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* queue,
+                          volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  Grown grown = {0u, 0u, 0u};
+  FOR_EACH_DEALT(p, problems) {
+    const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
+    uint last = p, stride = 1u;
+    plant(mesh, o, p);
+    while (stride < count) stride *= GCDT_LEVEL_RATIO;
+    for (; stride > 0u; stride /= GCDT_LEVEL_RATIO)
+      for (uint i = 0; i < count && last != GCDT_NONE; i += stride) {
+        if (i % (stride * GCDT_LEVEL_RATIO) == 0u && stride < count) continue;
+        last = insert_vertex(mesh, o, gcdt_vertex_of_rank(levels, levels->count - 1u, begin + i), last, limit, &grown);
+      }
+    if (last == GCDT_NONE) atomic_inc(&counters->list_insert[0]);
+  }
+  add_wide(&counters->steps_low, &counters->steps_high, grown.steps);
+  add_wide(&counters->flips_low, &counters->flips_high, grown.flips);
+  if (grown.on_edges > 0u) atomic_add(&counters->edge_splits, grown.on_edges);
+}
+#endif
+
+// ---- Flips ----------------------------------------------------------------------------------------
+
+// Goes on flipping around an edge that was flipped. Ends: each pass takes an edge from the worklist, and only flips
+// add edges (L4).
+static uint settle(Mesh mesh, Owner o, private uint* around) {
+  uint work[GROW_WORKLIST];
+  uint size = 0, flips = 0;
+  for (;;) {
+    for (uint i = 0; i < 4u; ++i) {
+      if (size < GROW_WORKLIST)
+        work[size++] = around[i];
+      else
+        leave_edge(o, GCDT_SIDE_EDGE(around[i]));
+    }
+    bool flipped = false;
+    while (size > 0u && !flipped) {
+      const uint code = work[--size], e = GCDT_SIDE_EDGE(code);
+      if (o.marks[e] & GCDT_MARK_CONSTRAINED) continue;
+      const uint near = mesh.edge_faces[code], far = mesh.edge_faces[code ^ 1u];
+      if (far == GCDT_NONE) continue;
+      const uint t = GCDT_REF_FACE(near), u = GCDT_REF_FACE(far);
+      if (!own(mesh, o, u, *claim_word(mesh.face_data, u))) {
+        leave_edge(o, e);
+      } else if (is_illegal(mesh, near, far)) {
+        const uint4 ct = mesh.face_data[GCDT_CORNERS(t)], cu = mesh.face_data[GCDT_CORNERS(u)];
+        if (code & 1u)
+          flip_edge(mesh, e, (uint2)(far, near), cu, ct, around);
+        else
+          flip_edge(mesh, e, (uint2)(near, far), ct, cu, around);
+        ++flips;
+        flipped = true;
+      }
+    }
+    if (!flipped) return flips;
+  }
+}
+
+// One work-item per share of the edges. Tests each that is not constrained, and flips it and what becomes illegal
+// around it if it owns the faces; else queues it. An edge found legal whose faces others change is tested by these.
+// Writes words of owned faces, marks by atomics, the queue in any order. After: an edge that is not queued is legal or
+// constrained.
+kernel void grow_flip(uint edges, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
+                      global uint* queue, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  uint flips = 0;
+  FOR_EACH(e, edges) {
+    if (edge_marks[e] & GCDT_MARK_CONSTRAINED) continue;
+    const uint2 refs = faces_of_edge(mesh, e);
+    if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || !is_illegal(mesh, refs.x, refs.y)) continue;
+    const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
+    uint4 ct = mesh.face_data[GCDT_CORNERS(t)], cu = mesh.face_data[GCDT_CORNERS(u)];
+    if (!own(mesh, o, t, ct.w) || !own(mesh, o, u, cu.w)) {
+      leave_edge(o, e);
+      continue;
+    }
+    ct.w = cu.w = o.ticket;
+    uint around[4];
+    flip_edge(mesh, e, refs, ct, cu, around);
+    flips += 1u + settle(mesh, o, around);
+  }
+  add_wide(&counters->flips_low, &counters->flips_high, flips);
+}

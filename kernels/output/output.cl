@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Canonical order: finite triangles rotated to their vertex of least rank and sorted by the ranks of
+// their first two corners. Ranks follow the Z-order curve, so the order depends on coordinates only.
+#include "common/levels.h"
+
+// The corner with the least of three distinct ranks.
+GCDT_INLINE uint least_corner(uint r0, uint r1, uint r2) { return r0 < r1 ? (r0 < r2 ? 0u : 2u) : (r1 < r2 ? 1u : 2u); }
+
+// (v[first], v[first + 1], v[first + 2]), indices modulo 3.
+GCDT_INLINE uint3 rotated(uint4 v, uint first) { return first == 0 ? v.xyz : first == 1 ? v.yzx : v.zxy; }
+
+// Writes the key and the reference of face f. Returns whether its corners are finite.
+static bool key_face(uint f, global const Levels* levels, uint bits, global const uint4* face_data, global ulong* keys,
+                     global uint* refs) {
+  const uint4 c = face_data[GCDT_CORNERS(f)];
+  const bool finite = max(max(c.x, c.y), c.z) < levels->n;
+  ulong key = ((ulong)1 << (2u * bits)) - 1u;
+  uint first = 0;
+  if (finite) {
+    const uint4 ranks = (uint4)(gcdt_rank_of_vertex(levels, c.x), gcdt_rank_of_vertex(levels, c.y),
+                                gcdt_rank_of_vertex(levels, c.z), 0u);
+    first = least_corner(ranks.x, ranks.y, ranks.z);
+    const uint3 r = rotated(ranks, first);
+    key = ((ulong)r.x << bits) | r.y;
+  }
+  keys[f] = key;
+  refs[f] = GCDT_FACE_REF(f, first);
+  return finite;
+}
+
+// One work-item per face.
+// Reads levels and corners.
+// Writes keys[f] and refs[f] for face f; adds to *triangles.
+// Words f have one writer; *triangles is a sum made by atomic_add, whose order cannot matter.
+// After this kernel refs[f] is the reference of face f's first corner, and its key is (rank of the first
+// corner, rank of the second), `bits` bits each. Every directed edge is in one face, so these keys are
+// distinct. A face with a symbolic corner has the key of all ones, above every other: a rank is at most
+// n - 1 < 2^bits - 1.
+kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* face_data,
+                      global ulong* keys, global uint* refs, global uint* triangles) {
+  uint finite = 0;
+  FOR_EACH(f, count)
+  if (key_face(f, levels, bits, face_data, keys, refs)) ++finite;
+  if (finite != 0) atomic_add(triangles, finite);
+}
+
+// One work-item per triangle, in canonical order.
+// Reads refs: every finite face once. Writes positions[f] for the face of refs[i]; those of others are -1.
+// Every finite face stands in refs once: every word has one writer.
+// After this kernel positions[f] is the number of face f in canonical order, -1 for symbolic faces.
+kernel void place_faces(const uint count, global const uint* refs, global int* positions) {
+  FOR_EACH(i, count) positions[GCDT_REF_FACE(refs[i])] = (int)i;
+}
+
+// Triangle i, in canonical order.
+static void gather_triangle(uint i, global const uint4* face_data, global const uint* edge_faces,
+                            global const uint* edge_marks, global const uint* refs, global const int* positions,
+                            global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
+  const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
+  vstore3(rotated(face_data[GCDT_CORNERS(f)], first), i, out_corners);
+  const uint3 s = rotated(face_data[GCDT_SIDES(f)], first);
+  const uint3 across = (uint3)(edge_faces[s.x ^ 1u], edge_faces[s.y ^ 1u], edge_faces[s.z ^ 1u]);
+  vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)],
+                 positions[GCDT_REF_FACE(across.z)]),
+          i, out_neighbours);
+  const uint3 marks =
+      (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) &
+      GCDT_MARK_CONSTRAINED;
+  out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);
+}
+
+// One work-item per triangle, in canonical order.
+// Reads the mesh, refs and positions.
+// Writes the triangle's corners, neighbours and constrained flags.
+// Words 3i .. 3i+2 and byte i have one writer.
+// After this kernel corner 0 has the least rank, neighbour k is across from corner k, -1 where the face
+// across is symbolic, and bit k of constrained tells of the same edge.
+kernel void gather_triangles(const uint count, global const uint4* face_data, global const uint* edge_faces,
+                             global const uint* edge_marks, global const uint* refs, global const int* positions,
+                             global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
+  FOR_EACH(i, count)
+  gather_triangle(i, face_data, edge_faces, edge_marks, refs, positions, out_corners, out_neighbours, out_constrained);
+}
+
+static inline void number_corner(uint i, global const uint* vertex_input, global uint* corners) {
+  corners[i] = vertex_input[corners[i]];
+}
+
+// One work-item per corner.
+// Reads vertex_input.
+// Writes corners[i], the word that it replaces.
+// Word i has one reader and writer.
+// After this kernel corners are the representatives' input numbers.
+kernel void number_corners(const uint count, global const uint* vertex_input, global uint* corners) {
+  FOR_EACH(i, count) number_corner(i, vertex_input, corners);
+}
+
+static inline void number_representative(uint i, global const uint* vertex_input, global const uint* input_vertex,
+                                         global uint* representatives) {
+  representatives[i] = vertex_input[input_vertex[i]];
+}
+
+// One work-item per input point.
+// Reads vertex_input and input_vertex.
+// Writes representatives[i].
+// Word i has one writer.
+// After this kernel representatives[i] is the input number that stands for input point i.
+kernel void number_representatives(const uint count, global const uint* vertex_input, global const uint* input_vertex,
+                                   global uint* representatives) {
+  FOR_EACH(i, count) number_representative(i, vertex_input, input_vertex, representatives);
+}

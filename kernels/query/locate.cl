@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// Point location in a finished mesh that covers the convex hull: queries are placed on the grid as vertices
+// are, sorted along the curve, and each walks from the vertex before it on the curve.
+//
+// The walk goes over any edge that has the query strictly on its other side, the first of the three from a
+// place that a hash of query and step chooses. In a Delaunay triangulation every such walk ends; in a
+// constrained one a fixed choice could go in circles, a random one leaves every circle: from each triangle
+// some choice comes nearer along the segment to the query. The result does not depend on the way.
+#include "common/levels.h"
+#include "common/predicates.h"
+#include "order/quantise.h"
+#include "query/locate.h"
+
+GCDT_INLINE Vertex point_of(global const int2* points, uint v) {
+  const int2 p = points[v];
+  return gcdt_finite_vertex(p.x, p.y);
+}
+
+// A corner is the number of an input vertex (`by_input`) or of a vertex.
+GCDT_INLINE uint vertex_of(global const uint* input_vertex, uint by_input, uint corner) {
+  return by_input ? input_vertex[corner] : corner;
+}
+
+// Three points of triangle t.
+typedef struct Corners {
+  Vertex at[3];
+} Corners;
+
+GCDT_INLINE Corners corners_of(global const uint* corners, uint t, global const uint* input_vertex, uint by_input,
+                               global const int2* points) {
+  Corners c;
+  c.at[0] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t]));
+  c.at[1] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + 1u]));
+  c.at[2] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + 2u]));
+  return c;
+}
+
+// Twice the area of the query with the edge across from corner k: negative if the query is beyond that edge.
+GCDT_INLINE i64 area_across(Corners c, uint k, Vertex query) {
+  return gcdt_orient2d_finite(c.at[k == 2u ? 0u : k + 1u], c.at[k == 0u ? 2u : k - 1u], query);
+}
+
+GCDT_INLINE Vertex query_of(u64 key) { return gcdt_finite_vertex(gcdt_gather_bits(key), gcdt_gather_bits(key >> 1)); }
+
+// One work-item per triangle.
+// Reads corners. Writes least[v] for the vertices v of its corners, by atomic_min: the order cannot matter.
+// After this kernel least[v] is the least triangle that has v as a corner, GCDT_NONE (as before) without any.
+kernel void least_triangles(const uint count, const uint by_input, global const uint* input_vertex,
+                            global const uint* corners, volatile global uint* least) {
+  FOR_EACH(t, count)
+  for (uint k = 0; k < 3; ++k) atomic_min(&least[vertex_of(input_vertex, by_input, corners[3u * t + k])], t);
+}
+
+// One work-item per input vertex.
+// Reads input_vertex and least. Writes triangles[i].
+// Word i has one writer.
+// After this kernel triangles[i] is the least triangle at input vertex i, -1 if there is none.
+kernel void number_least(const uint count, global const uint* input_vertex, global const uint* least,
+                         global int* triangles) {
+  FOR_EACH(i, count) triangles[i] = (int)least[input_vertex[i]];
+}
+
+// The query's grid coordinate on one axis. Where the grid was chosen for decimals, a double that is one is
+// taken for it, as for vertices; all others are rounded by `scale`.
+GCDT_INLINE Quantised place_coordinate(u64 bits, uint by_decimals, global const Scale* scale,
+                                       global const Decimals* decimals, uint axis) {
+  u64 numerator;
+  if (by_decimals && gcdt_decimal(bits, decimals->digits, &numerator)) {
+    const i64 wide = gcdt_decimal_numerator(bits, decimals->digits);
+    const u64 from_least = (u64)wide - (u64)decimals->least[axis];
+    if (wide != (i64)GCDT_NUMERATOR_OVERFLOW) {
+      Quantised placed;
+      placed.outside = wide < decimals->least[axis] || from_least > GCDT_GRID_LAST / decimals->step;
+      placed.value = (u32)(from_least * decimals->step);
+      placed.move = 0;
+      return placed;
+    }
+  }
+  return gcdt_quantise(bits, scale, (i32)axis);
+}
+
+// One work-item per query.
+// Reads coordinates and the grid. Writes keys[i] and numbers[i]; *not_finite by atomic_min.
+// Words i have one writer; the least bad coordinate is the same in any order.
+// After this kernel keys[i] is the Morton code of the query's grid point, or GCDT_OFF_GRID.
+kernel void place_queries(const uint count, const uint type, global const ulong* coordinates, const uint by_decimals,
+                          global const Scale* scale, global const Decimals* decimals, global ulong* keys,
+                          global uint* numbers, volatile global uint* not_finite) {
+  FOR_EACH(i, count) {
+    uint place[2] = {0u, 0u}, outside = 0u;
+    for (uint axis = 0; axis < 2; ++axis) {
+      const u64 bits = gcdt_coordinate(coordinates, type, 2u * i + axis);
+      if (!gcdt_is_finite(bits)) {
+        atomic_min(not_finite, 2u * i + axis);
+        outside = 1u;
+        continue;
+      }
+      const Quantised q = place_coordinate(bits, by_decimals, scale, decimals, axis);
+      place[axis] = q.value;
+      outside |= q.outside;
+    }
+    keys[i] = outside ? GCDT_OFF_GRID : gcdt_morton(place[0], place[1]);
+    numbers[i] = i;
+  }
+}
+
+// One work-item per query, in sorted order.
+// Reads levels, points, keys and starts: a triangle at each vertex. Writes places[i].
+// Word i has one writer.
+// After this kernel places[i] is a triangle at the last vertex whose Morton code is not above the query's (or
+// at the first vertex), GCDT_NONE for a query off the grid. The search ends: high - low shrinks.
+kernel void locate_start(const uint count, global const Levels* levels, global const int2* points,
+                         global const ulong* keys, global const uint* starts, global uint* places) {
+  FOR_EACH(i, count) {
+    const ulong key = keys[i];
+    uint low = 0, high = levels->n;
+    while (high - low > 1u) {
+      const uint middle = low + (high - low) / 2u;
+      const int2 p = points[gcdt_vertex_of_rank(levels, levels->count - 1u, middle)];
+      if (gcdt_morton((uint)p.x, (uint)p.y) <= key)
+        low = middle;
+      else
+        high = middle;
+    }
+    places[i] = key == GCDT_OFF_GRID ? GCDT_NONE : starts[gcdt_vertex_of_rank(levels, levels->count - 1u, low)];
+  }
+}
+
+// A number below 3 without a pattern.
+GCDT_INLINE uint first_edge(uint query, uint step) {
+  uint x = (query ^ (step * 0x9E3779B1u)) * 0x85EBCA6Bu;
+  x ^= x >> 15;
+  return (x * 0xC2B2AE35u >> 16) % 3u;
+}
+
+// The first edge from `first` on that has the query beyond it; 3: none. Not a loop: a driver that ends loops after some
+// number of rounds may end the walk, which goes on in the next launch, but not this.
+GCDT_INLINE uint edge_to_cross(Corners c, uint first, Vertex query) {
+  const uint second = first == 2u ? 0u : first + 1u, third = second == 2u ? 0u : second + 1u;
+  if (area_across(c, first, query) < 0) return first;
+  if (area_across(c, second, query) < 0) return second;
+  return area_across(c, third, query) < 0 ? third : 3u;
+}
+
+// One work-item per query, in sorted order.
+// Reads keys and the mesh. Writes places[i], and *pending by atomic_or.
+// Word i has one reader and writer.
+// After this kernel the query has arrived, is known to be outside, or is GCDT_LOCATE_STEPS triangles further
+// and *pending is 1. The loop ends after that many steps.
+kernel void locate_walk(const uint count, const uint round, global const uint* corners, global const int* neighbours,
+                        const uint by_input, global const uint* input_vertex, global const int2* points,
+                        global const ulong* keys, global uint* places, volatile global uint* pending) {
+  FOR_EACH(i, count) {
+    uint t = places[i];
+    if (t == GCDT_NONE || (t & GCDT_ARRIVED)) continue;
+    const Vertex query = query_of(keys[i]);
+    for (uint step = 0; step < GCDT_LOCATE_STEPS; ++step) {
+      const Corners c = corners_of(corners, t, input_vertex, by_input, points);
+      const uint k = edge_to_cross(c, first_edge(i, round * GCDT_LOCATE_STEPS + step), query);
+      if (k == 3u) {
+        t |= GCDT_ARRIVED;
+        break;
+      }
+      const int across = neighbours[3u * t + k];
+      t = (uint)across;  // -1, beyond an edge of the convex hull, is GCDT_NONE
+      if (across < 0) break;
+    }
+    places[i] = t;
+    if (t != GCDT_NONE && !(t & GCDT_ARRIVED)) atomic_or(pending, 1u);
+  }
+}
+
+// The lesser of two triangles, of which -1 is none.
+GCDT_INLINE int lesser(int a, int b) { return a < 0 ? b : b < 0 ? a : min(a, b); }
+
+// One work-item per query, in sorted order.
+// Reads keys, numbers, places; the whole mesh; kept, the number of a triangle in the kept mesh or -1 (if
+// `selected`; else both are the same mesh); the kept mesh's corners, and least, its least triangle at each vertex.
+// Writes triangles, weights and found_corners at the query's own number: numbers is a permutation.
+// After this kernel triangles[q] is the least kept triangle that holds query q, its border included, -1 if
+// there is none; areas[3q + k] is twice the area of the query with the edge across from that triangle's
+// corner k, and found_corners its corners; 0 without a triangle.
+kernel void locate_finish(const uint count, global const ulong* keys, global const uint* numbers,
+                          global const uint* places, global const uint* corners, global const int* neighbours,
+                          const uint by_input, global const uint* input_vertex, global const int2* points,
+                          const uint selected, global const int* kept, global const uint* kept_corners,
+                          global const uint* least, global int* triangles, global uint* found_corners,
+                          global long* areas) {
+  FOR_EACH(i, count) {
+    const uint q = numbers[i];
+    const Vertex query = query_of(keys[i]);
+    int found = -1;
+    if (places[i] != GCDT_NONE) {
+      const uint t = places[i] & ~GCDT_ARRIVED;
+      const Corners c = corners_of(corners, t, input_vertex, by_input, points);
+      uint zeros = 0, on = 0, corner = 0;
+      for (uint k = 0; k < 3; ++k) {
+        const uint zero = area_across(c, k, query) == 0;
+        zeros += zero;
+        if (zero)
+          on = k;
+        else
+          corner = k;
+      }
+      found = selected ? kept[t] : (int)t;
+      if (zeros == 1u) {
+        const int across = neighbours[3u * t + on];
+        found = lesser(found, across < 0 || !selected ? across : kept[across]);
+      }
+      if (zeros == 2u) found = (int)least[vertex_of(input_vertex, by_input, corners[3u * t + corner])];
+    }
+    triangles[q] = found;
+    Corners c;
+    if (found >= 0) c = corners_of(kept_corners, (uint)found, input_vertex, by_input, points);
+    for (uint k = 0; k < 3; ++k) {
+      found_corners[3u * q + k] = found < 0 ? 0u : kept_corners[3u * (uint)found + k];
+      areas[3u * q + k] = found < 0 ? 0 : area_across(c, k, query);
+    }
+  }
+}
+
+// One work-item per query.
+// Reads triangles and areas. Writes weights.
+// Words 3q .. 3q + 2 have one writer.
+// After this kernel the weights are the areas' shares, in single precision: 0 outside.
+kernel void locate_weights(const uint count, global const int* triangles, global const long* areas,
+                           global float* weights) {
+  FOR_EACH(q, count) {
+    const long a = areas[3u * q], b = areas[3u * q + 1u], c = areas[3u * q + 2u];
+    const float all = triangles[q] < 0 ? 1.0f : (float)(a + b + c);
+    weights[3u * q] = (float)a / all;
+    weights[3u * q + 1u] = (float)b / all;
+    weights[3u * q + 2u] = (float)c / all;
+  }
+}

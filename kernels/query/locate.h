@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a query stands in its search. OpenCL C and C++17.
+#ifndef GCDT_LOCATE_H
+#define GCDT_LOCATE_H
+
+#include "common/shared.h"
+
+// The key of a query that is not on the grid: above every Morton code, which has 62 bits.
+#define GCDT_OFF_GRID 0x4000000000000000ul
+#define GCDT_QUERY_KEY_BITS 63u
+
+// Triangle numbers have 30 bits. A query's place is the triangle that its walk has reached, with this bit
+// once that holds the query; GCDT_NONE: outside.
+#define GCDT_ARRIVED 0x80000000u
+
+// Triangles that a walk goes through in one launch at most.
+#define GCDT_LOCATE_STEPS 1024u
+
+#endif

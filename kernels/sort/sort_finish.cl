@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the radix sort of 64-bit keys leaves to simpler ways: few keys, or many times few, each sorted by one
+// work-group; keys of many small buckets; keys that a sort by their high bits has left nearly in order.
+#include "common/digits.h"
+#include "common/runs.h"
+
+// ---- In local memory ----------------------------------------------------------------------------------
+
+// Keys that one work-group sorts: 24 KiB of the 32 that every device has.
+#define SORT_SMALL 2048u
+
+GCDT_INLINE bool comes_before(u64 key, u32 index, u64 other_key, u32 other_index) {
+  return key < other_key || (key == other_key && index < other_index);
+}
+
+// One work-group, all of it with the same arguments. Puts up to SORT_SMALL pairs in order of the bits `mask` of the
+// key, equal ones in the order in which they were, where they stand: a bitonic sort by (key, index), in which what is
+// missing to a power of two counts as greatest; then either array goes through local memory to its new order. In a step
+// every pair of places has one work-item, which also reads and writes the same global words throughout; barriers stand
+// between steps. Ends: `run` doubles, `step` halves.
+GCDT_GIVEN_LOCAL void sort_in_group(u32 count, u64 mask, global u64* keys, global u32* values, local u64* moved,
+                                    local u32* indices) {
+  u32 size = 1;
+  while (size < count) size *= 2u;
+  barrier(CLK_LOCAL_MEM_FENCE);  // local memory may still be read by the call before
+  for (u32 i = get_local_id(0); i < size; i += get_local_size(0)) {
+    moved[i] = i < count ? keys[i] & mask : ~(u64)0;
+    indices[i] = i;
+  }
+  for (u32 run = 2u; run <= size; run *= 2u)
+    for (u32 step = run / 2u; step > 0u; step /= 2u) {
+      barrier(CLK_LOCAL_MEM_FENCE);
+      for (u32 i = get_local_id(0); i < size / 2u; i += get_local_size(0)) {
+        const u32 low = 2u * i - (i & (step - 1u)), high = low + step;
+        const bool ascending = (low & run) == 0u;
+        const u64 a = moved[low], b = moved[high];
+        const u32 ia = indices[low], ib = indices[high];
+        if (comes_before(b, ib, a, ia) == ascending) {
+          moved[low] = b, moved[high] = a;
+          indices[low] = ib, indices[high] = ia;
+        }
+      }
+    }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (u32 i = get_local_id(0); i < count; i += get_local_size(0)) moved[i] = keys[i];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (u32 i = get_local_id(0); i < count; i += get_local_size(0)) keys[i] = moved[indices[i]];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (u32 i = get_local_id(0); i < count; i += get_local_size(0)) moved[i] = values[i];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (u32 i = get_local_id(0); i < count; i += get_local_size(0)) values[i] = (u32)moved[indices[i]];
+}
+
+// One work-group. Sorts up to SORT_SMALL pairs by the bits `mask` of the key, stably.
+// Reads, writes: keys, values. No race: sort_in_group.
+// After: the pairs are in order.
+kernel void sort_small(u32 count, u64 mask, global u64* keys, global u32* values) {
+  local u64 moved[SORT_SMALL];
+  local u32 indices[SORT_SMALL];
+  sort_in_group(count, mask, keys, values, moved, indices);
+}
+
+// One work-group per segment, first[s] .. first[s + 1] - 1, of up to SORT_SMALL pairs. Sorts it by the key, stably.
+// Reads, writes: keys, values; a word belongs to one segment, so to one group.
+// After: every segment is in order.
+kernel void sort_segments(u32 segments, global const u32* first, global u64* keys, global u32* values) {
+  local u64 moved[SORT_SMALL];
+  local u32 indices[SORT_SMALL];
+  for (u32 s = get_group_id(0); s < segments; s += get_num_groups(0)) {
+    const u32 begin = first[s];
+    sort_in_group(first[s + 1u] - begin, ~(u64)0, keys + begin, values + begin, moved, indices);
+  }
+}
+
+// ---- One work-item alone ------------------------------------------------------------------------------
+
+// One work-group, its first work-item alone: for CPUs, where that is faster than lanes and barriers, and than launches
+// for each digit. Sorts pairs by the bits below `bits` of the key, stably, by digits of 8 bits.
+// Reads, writes: keys and values, and the other ones by turns.
+// After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
+kernel void sort_alone(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
+                       global u32* other_values) {
+  if (get_local_id(0) == 0) sort_by_digits(count, bits, keys, values, other_keys, other_values);
+}
+
+// ---- Buckets ------------------------------------------------------------------------------------------
+
+// One work-item per pair. Its bucket is what the key has from bit `low` on; pairs beyond `buckets` are left out.
+// Reads: keys. Adds to: counts, by atomic_inc, whose order cannot matter.
+// After: counts, which were 0, say how many pairs each bucket has.
+kernel void bucket_count(u32 count, u32 low, u32 buckets, global const u64* keys, volatile global u32* counts) {
+  FOR_EACH(i, count) {
+    const u64 bucket = keys[i] >> low;
+    if (bucket < buckets) atomic_inc(counts + bucket);
+  }
+}
+
+// One work-item per pair.
+// Reads: keys, values. Writes: next[b], where bucket b begins at first: the next pair's place in it; the pair there, in
+//   keys_out and values_out.
+// atomic_inc gives each place once. In which order pairs of a bucket come is chance.
+// After: pairs stand bucket by bucket.
+kernel void bucket_move(u32 count, u32 low, u32 buckets, global const u64* keys, global const u32* values,
+                        volatile global u32* next, global u64* keys_out, global u32* values_out) {
+  FOR_EACH(i, count) {
+    const u64 key = keys[i], bucket = key >> low;
+    if (bucket >= buckets) continue;
+    const u32 at = atomic_inc(next + bucket);
+    keys_out[at] = key;
+    values_out[at] = values[i];
+  }
+}
+
+// ---- Runs ---------------------------------------------------------------------------------------------
+
+// One work-item per pair, in order of the bits from `low` on. Where a run of keys that agree in these begins, its
+// work-item sorts it by insertion, in place and stable; a run longer than `longest` is left as it is, and listed.
+// Reads, writes: keys, values. Writes: long_runs: how many, which was 0, then where they begin, in any order.
+// A run has one work-item, and nobody looks beyond the neighbours of its own run but at the bits from `low` on, in
+// which all keys that may stand there agree. atomic_inc gives each place in the list once.
+// After: every run up to `longest` is in order.
+kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global u32* values,
+                      volatile global u32* long_runs) {
+  FOR_EACH(begin, count) {
+    const u64 high = keys[begin] >> low;
+    if (begin > 0u && keys[begin - 1u] >> low == high) continue;
+    u32 end = begin + 1u;
+    while (end < count && end - begin <= longest && keys[end] >> low == high) ++end;
+    if (end - begin > longest)
+      long_runs[1u + atomic_inc(long_runs)] = begin;
+    else
+      sort_run(keys, values, begin, end);
+  }
+}
+
+// How many pairs the run that begins at `begin` has; 0 if more than SORT_SMALL. Ends: the range halves.
+GCDT_INLINE u32 size_of_run(u32 count, u32 low, global const u64* keys, u32 begin) {
+  const u64 high = keys[begin] >> low;
+  u32 inside = begin, outside = begin + min(count - begin, SORT_SMALL + 1u);  // in the run; not in it, or too far
+  while (outside - inside > 1u) {
+    const u32 middle = inside + (outside - inside) / 2u;
+    if (keys[middle] >> low == high)
+      inside = middle;
+    else
+      outside = middle;
+  }
+  return outside - begin <= SORT_SMALL ? outside - begin : 0u;
+}
+
+// One work-group per run that sort_runs has listed. Sorts those of up to SORT_SMALL pairs, stably.
+// Reads, writes: keys, values. A run has one group, and nobody looks beyond its own run but at the bits from `low` on.
+// After: every run up to SORT_SMALL is in order.
+kernel void sort_long_runs(u32 count, u32 low, global const u32* long_runs, global u64* keys, global u32* values) {
+  local u64 moved[SORT_SMALL];
+  local u32 indices[SORT_SMALL];
+  local u32 size;
+  const u32 found = long_runs[0];
+  for (u32 r = get_group_id(0); r < found; r += get_num_groups(0)) {
+    const u32 begin = long_runs[1u + r];
+    if (get_local_id(0) == 0) size = size_of_run(count, low, keys, begin);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    sort_in_group(size, ~(u64)0, keys + begin, values + begin, moved, indices);
+  }
+}
+
+// One work-item per pair. Writes 1 to *unordered if two neighbours are not in order. No race: all write the same.
+kernel void sort_verify(u32 count, global const u64* keys, global u32* unordered) {
+  FOR_EACH(i, max(count, 1u) - 1u)
+  if (keys[i] > keys[i + 1u]) *unordered = 1u;
+}

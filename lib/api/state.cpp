@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface: statuses, devices, solvers, triangulation of host arrays.
+#include "api/state.hpp"
+
+using namespace gcdt;
+
+namespace gcdt::api {
+
+namespace {
+
+// Without a destructor, so that the library can be unloaded while threads live.
+struct ThreadDetail {
+  std::int32_t status;
+  char message[4001];
+  std::uint64_t indices[20];
+  std::size_t index_count;
+  std::uint64_t pair_count;
+};
+thread_local ThreadDetail thread_detail;
+
+template <std::size_t N>
+void cut(char (&to)[N], const std::string& from) {
+  const std::size_t length = std::min(from.size(), N - 1);
+  std::memcpy(to, from.data(), length);
+  to[length] = '\0';
+}
+
+}  // namespace
+
+std::int32_t code_of(const Error& error) {
+  if (error.opencl_code() != 0) return error.opencl_code();
+  switch (error.status()) {
+    case Status::ok: return GCDT_OK;
+    case Status::invalid_argument: return GCDT_ERROR_INVALID_ARGUMENT;
+    case Status::coordinate_not_finite: return GCDT_ERROR_COORDINATE_NOT_FINITE;
+    case Status::coordinate_outside_grid: return GCDT_ERROR_COORDINATE_OUTSIDE_GRID;
+    case Status::index_out_of_range: return GCDT_ERROR_INDEX_OUT_OF_RANGE;
+    case Status::too_many_vertices: return GCDT_ERROR_TOO_MANY_VERTICES;
+    case Status::constraints_cross: return GCDT_ERROR_CONSTRAINTS_CROSS;
+    case Status::no_device: return GCDT_ERROR_NO_DEVICE;
+    case Status::device_failed: return GCDT_ERROR_DEVICE_FAILED;
+    case Status::out_of_memory: return GCDT_ERROR_OUT_OF_MEMORY;
+    case Status::round_limit: return GCDT_ERROR_ROUND_LIMIT;
+    case Status::check_failed: return GCDT_ERROR_CHECK_FAILED;
+    case Status::cancelled: return GCDT_ERROR_CANCELLED;
+    case Status::workspace_too_small: return GCDT_ERROR_WORKSPACE_TOO_SMALL;
+    case Status::buffer_too_small: return GCDT_ERROR_BUFFER_TOO_SMALL;
+    case Status::wrong_context: return GCDT_ERROR_WRONG_CONTEXT;
+    case Status::buffer_access: return GCDT_ERROR_BUFFER_ACCESS;
+    case Status::buffers_overlap: return GCDT_ERROR_BUFFERS_OVERLAP;
+    case Status::in_use: return GCDT_ERROR_IN_USE;
+    case Status::vertices_coincide: return GCDT_ERROR_VERTICES_COINCIDE;
+  }
+  return GCDT_ERROR_INTERNAL;
+}
+
+std::int32_t failed(State* state, std::int32_t status, const char* message, const std::vector<std::uint64_t>& indices,
+                    std::uint64_t pair_count) noexcept {
+  ThreadDetail& detail = thread_detail;
+  detail.status = status;
+  const std::size_t length = std::min(std::strlen(message), sizeof detail.message - 1);
+  std::memcpy(detail.message, message, length);
+  detail.message[length] = '\0';
+  detail.index_count = std::min(indices.size(), std::size(detail.indices));
+  std::copy_n(indices.begin(), detail.index_count, detail.indices);
+  detail.pair_count = pair_count;
+  if (!state) return status;
+  try {
+    state->detail = {status, message, indices, pair_count};
+    state->runtime.log(GCDT_LOG_WARNING, message);
+  } catch (...) {  // out of memory: the number says enough
+    state->detail.status = status;
+  }
+  return status;
+}
+
+namespace {
+
+std::vector<std::array<double, 2>> read_seeds(const char* name, const double* xy, std::uint64_t count) {
+  require(xy || count == 0, (std::string(name) + " is null").c_str());
+  require(count <= max_vertices, (std::string(name) + " are too many").c_str());
+  std::vector<std::array<double, 2>> seeds(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    seeds[i] = {xy[2 * i], xy[2 * i + 1]};
+    for (std::uint64_t axis = 0; axis < 2; ++axis)
+      if (!(seeds[i][axis] - seeds[i][axis] == 0))
+        throw Error(Status::coordinate_not_finite, std::string(name) + ": seed " + std::to_string(i) + " is not finite",
+                    {i, axis});
+  }
+  return seeds;
+}
+
+}  // namespace
+
+Crossing read_crossing(std::int32_t crossing, const char* name) {
+  switch (crossing) {
+    case GCDT_CROSSING_REJECT: return Crossing::reject;
+    case GCDT_CROSSING_DROP: return Crossing::drop;
+    case GCDT_CROSSING_SPLIT: return Crossing::split;
+  }
+  throw Error(Status::invalid_argument, std::string(name) + " is none of GCDT_CROSSING_...");
+}
+
+Options read_options(const gcdt_options* given) {
+  Options options;
+  if (!given) return options;
+  const gcdt_options c = read_struct(given, "gcdt_options", offsetof(gcdt_options, domain));
+  options.crossing = read_crossing(c.crossing, "gcdt_options.crossing");
+  options.check = c.check != 0;
+  options.canonical = c.canonical != 0;
+  if (c.fixed_grid) options.grid = FixedGrid{c.grid_x, c.grid_y, c.grid_cell ? c.grid_cell : "1"};
+  require(c.domain >= GCDT_DOMAIN_HULL && c.domain <= GCDT_DOMAIN_OUTER_HOLES,
+          "gcdt_options.domain is none of GCDT_DOMAIN_...");
+  options.domain = static_cast<Domain>(c.domain);
+  options.regions = c.regions != 0;
+  options.distinct = c.distinct != 0;
+  options.hole_seeds = read_seeds("gcdt_options.hole_seeds", c.hole_seeds, c.hole_seed_count);
+  options.region_seeds = read_seeds("gcdt_options.region_seeds", c.region_seeds, c.region_seed_count);
+  if (c.progress)
+    options.progress = [call = c.progress, user = c.progress_user](const char* phase, double done) {
+      return call(user, phase, done) != 0;
+    };
+  return options;
+}
+
+Points::Type read_type(std::int32_t coordinate_type) {
+  switch (coordinate_type) {
+    case GCDT_FLOAT64: return Points::Type::float64;
+    case GCDT_FLOAT32: return Points::Type::float32;
+    case GCDT_INT32: return Points::Type::int32;
+    case GCDT_INT64: return Points::Type::int64;
+  }
+  throw Error(Status::invalid_argument,
+              "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32, GCDT_INT64");
+}
+
+Points read_points(const gcdt_input& input) {
+  require(input.vertices || input.vertex_count == 0, "gcdt_input.vertices is null");
+  const auto count = static_cast<std::size_t>(input.vertex_count);
+  switch (read_type(input.coordinate_type)) {
+    case Points::Type::float32: return Points::pairs(static_cast<const float*>(input.vertices), count);
+    case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(input.vertices), count);
+    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(input.vertices), count);
+    default: return Points::pairs(static_cast<const double*>(input.vertices), count);
+  }
+}
+
+Constraints read_constraints(const gcdt_input& input) {
+  require(input.constraints || input.constraint_count == 0, "gcdt_input.constraints is null");
+  return {reinterpret_cast<const Constraint*>(input.constraints), static_cast<std::size_t>(input.constraint_count)};
+}
+
+gcdt_device_info device_info(const DeviceInfo& info) {
+  gcdt_device_info c = {};
+  cut(c.name, info.name);
+  cut(c.vendor, info.vendor);
+  cut(c.platform, info.platform);
+  cut(c.driver, info.driver);
+  cut(c.version, info.version);
+  c.is_gpu = info.is_gpu, c.is_cpu = info.is_cpu;
+  c.atomics64 = info.atomics64, c.fp64 = info.fp64, c.subgroups = info.subgroups;
+  c.compute_units = info.compute_units, c.largest_work_group = info.largest_work_group;
+  c.memory_bytes = info.memory_bytes, c.largest_buffer_bytes = info.largest_buffer_bytes;
+  c.local_bytes = info.local_bytes;
+  return c;
+}
+
+gcdt_solver_options read_solver_options(const gcdt_solver_options* options) {
+  if (options) return read_struct(options, "gcdt_solver_options", offsetof(gcdt_solver_options, trace));
+  return GCDT_SOLVER_OPTIONS_INIT;
+}
+
+runtime::Log read_log(gcdt_log_function call, void* user) {
+  if (!call) return {};
+  return [call, user](int level, const char* message) { call(user, level, message); };
+}
+
+Trace read_trace(gcdt_trace_function call, void* user) {
+  if (!call) return {};
+  return [call, user](const TraceSpan& span) {
+    const gcdt_trace_span c = {sizeof c,          span.device.c_str(), span.device_number, span.phase.c_str(),
+                               span.name.c_str(), span.on_device,      span.begin_ns,      span.end_ns};
+    call(user, &c);
+  };
+}
+
+void State::settle() {
+  for (const cl::Event& event : pending_copies) event.wait();  // one that failed does not write either
+  pending_copies.clear();
+}
+
+DeviceTriangulation State::triangulate(InputSource source, const Options& options) {
+  settle();
+  try {
+    runtime.memory().begin_call();
+    return Pipeline(runtime, primitives, std::move(source), options).run();
+  } catch (...) {
+    // The caller may do with its buffers what it likes from now on.
+    runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
+    runtime.tracer().clear();
+    primitives.release();
+    throw;
+  }
+}
+
+}  // namespace gcdt::api
+
+using namespace gcdt::api;
+
+const char* gcdt_version(void) { return GCDT_VERSION; }
+
+int32_t gcdt_last_error(const gcdt_solver* solver, gcdt_error* error) {
+  return guarded(nullptr, [&] {
+    gcdt_error c = {};
+    if (solver) {
+      const Detail& d = solver->state->detail;
+      c = {0, d.status, d.message.c_str(), d.indices.data(), d.indices.size(), d.pair_count};
+    } else {
+      const ThreadDetail& d = thread_detail;
+      c = {0, d.status, d.message, d.indices, d.index_count, d.pair_count};
+    }
+    write_struct(c, error, "gcdt_error");
+  });
+}
+
+int32_t gcdt_device_count(size_t* count) {
+  return guarded(nullptr, [&] {
+    require(count, "count is null");
+    *count = runtime::all_devices().size();
+  });
+}
+
+int32_t gcdt_device_get(size_t number, gcdt_device_info* info) {
+  return guarded(nullptr, [&] {
+    const auto all = runtime::all_devices();
+    if (number >= all.size())
+      throw Error(Status::no_device,
+                  "there is no device " + std::to_string(number) + ", only " + std::to_string(all.size()));
+    write_struct(device_info(runtime::describe(all[number])), info, "gcdt_device_info");
+  });
+}
+
+int32_t gcdt_device_select(const char* spec, size_t* number, int32_t* ambiguous) {
+  return guarded(nullptr, [&] {
+    require(number, "number is null");
+    bool several = false;
+    *number = runtime::choose_device(spec ? spec : "", &several);
+    if (ambiguous) *ambiguous = several;
+  });
+}
+
+int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** solver) {
+  return guarded(nullptr, [&] {
+    require(solver, "solver is null");
+    const gcdt_solver_options given = read_solver_options(options);
+    const std::size_t number = runtime::choose_device(given.device ? given.device : "", nullptr);
+    const std::vector<cl::Device> all = runtime::all_devices();
+    if (number >= all.size()) throw Error(Status::no_device, "the chosen OpenCL device is gone");
+    auto made = std::make_unique<gcdt_solver>();
+    made->state = std::make_shared<State>(cl::Context(), all[number], read_log(given.log, given.log_user),
+                                          read_trace(given.trace, given.trace_user));
+    *solver = made.release();
+  });
+}
+
+void gcdt_solver_release(gcdt_solver* solver) { delete solver; }
+
+int32_t gcdt_solver_device(const gcdt_solver* solver, gcdt_device_info* info) {
+  return guarded_call(solver ? solver->state.get() : nullptr,
+                      [&] { write_struct(device_info(solver->state->runtime.info()), info, "gcdt_device_info"); });
+}
+
+int32_t gcdt_solver_trim(gcdt_solver* solver) {
+  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+    solver->state->settle();
+    solver->state->runtime.memory().trim();
+  });
+}
+
+int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcdt_options* options,
+                         gcdt_result** result) {
+  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+    State& state = *solver->state;
+    give_result(solver->state, result, [&] {
+      const gcdt_input given = read_struct(input, "gcdt_input");
+      const Points points = read_points(given);
+      const Constraints constraints = read_constraints(given);
+      const Options wanted = read_options(options);
+      const InputSource source = {given.vertex_count, given.constraint_count, [&] {
+                                    return DeviceInput{stage(state.runtime, points), stage(state.runtime, constraints)};
+                                  }};
+      return state.triangulate(source, wanted);
+    });
+  });
+}

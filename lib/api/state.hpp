@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between the C interface (include/gcdt) and the pipeline: handles, structures with sizes, and the one place
+// where exceptions become statuses.
+#pragma once
+
+#include <gcdt/gcdt.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <new>
+#include <optional>
+
+#include "device/step.hpp"
+#include "query/derived.hpp"
+#include "solve/pipeline.hpp"
+
+namespace gcdt::api {
+
+/// The last failure of a solver; see gcdt_error.
+struct Detail {
+  std::int32_t status = GCDT_OK;
+  std::string message;
+  std::vector<std::uint64_t> indices;
+  std::uint64_t pair_count = 0;
+};
+
+/// What a solver and its results share. It lives as long as the last of them.
+struct State {
+  /// `hook`: of tests.
+  State(const cl::Context& context, const cl::Device& device, runtime::Log log, Trace trace,
+        runtime::CallHook hook = {})
+      : runtime(context, device, std::move(hook), std::move(log), std::move(trace)), primitives(runtime) {}
+
+  /// Waits for copies out of results that may be gone by now.
+  void settle();
+  /// Runs the pipeline. Whatever happens, nothing of it is left in the queue.
+  DeviceTriangulation triangulate(InputSource source, const Options& options);
+
+  runtime::Runtime runtime;
+  Primitives primitives;
+  runtime::BufferSource buffer_source;
+  cl::CommandQueue their_queue;  ///< null: the solver has a context of its own
+  std::vector<cl::Event> pending_copies;
+  std::uint64_t results = 0;
+  std::atomic_flag in_call = ATOMIC_FLAG_INIT;
+  Detail detail;
+};
+
+/// The status of an error: OpenCL's code if one was the reason.
+std::int32_t code_of(const Error& error);
+
+/// Keeps the failure for gcdt_last_error, of the thread and of `state` if there is one, and returns `status`.
+std::int32_t failed(State* state, std::int32_t status, const char* message,
+                    const std::vector<std::uint64_t>& indices = {}, std::uint64_t pair_count = 0) noexcept;
+
+/// Runs `f`; its exceptions become a status with details.
+template <class F>
+std::int32_t guarded(State* state, F&& f) noexcept {
+  try {
+    f();
+    return GCDT_OK;
+  } catch (const Error& error) {
+    return failed(state, code_of(error), error.what(), error.indices(), error.pair_count());
+  } catch (const std::bad_alloc&) {
+    return failed(state, GCDT_ERROR_HOST_MEMORY, "the host is out of memory");
+  } catch (const std::exception& error) {
+    return failed(state, GCDT_ERROR_INTERNAL, error.what());
+  } catch (...) {
+    return failed(state, GCDT_ERROR_INTERNAL, "an unknown exception");
+  }
+}
+
+/// The same for one call on `state`, which may be null: an error then. No two at a time.
+template <class F>
+std::int32_t guarded_call(State* state, F&& f) noexcept {
+  if (!state) return failed(nullptr, GCDT_ERROR_INVALID_ARGUMENT, "the solver or result is null");
+  if (state->in_call.test_and_set())
+    return failed(nullptr, GCDT_ERROR_IN_USE, "the solver is in a call, of another thread or of a callback's caller");
+  const std::int32_t status = guarded(state, f);
+  state->in_call.clear();
+  return status;
+}
+
+inline void require(bool holds, const char* what) {
+  if (!holds) throw Error(Status::invalid_argument, what);
+}
+
+/// A structure of the caller's, of whatever version that is known: members that it lacks are zero. `least` is the
+/// size of the first version.
+template <class T>
+T read_struct(const T* given, const char* name, std::size_t least = sizeof(T)) {
+  if (!given) throw Error(Status::invalid_argument, std::string(name) + " is null");
+  T known = {};
+  if (given->struct_size < least || given->struct_size > sizeof(T))
+    throw Error(Status::invalid_argument,
+                std::string(name) + " has struct_size " + std::to_string(given->struct_size) + "; this library knows " +
+                    std::to_string(sizeof(T)),
+                {}, 0, GCDT_ERROR_STRUCT_SIZE);
+  std::memcpy(&known, given, given->struct_size);
+  return known;
+}
+
+/// Gives the caller the members that its version has.
+template <class T>
+void write_struct(T value, T* to, const char* name, std::size_t least = sizeof(T)) {
+  const std::size_t size = read_struct(to, name, least).struct_size;
+  value.struct_size = size;
+  std::memcpy(to, &value, size);
+}
+
+Options read_options(const gcdt_options* options);
+Crossing read_crossing(std::int32_t crossing, const char* name);
+Points::Type read_type(std::int32_t coordinate_type);
+Points read_points(const gcdt_input& input);
+Constraints read_constraints(const gcdt_input& input);
+gcdt_device_info device_info(const DeviceInfo& info);
+gcdt_grid write_grid(const Grid& grid);
+Grid read_grid(const gcdt_grid* grid);
+/// `options` may be null.
+gcdt_solver_options read_solver_options(const gcdt_solver_options* options);
+runtime::Log read_log(gcdt_log_function call, void* user);
+Trace read_trace(gcdt_trace_function call, void* user);
+
+/// One of the arrays of a result.
+struct Array {
+  cl_mem memory = nullptr;
+  std::uint64_t count = 0;
+  std::size_t element_bytes = 0;
+  std::uint64_t bytes() const { return count * element_bytes; }
+};
+
+}  // namespace gcdt::api
+
+struct gcdt_solver {
+  std::shared_ptr<gcdt::api::State> state;
+};
+
+struct gcdt_result {
+  gcdt_result(std::shared_ptr<gcdt::api::State> solver, gcdt::DeviceTriangulation made)
+      : state(std::move(solver)), data(std::move(made)) {
+    ++state->results;
+  }
+  ~gcdt_result() { --state->results; }
+  /// Throws invalid_argument for an unknown number. Makes what is made on demand; within a call on the solver.
+  gcdt::api::Array array(std::int32_t number) const;
+  /// Its elements; 0 for an unknown number. Makes nothing.
+  std::uint64_t count(std::int32_t number) const;
+
+  std::shared_ptr<gcdt::api::State> state;
+  gcdt::DeviceTriangulation data;
+  mutable gcdt::Derived derived;
+};
+
+namespace gcdt::api {
+
+/// Gives the caller a result of what make() returns, and tells it how long that took on the caller's clock.
+template <class Make>
+void give_result(const std::shared_ptr<State>& state, gcdt_result** result, Make&& make) {
+  require(result, "result is null");
+  const auto start = std::chrono::steady_clock::now();
+  auto made = std::make_unique<gcdt_result>(state, make());
+  made->data.statistics.ms.call = milliseconds_since(start);
+  *result = made.release();
+}
+
+}  // namespace gcdt::api

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface: what needs no device.
+#include <algorithm>
+#include <cstddef>
+
+#include "api/state.hpp"
+#include "mesh/grid.hpp"
+#include "proof/domain.hpp"
+#include "proof/grid.hpp"
+#include "query/foreign.hpp"
+
+using namespace gcdt;
+using namespace gcdt::api;
+
+Grid gcdt::api::read_grid(const gcdt_grid* given) {
+  const gcdt_grid c = read_struct(given, "gcdt_grid");
+  require(c.kind >= GCDT_GRID_BINARY && c.kind <= GCDT_GRID_FIXED, "gcdt_grid.kind is none of GCDT_GRID_...");
+  Grid grid;
+  grid.kind = static_cast<Grid::Kind>(c.kind);
+  grid.origin = {c.origin[0], c.origin[1]};
+  grid.cell_units = c.cell_units, grid.cell_decimals = c.cell_decimals, grid.cell_exponent = c.cell_exponent;
+  grid.largest_move = c.largest_move;
+  return grid;
+}
+
+namespace {
+
+MeshView read_mesh(const gcdt_mesh* mesh) {
+  const gcdt_mesh m = read_struct(mesh, "gcdt_mesh", offsetof(gcdt_mesh, added));
+  require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
+  require(m.added || m.added_count == 0, "gcdt_mesh.added is null");
+  MeshView view;
+  view.triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(m.triangles),
+                    static_cast<std::size_t>(m.triangle_count)};
+  view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
+  view.constrained = m.constrained;
+  view.added = {reinterpret_cast<const std::array<std::int32_t, 2>*>(m.added), static_cast<std::size_t>(m.added_count)};
+  return view;
+}
+
+/// As read_mesh, of a mesh made with `crossing`.
+MeshView read_mesh(const gcdt_mesh* mesh, Crossing crossing) {
+  const MeshView view = read_mesh(mesh);
+  require(crossing == Crossing::split || view.added.size == 0, "only GCDT_CROSSING_SPLIT adds vertices");
+  return view;
+}
+
+/// The status of a verification, and what guarded() may have caught while `prove` ran.
+template <class Prove>
+std::int32_t judged(Prove&& prove) {
+  std::int32_t status = GCDT_OK;
+  const std::int32_t thrown = guarded(nullptr, [&] {
+    const Verification found = prove();
+    if (!found.valid) status = failed(nullptr, GCDT_ERROR_NOT_VALID, found.reason.c_str());
+  });
+  return thrown != GCDT_OK ? thrown : status;
+}
+
+}  // namespace
+
+gcdt_grid gcdt::api::write_grid(const Grid& grid) {
+  gcdt_grid c = {};
+  c.struct_size = sizeof c;
+  c.kind = static_cast<std::int32_t>(grid.kind);
+  c.origin[0] = grid.origin[0], c.origin[1] = grid.origin[1];
+  c.cell_units = grid.cell_units, c.cell_decimals = grid.cell_decimals, c.cell_exponent = grid.cell_exponent;
+  c.largest_move = grid.largest_move;
+  return c;
+}
+
+double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent) {
+  double edge = 0;
+  guarded(nullptr, [&] { edge = cell_edge(cell_units, cell_decimals, cell_exponent); });
+  return edge;
+}
+
+int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count, double* coordinates) {
+  return guarded(nullptr, [&] {
+    const Grid known = read_grid(grid);
+    require((points && coordinates) || count == 0, "points or coordinates is null");
+    const std::string defect = proof::grid_defect(known);
+    require(defect.empty(), defect.c_str());
+    for (uint64_t i = 0; i < 2 * count; ++i) require(points[i] >= 0, "a grid point is negative");
+    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = proof::coordinate_at(known, int(i % 2), points[i]);
+  });
+}
+
+int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint64_t count, int32_t* points) {
+  return guarded(nullptr, [&] {
+    const Grid known = read_grid(grid);
+    require((points && coordinates) || count == 0, "points or coordinates is null");
+    const std::string defect = proof::grid_defect(known);
+    require(defect.empty(), defect.c_str());
+    std::vector<std::int32_t> placed(2 * count);
+    for (uint64_t i = 0; i < 2 * count; ++i) {
+      const std::vector<std::uint64_t> where = {i / 2, i % 2};
+      if (!proof::is_finite(coordinates[i]))
+        throw Error(Status::coordinate_not_finite, "a coordinate is not finite", where);
+      const auto at = proof::nearest_at(known, int(i % 2), coordinates[i]);
+      if (!at) throw Error(Status::coordinate_outside_grid, "a coordinate is outside the grid", where);
+      placed[i] = *at;
+    }
+    std::copy(placed.begin(), placed.end(), points);
+  });
+}
+
+uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return device_bytes_needed(n, m, crossed); }
+
+int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
+  return guarded(nullptr, [&] {
+    const Points points = read_points(read_struct(input, "gcdt_input"));
+    gcdt_grid chosen = write_grid(proof::choose_grid(points, read_options(fixed).grid));
+    require(grid, "grid is null");
+    grid->struct_size = sizeof *grid;
+    write_struct(chosen, grid, "gcdt_grid");
+  });
+}
+
+int32_t gcdt_verify(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid, int32_t crossing) {
+  return judged([&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const Crossing made = read_crossing(crossing, "crossing");
+    return proof::verify(read_points(given), read_constraints(given), read_mesh(mesh, made), read_grid(grid), made);
+  });
+}
+
+int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_regions* regions,
+                           const gcdt_grid* grid, const gcdt_options* options) {
+  return judged([&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const Options made = read_options(options);
+    const MeshView view = read_mesh(mesh, made.crossing);
+    proof::RegionView said;
+    if (regions) {
+      const gcdt_regions r = read_struct(regions, "gcdt_regions");
+      said = {r.regions, r.depths, r.windings};
+    }
+    return proof::verify_domain(read_points(given), read_constraints(given), view, said, read_grid(grid), made);
+  });
+}
+
+int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_options* options) {
+  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const MeshView view = read_mesh(mesh);
+    require(view.added.size == 0, "added vertices of a mesh to be checked are vertices of the input");
+    require(view.triangles.size == 0 || (view.neighbours && view.constrained),
+            "gcdt_mesh.neighbours or constrained is null");
+    require(view.triangles.size <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
+    require(given.constraint_count <= GCDT_MAX_CONSTRAINTS, "gcdt_input.constraint_count is too large");
+    State& state = *solver->state;
+    state.settle();
+    state.runtime.memory().begin_call();
+    check_foreign(state.runtime, state.primitives, read_points(given), read_constraints(given), view,
+                  read_options(options).grid);
+  });
+}

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/forest_order.hpp"
+
+#include <algorithm>
+
+#include "device/step.hpp"
+#include "mesh/grid.hpp"
+#include "mesh/phase.hpp"
+#include "order/problems.h"
+#include "phases/grow.hpp"
+
+namespace gcdt {
+
+using runtime::Buffer;
+using runtime::over;
+
+namespace {
+
+// Vertices that one work-item takes: few enough that a batch of small problems fills a GPU, many enough that a row of
+// maxima costs little beside them.
+constexpr std::uint32_t least_chunk = 64;
+// So many chunks of one problem are folded by one work-item.
+constexpr std::uint32_t most_chunks = 32768;
+constexpr cl_uint survey_columns = 6, quantise_columns = 2;
+constexpr unsigned morton_bits = 62;
+
+template <class T>
+Buffer<T> upload(runtime::Runtime& runtime, const char* name, const std::vector<T>& values) {
+  auto buffer = runtime.allocate<T>(name, values.size());
+  runtime.write(buffer, values.data(), values.size());
+  return buffer;
+}
+
+class ForestOrdering {
+ public:
+  ForestOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
+      : runtime_(runtime), points_(std::move(points)), ranges_(ranges), problems_(ranges.count()) {
+    cut();
+  }
+
+  void choose_grids(const std::optional<FixedGrid>& fixed) {
+    std::optional<ChosenGrid> given;
+    if (fixed) given = fixed_grid(*fixed);
+    const std::vector<cl_ulong> found = survey();
+    chosen_.resize(problems_);
+    std::vector<cl_int> limits(problems_, -1);
+    std::vector<Survey> surveys(problems_);
+    bool any_decimal = false;
+    for (cl_uint p = 0; p < problems_; ++p) {
+      if (given) chosen_[p] = *given;
+      if (given || size(p) == 0) continue;
+      surveys[p] = survey_of(&found[std::size_t{p} * survey_columns]);
+      const int k = finest_exponent(surveys[p]);
+      chosen_[p] = power_of_two_grid(surveys[p], k);
+      if (chosen_[p].grid.kind == Grid::Kind::binary) continue;
+      limits[p] = decimals_limit(surveys[p], k);
+      any_decimal = any_decimal || limits[p] >= 0;
+    }
+    if (any_decimal) try_decimals(limits, surveys);
+  }
+
+  /// Leaves keys, values and input_problem.
+  void quantise() {
+    std::vector<device::ProblemGrid> grids(problems_);
+    for (cl_uint p = 0; p < problems_; ++p) {
+      grids[p].scale = chosen_[p].scale;
+      grids[p].is_decimal = chosen_[p].decimals ? 1 : 0;
+      if (chosen_[p].decimals) grids[p].decimals = *chosen_[p].decimals;
+    }
+    const auto grid_buffer = upload(runtime_, "grids of problems", grids);
+    keys_ = runtime_.allocate<cl_ulong>("Morton codes", points_.n);
+    values_ = runtime_.allocate<cl_uint>("input numbers", points_.n);
+    input_problem_ = runtime_.allocate<cl_uint>("problems of inputs", points_.n);
+    auto maxima = runtime_.allocate<cl_ulong>("maxima", std::size_t{chunks_} * quantise_columns);
+    runtime_.launch("forest", "forest_quantise", over(chunks_), chunks_, chunk_buffer_, ranges_.first_input_buffer,
+                    points_.type, points_.coordinates, grid_buffer, keys_, values_, input_problem_, maxima);
+    const std::vector<cl_ulong> found = fold(maxima, quantise_columns);
+    InvalidProblems invalid;
+    for (cl_uint p = 0; p < problems_; ++p) {
+      const cl_ulong* row = &found[std::size_t{p} * quantise_columns];
+      if (row[1] != 0)
+        invalid.errors.emplace_back(p,
+                                    coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~row[1]));
+      if (row[1] == 0 && !chosen_[p].decimals && size(p) != 0) {
+        chosen_[p].grid.largest_move = largest_move(runtime_, points_, ranges_.first_input[p],
+                                                    ranges_.first_input[p + 1], row[0], chosen_[p].scale);
+        may_round_together_ = may_round_together_ || may_round_together(chosen_[p].grid);
+      }
+    }
+    if (!invalid.errors.empty()) throw invalid;
+    if (!may_round_together_) points_ = {};
+  }
+
+  // Each problem by its key, within its own places, or all by key, then by problem: least significant first, both
+  // stable. One problem is sorted by its key.
+  void sort(Primitives& primitives, cl_uint n) {
+    if (problems_ == 1) return primitives.sort(keys_, values_, n, morton_bits);
+    if (primitives.sorts_segments(largest()))
+      return primitives.sort_segments(keys_, values_, ranges_.first_input_buffer, problems_);
+    if (problem_by_problem(runtime_, problems_, largest(), n)) {
+      const auto other_keys = runtime_.allocate<cl_ulong>("other half of the keys", n);
+      const auto other_values = runtime_.allocate<cl_uint>("other half of the values", n);
+      runtime_.launch("arrange", "arrange_keys", runtime::over_large(problems_), problems_, ranges_.first_input_buffer,
+                      keys_, values_, other_keys, other_values);
+      return;
+    }
+    auto key_of_input = runtime_.allocate<cl_ulong>("Morton codes of inputs", n);
+    runtime_.copy(keys_, key_of_input, n);
+    primitives.sort(keys_, values_, n, morton_bits);
+    auto problems = runtime_.allocate<cl_uint>("problems in order", n);
+    runtime_.launch("forest", "forest_problem_at", over(n), n, values_, input_problem_, problems);
+    primitives.sort(problems, values_, n, bit_width(problems_ - 1));
+    input_problem_ = std::move(problems);
+    runtime_.launch("forest", "forest_key_at", over(n), n, values_, key_of_input, keys_);
+  }
+
+  OrderResult number(Primitives& primitives, cl_uint n, std::uint32_t coarsest_level) {
+    auto before = runtime_.allocate<cl_uint>("distinct before", std::size_t{n} + 1);
+    runtime_.launch("forest", "forest_mark_first", over(n), n, input_problem_, keys_, before);
+    primitives.exclusive_scan(before, before, n);
+    const cl_uint distinct = runtime_.read_one(before, n);
+    OrderResult result;
+    result.merged = n - distinct;
+    Vertices& vertices = result.vertices;
+    vertices.roots = problems_;
+    vertices.largest = largest();
+    vertices.levels = device::make_levels(distinct, coarsest(distinct, coarsest_level));
+    vertices.levels_buffer = runtime_.allocate<device::Levels>("levels", 1);
+    runtime_.write(vertices.levels_buffer, &vertices.levels, 1);
+    vertices.points = runtime_.allocate<cl_int2>("points", distinct + (std::size_t{distinct} + problems_ + 4) / 2);
+    vertices.vertex_input = runtime_.allocate<cl_uint>("vertex inputs", distinct);
+    vertices.input_vertex = runtime_.allocate<cl_uint>("input vertices", n);
+    runtime_.launch("forest", "forest_number", over(n), n, vertices.levels_buffer, input_problem_, keys_, values_,
+                    before, vertices.points, vertices.vertex_input, vertices.input_vertex);
+    runtime_.launch("forest", "forest_first_ranks", over(std::size_t{problems_} + 1), problems_, distinct,
+                    ranges_.first_input_buffer, before, vertices.points);
+    return result;
+  }
+
+  std::vector<RoundedTogether> together(const OrderResult& ordered) const {
+    if (!may_round_together_ || ordered.merged == 0) return {};
+    return rounded_together(runtime_, points_, ordered.vertices, ranges_.first_input);
+  }
+
+  std::vector<Grid> grids() const {
+    std::vector<Grid> grids(problems_);
+    for (cl_uint p = 0; p < problems_; ++p) grids[p] = chosen_[p].grid;
+    return grids;
+  }
+
+ private:
+  cl_uint size(cl_uint p) const { return ranges_.first_input[p + 1] - ranges_.first_input[p]; }
+  cl_uint largest() const {
+    cl_uint most = 1;
+    for (cl_uint p = 0; p < problems_; ++p) most = std::max(most, size(p));
+    return most;
+  }
+
+  // One level where nobody needs more: numbers are ranks then, and each problem's are consecutive, as is all that they
+  // bring. Else as many levels as the largest problem would have alone: the others then have their vertices in the
+  // finest ones.
+  std::uint32_t coarsest(cl_uint distinct, std::uint32_t coarsest_level) const {
+    if (problem_by_problem(runtime_, problems_, largest(), distinct)) return std::max(distinct, 1u);
+    const std::uint64_t alone = std::max<cl_uint>(largest(), coarsest_level);
+    return static_cast<std::uint32_t>((std::uint64_t{distinct} * coarsest_level + alone - 1) / alone);
+  }
+
+  void cut() {
+    const cl_uint span = std::max(least_chunk, largest() / most_chunks + 1);
+    std::vector<device::Chunk> chunks;
+    std::vector<cl_uint> first_chunk;
+    for (cl_uint p = 0; p < problems_; ++p) {
+      first_chunk.push_back(static_cast<cl_uint>(chunks.size()));
+      const cl_uint end = ranges_.first_input[p + 1];
+      for (cl_uint first = ranges_.first_input[p]; first < end;) {
+        const cl_uint next = end - first > span ? first + span : end;
+        chunks.push_back({first, next, p, 0});
+        first = next;
+      }
+    }
+    first_chunk.push_back(static_cast<cl_uint>(chunks.size()));
+    chunks_ = first_chunk.back();
+    chunk_buffer_ = upload(runtime_, "chunks", chunks);
+    first_chunk_ = upload(runtime_, "first chunks", first_chunk);
+  }
+
+  // The greatest of each column, problem by problem. Blocks.
+  std::vector<cl_ulong> fold(const Buffer<cl_ulong>& maxima, cl_uint columns) {
+    const std::size_t elements = std::size_t{problems_} * columns;
+    auto folded = runtime_.allocate<cl_ulong>("folded maxima", elements);
+    runtime_.launch("forest", "forest_fold", over(elements), problems_, columns, first_chunk_, maxima, folded);
+    std::vector<cl_ulong> found(elements);
+    runtime_.read(folded, found.data(), elements);
+    return found;
+  }
+
+  std::vector<cl_ulong> survey() {
+    auto maxima = runtime_.allocate<cl_ulong>("maxima", std::size_t{chunks_} * survey_columns);
+    runtime_.launch("forest", "forest_survey", over(chunks_), chunks_, chunk_buffer_, ranges_.first_input_buffer,
+                    points_.type, points_.coordinates, maxima);
+    std::vector<cl_ulong> found = fold(maxima, survey_columns);
+    InvalidProblems invalid;
+    for (cl_uint p = 0; p < problems_; ++p) {
+      const cl_ulong bad = found[std::size_t{p} * survey_columns + 5];
+      if (bad != 0) invalid.errors.emplace_back(p, survey_error(points_.type, ~bad));
+    }
+    if (!invalid.errors.empty()) throw invalid;
+    return found;
+  }
+
+  void try_decimals(const std::vector<cl_int>& limits, const std::vector<Survey>& surveys) {
+    const auto limit_buffer = upload(runtime_, "limits of decimals", limits);
+    auto maxima = runtime_.allocate<cl_ulong>("maxima", chunks_);
+    runtime_.launch("forest", "forest_decimals", over(chunks_), chunks_, chunk_buffer_, points_.type,
+                    points_.coordinates, limit_buffer, maxima);
+    const std::vector<cl_ulong> found = fold(maxima, 1);
+    for (cl_uint p = 0; p < problems_; ++p) {
+      const int digits = static_cast<int>(found[p]);
+      if (limits[p] < 0 || digits > limits[p]) continue;
+      if (std::optional<ChosenGrid> decimal = decimal_grid(surveys[p], digits)) chosen_[p] = *decimal;
+    }
+  }
+
+  runtime::Runtime& runtime_;
+  InputPoints points_;
+  const ProblemRanges& ranges_;
+  cl_uint problems_, chunks_ = 0;
+  bool may_round_together_ = false;
+  Buffer<device::Chunk> chunk_buffer_;
+  Buffer<cl_uint> first_chunk_, values_, input_problem_;
+  Buffer<cl_ulong> keys_;
+  std::vector<ChosenGrid> chosen_;
+};
+
+}  // namespace
+
+ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
+                         const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed,
+                         std::uint32_t coarsest_level) {
+  const cl_uint n = points.n;
+  ForestOrdering ordering(runtime, std::move(points), ranges);
+  ordering.choose_grids(fixed);
+  ordering.quantise();
+  runtime.end_step();
+  Step sorting(runtime, "sort");
+  ordering.sort(primitives, n);
+  primitives.release();
+  ForestOrder result;
+  result.ordered = ordering.number(primitives, n, coarsest_level);
+  result.grids = ordering.grids();
+  result.together = ordering.together(result.ordered);
+  result.ordered.sort_ms = sorting.end();
+  return result;
+}
+
+}  // namespace gcdt

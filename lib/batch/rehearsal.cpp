@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/rehearsal.hpp"
+
+namespace gcdt {
+
+RehearsalBatch::RehearsalBatch(const std::vector<std::uint32_t>& vertices) {
+  constexpr std::uint32_t rings = 4;  // the first vertex of the rings
+  for (std::uint32_t p = 0; p < vertices.size(); ++p) {
+    const bool crosses = p % 4 == 3, only_that = p % 8 == 7;
+    // Ends, the middle between them, one end again, the rings, a line, and the others anywhere.
+    vertices_.insert(vertices_.end(), {{0, 0}, {1000, 600}, {500, 300}, {0, 0}});
+    vertices_.insert(vertices_.end(), {{140, 740}, {260, 740}, {260, 860}, {140, 860}});
+    vertices_.insert(vertices_.end(), {{180, 780}, {220, 780}, {220, 820}, {180, 820}});
+    vertices_.insert(vertices_.end(), {{400, 900}, {600, 100}});
+    for (std::uint32_t i = 14; i < vertices[p]; ++i)
+      vertices_.push_back({double((i * 389 + p * 7) % 997), double((i * 571 + p * 13) % 991)});
+    // Integers, decimals, and what is to be rounded.
+    const double scales[] = {1, 0.01, 1.0 / 3};
+    for (auto v = vertices_.end() - vertices[p]; v != vertices_.end(); ++v)
+      for (double& x : *v) x *= scales[p % 3];
+    constraints_.push_back({0, 1});
+    if (crosses) constraints_.push_back({12, 13});
+    if (!only_that) {
+      constraints_.insert(constraints_.end(), {{3, 2}, {5, 5}});
+      for (std::uint32_t i = 0; i < 8; ++i) constraints_.push_back({rings + i, rings + i / 4 * 4 + (i + 1) % 4});
+    }
+    vertex_offsets_.push_back(vertices_.size());
+    constraint_offsets_.push_back(constraints_.size());
+  }
+}
+
+BatchInput RehearsalBatch::view() const {
+  BatchInput batch;
+  batch.problems = vertex_offsets_.size() - 1;
+  batch.vertices = vertices_.data();
+  batch.vertex_offsets = vertex_offsets_.data();
+  batch.constraints = constraints_.data();
+  batch.constraint_offsets = constraint_offsets_.data();
+  return batch;
+}
+
+}  // namespace gcdt

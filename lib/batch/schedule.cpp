@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/schedule.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace gcdt {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A lane whose speed is not known gets so much first: enough to tell, little enough to lose no time on a slow one.
+constexpr double first_weight = 20000;
+// Of what a lane would have of the rest it takes this part at once, as far as speeds can be trusted, and all of it if
+// the end is no farther than `last`; if it would leave less than a lane does in `least_left`, it takes that as well.
+// First packs of lanes differ unless the end is nearer than `little` (bench/NOTES.md, "Batches").
+constexpr double part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10, little_milliseconds = 40;
+// What is in a pack takes so many times as long as what a pack takes by itself, at least.
+constexpr double least_overheads = 3;
+// Of what a small pack takes so much is its contents', whatever is thought of its overhead.
+constexpr double least_part_of_contents = 0.25;
+// A thief must be sure to win.
+constexpr double theft_margin = 1.5;
+// Stealing takes so long at least.
+constexpr double least_theft_milliseconds = 5;
+// A CPU that is slower than this part of a GPU beside it would take more from the threads that feed the GPU than it
+// gives (bench/NOTES.md, "Batches").
+constexpr double least_part_of_gpu = 0.125;
+// Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
+constexpr std::uint64_t most_vertices = max_vertices;
+// How long to wait before looking again whether a pack is worth stealing, and to tell progress.
+constexpr auto glance = std::chrono::milliseconds(5), beat = std::chrono::milliseconds(50);
+// The share of the work that is told while lanes are still busy: to rehearse, or to notice that they need not be.
+constexpr double most_told = 0.99;
+
+std::chrono::nanoseconds nanoseconds(double milliseconds) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(milliseconds * 1e6));
+}
+
+}  // namespace
+
+Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batch_(batch), lanes_(std::move(lanes)) {
+  places.resize(batch.problems);
+  unsettled_ = batch.problems;
+  bytes_.reserve(batch.problems);
+  waiting_.reserve(batch.problems);
+  for (std::uint32_t p = 0; p < batch.problems; ++p) {
+    bytes_.push_back(forest_bytes(1, batch.n(p), batch.m(p)));
+    weight_ += weight(p);
+    if (batch.n(p) > max_vertices) {
+      settle(p, Error(Status::too_many_vertices, std::to_string(batch.n(p)) + " vertices; at most " +
+                                                     std::to_string(max_vertices) + " can be numbered"));
+    } else if (batch.m(p) > GCDT_MAX_CONSTRAINTS) {
+      settle(p, Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(batch.m(p))));
+    } else {
+      waiting_weight_ += weight(p);
+      waiting_.push_back(p);
+    }
+  }
+  sort_waiting();
+}
+
+// By digits, so that 100,000 problems, which all devices wait for, take 1 ms and not 12. Each pass keeps the order of
+// equals, which was that of numbers.
+void Schedule::sort_waiting() {
+  constexpr unsigned digit_bits = 11, all_bits = 64;
+  constexpr std::uint64_t digit_mask = (std::uint64_t{1} << digit_bits) - 1;
+  std::uint64_t any = 0, all = ~std::uint64_t{0};
+  for (const std::uint32_t p : waiting_) any |= bytes(p), all &= bytes(p);
+  std::vector<std::uint32_t> moved(waiting_.size());
+  for (unsigned shift = 0; shift < all_bits; shift += digit_bits) {
+    if (((any ^ all) >> shift & digit_mask) == 0) continue;  // the same in all
+    const auto digit = [&](std::uint32_t p) { return ~bytes(p) >> shift & digit_mask; };
+    std::array<std::size_t, digit_mask + 2> begins = {};
+    for (const std::uint32_t p : waiting_) ++begins[digit(p) + 1];
+    for (std::size_t d = 0; d <= digit_mask; ++d) begins[d + 1] += begins[d];
+    for (const std::uint32_t p : waiting_) moved[begins[digit(p)]++] = p;
+    waiting_.swap(moved);
+  }
+}
+
+// Larger first, then by number: what packs hold does not depend on chance.
+bool Schedule::before(std::uint32_t p, std::uint32_t q) const {
+  return bytes(p) != bytes(q) ? bytes(p) > bytes(q) : p < q;
+}
+
+std::uint64_t Schedule::bytes(const Pack& pack) const {
+  std::uint64_t n = 0, m = 0;
+  for (const std::uint32_t p : pack.problems) n += batch_.n(p), m += batch_.m(p);
+  return forest_bytes(pack.problems.size(), n, m);
+}
+
+std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
+  Lock lock(mutex_);
+  // Ends: a lane waits only while another runs or ends, and every run ends; each settles problems, shrinks a capacity,
+  // has a lane refuse a problem, or makes lanes end.
+  for (;;) {
+    if (cancelled_ || lanes_[lane].lost || unsettled_ == 0) return nullptr;
+    if (!must_wait(lane)) {
+      if (auto pack = cut(lane)) return pack;
+      if (auto pack = steal(lane)) return pack;
+      if (running_.empty()) {
+        refuse_what_is_too_large();
+        changed_.notify_all();
+        if (unsettled_ == 0) return nullptr;
+      }
+    }
+    changed_.wait_for(lock, glance);
+  }
+}
+
+// Lanes of one device are alike: the mean of those that have been measured; 0 if none has.
+double Schedule::speed_of(std::size_t device) const {
+  double speeds = 0, known = 0;
+  for (const LaneShare& share : lanes_)
+    if (share.device == device && share.speed.known()) speeds += share.speed.value(), ++known;
+  return known > 0 ? speeds / known : 0;
+}
+
+// When all would be done if the rest were shared out so that they end together. The lane, which has a speed, is idle.
+double Schedule::milliseconds_of_rest(std::size_t lane) const {
+  std::vector<BusyLane> lanes(lanes_.size());
+  for (std::size_t i = 0; i < lanes_.size(); ++i)
+    if (i == lane || (!lanes_[i].lost && !lanes_[i].left_out)) lanes[i].speed = speed_of(lanes_[i].device);
+  for (const auto& pack : running_) {
+    const std::chrono::duration<double, std::milli> left = remaining(*pack);
+    if (!pack->done && pack->owner != lane) lanes[pack->owner].milliseconds = left.count();
+  }
+  return common_end(std::move(lanes), static_cast<double>(waiting_weight_));
+}
+
+// Of a pack of several problems, as far as the lane alone is concerned.
+double Schedule::wanted_weight(std::size_t lane) const {
+  const LaneShare& share = lanes_[lane];
+  const auto rest = static_cast<double>(waiting_weight_);
+  double alive = 0;
+  bool alike = true;
+  for (const LaneShare& other : lanes_)
+    if (!other.lost) ++alive, alike = alike && other.device == share.device;
+  if (alive == 1) return rest;
+  const double part = share.started ? 1 : share.first_part, speed = speed_of(share.device);
+  if (speed <= 0)
+    return part * (alike ? std::max(first_weight, rest / alive * part_of_rest) : std::min(first_weight, rest / alive));
+  const double end = milliseconds_of_rest(lane), least = speed * share.overhead * least_overheads;
+  if (!share.started && end > little_milliseconds) return std::max(least, part * speed * end * part_of_rest);
+  const double wanted = std::max(least, speed * end * (end <= last_milliseconds ? 1 : part_of_rest));
+  return rest - wanted < speed * least_left_milliseconds ? rest : wanted;
+}
+
+// Whether the lane is a CPU's that only disturbs a GPU which could take problem p.
+bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
+  const LaneShare& share = lanes_[lane];
+  if (!share.beside_gpus || !share.speed.known()) return false;
+  std::map<std::size_t, double> speeds;  // of devices
+  for (const LaneShare& other : lanes_)
+    if (!other.beside_gpus && !other.lost && other.capacity >= bytes(p) && other.refused.count(p) == 0)
+      speeds[other.device] += other.speed.value();
+  return std::any_of(speeds.begin(), speeds.end(),
+                     [&](const auto& device) { return share.speed.value() < device.second * least_part_of_gpu; });
+}
+
+// Lanes that are to end still have memory.
+bool Schedule::must_wait(std::size_t lane) const {
+  return std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& other) {
+    return other.device == lanes_[lane].device && other.lost && !other.ended;
+  });
+}
+
+// From the largest that fits on.
+std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
+  const LaneShare& share = lanes_[lane];
+  const auto fits = std::partition_point(waiting_.begin(), waiting_.end(),
+                                         [&](std::uint32_t p) { return bytes(p) > share.capacity; });
+  const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return share.refused.count(p) == 0; });
+  if (begin == waiting_.end()) return nullptr;
+  double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
+  if (leaves(lane, *begin)) {
+    lanes_[lane].left_out = true;
+    if (share.started) return nullptr;
+    wanted = std::min(wanted, std::max(first_weight, share.speed.value() * little_milliseconds));
+  }
+  auto pack = std::make_shared<Pack>();
+  const auto end =
+      begin + static_cast<std::ptrdiff_t>(that_fit(share, static_cast<std::size_t>(begin - waiting_.begin()), wanted));
+  pack->problems.assign(begin, end);
+  for (const std::uint32_t p : pack->problems) pack->weight += weight(p);
+  waiting_.erase(begin, end);
+  waiting_weight_ -= pack->weight;
+  lanes_[lane].started = true;
+  start(lane, pack, true);
+  return pack;
+}
+
+// How many waiting problems from `begin` on make a pack, at least one. Memory is asked for at the end, and then by
+// halves, as the formula takes longer than all else here, and no lane gets on meanwhile.
+std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double most_weight) const {
+  std::vector<std::array<std::uint64_t, 2>> sums;  // vertices and constraints of so many and one
+  std::uint64_t n = 0, m = 0, all = 0;
+  for (std::size_t i = begin; i < waiting_.size(); ++i) {
+    const std::uint32_t p = waiting_[i];
+    n += batch_.n(p), m += batch_.m(p), all += weight(p);
+    const bool alone = outgrown(waiting_[begin]) || outgrown(p);
+    if (i > begin && (alone || static_cast<double>(all) > most_weight || n + i + 1 - begin > most_vertices)) break;
+    sums.push_back({n, m});
+  }
+  const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
+  const auto fits = [&](std::size_t count) {
+    return forest_bytes(count, sums[count - 1][0], sums[count - 1][1]) <= most_bytes;
+  };
+  if (fits(sums.size())) return sums.size();
+  std::size_t least = 1, most = sums.size();  // the first one fits, or is alone; `most` do not
+  while (most - least > 1) (fits(least + (most - least) / 2) ? least : most) = least + (most - least) / 2;
+  return least;
+}
+
+// Of a pack that is overdue nobody knows more than that it may take as long again.
+Clock::duration Schedule::remaining(const Pack& pack) {
+  const auto now = Clock::now();
+  return now < pack.due ? pack.due - now : now - pack.due;
+}
+
+// The pack of another device that will be done last, if this one would be done with it well before.
+std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
+  const LaneShare& share = lanes_[lane];
+  const double speed = speed_of(share.device);
+  if (speed <= 0) return nullptr;
+  std::shared_ptr<Pack> latest;
+  for (const auto& pack : running_)
+    if (!pack->done && pack->runners == 1 && lanes_[pack->owner].device != share.device &&
+        (!latest || remaining(*pack) > remaining(*latest)))
+      latest = pack;
+  if (!latest) return nullptr;
+  if (bytes(*latest) > share.capacity) return nullptr;
+  for (const std::uint32_t p : share.refused)
+    if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
+  const double own = std::max(share.overhead + static_cast<double>(latest->weight) / speed, least_theft_milliseconds);
+  if (nanoseconds(own * theft_margin) >= remaining(*latest)) return nullptr;
+  start(lane, latest, false);
+  return latest;
+}
+
+void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first) {
+  ++pack->runners;
+  if (!first) return;
+  pack->owner = lane;
+  const double speed = speed_of(lanes_[lane].device);
+  pack->began = pack->due = Clock::now();
+  if (speed > 0) pack->due += nanoseconds(lanes_[lane].overhead + static_cast<double>(pack->weight) / speed);
+  running_.push_back(pack);
+}
+
+bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
+                      std::vector<std::pair<std::uint32_t, Error>> own_errors, double milliseconds) {
+  const std::vector<std::uint32_t> problems = result.problems;
+  Lock lock(mutex_);
+  LaneShare& share = lanes_[lane];
+  share.speed.add(static_cast<double>(pack->weight),
+                  std::max(milliseconds - share.overhead, milliseconds * least_part_of_contents));
+  if (pack->done) {
+    stop_running(pack);
+    return false;
+  }
+  // The pack is done when nothing more can throw.
+  const auto number = static_cast<std::uint32_t>(results.size());
+  results.push_back(std::move(result));
+  for (auto& [p, error] : own_errors) errors.insert_or_assign(p, std::move(error));
+  pack->done = true;
+  settled_weight_ += pack->weight;
+  unsettled_ -= pack->problems.size();
+  stop_running(pack);
+  lock.unlock();  // nobody else writes these, nor reads them before all lanes have ended
+  for (std::uint32_t i = 0; i < problems.size(); ++i) places[problems[i]] = {number, i};
+  return true;
+}
+
+void Schedule::settle(std::uint32_t p, Error error) {
+  errors.emplace(p, std::move(error));
+  settled_weight_ += weight(p);
+  --unsettled_;
+}
+
+void Schedule::stop_running(const std::shared_ptr<Pack>& pack) {
+  if (--pack->runners == 0) running_.remove(pack);
+  changed_.notify_all();
+}
+
+// Unless another has it or has done it, its problems wait again.
+void Schedule::put_back(const std::shared_ptr<Pack>& pack) {
+  stop_running(pack);
+  if (pack->done || pack->runners > 0) return;
+  const std::size_t middle = waiting_.size();
+  waiting_.insert(waiting_.end(), pack->problems.begin(), pack->problems.end());
+  std::inplace_merge(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(middle), waiting_.end(),
+                     [&](std::uint32_t p, std::uint32_t q) { return before(p, q); });
+  waiting_weight_ += pack->weight;
+}
+
+void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error,
+                         std::optional<std::uint32_t> problem) {
+  const Lock lock(mutex_);
+  if (crowd_out_others(lane)) {
+    put_back(pack);
+    return;
+  }
+  shortage_ = error;
+  if (problem) {
+    lanes_[lane].refused.insert(*problem);
+    outgrown_.insert(*problem);
+    put_back(pack);
+    return;
+  }
+  const std::uint64_t needed = bytes(*pack);
+  // Half of it, or less than its only problem.
+  lanes_[lane].capacity = std::min(
+      lanes_[lane].capacity, pack->problems.size() > 1 ? std::max(needed / 2, bytes(pack->problems[0])) : needed - 1);
+  put_back(pack);
+}
+
+// Whether the lane was not the only one of its device, or is itself to end.
+bool Schedule::crowd_out_others(std::size_t lane) {
+  bool shared = lanes_[lane].lost;
+  for (std::size_t other = 0; other < lanes_.size(); ++other)
+    if (other != lane && lanes_[other].device == lanes_[lane].device && !lanes_[lane].lost && !lanes_[other].lost)
+      shared = lanes_[other].lost = lanes_[other].crowded_out = true;
+  return shared;
+}
+
+bool Schedule::crowded_out(std::size_t lane) {
+  const Lock lock(mutex_);
+  return lanes_[lane].crowded_out;
+}
+
+void Schedule::end(std::size_t lane) {
+  const Lock lock(mutex_);
+  lanes_[lane].lost = lanes_[lane].ended = true;
+  changed_.notify_all();
+}
+
+void Schedule::lose(std::size_t lane, const std::shared_ptr<Pack>& pack) {
+  const Lock lock(mutex_);
+  for (LaneShare& other : lanes_)
+    if (other.device == lanes_[lane].device) other.lost = true;
+  if (pack) put_back(pack);
+  changed_.notify_all();
+}
+
+// Who was not done with its pack by now is no faster than that, which is all that is known of it if this was its first.
+void Schedule::drop(std::size_t lane, const std::shared_ptr<Pack>& pack) {
+  const Lock lock(mutex_);
+  if (pack->owner == lane && pack->done) {
+    const std::chrono::duration<double, std::milli> took = Clock::now() - pack->began;
+    const double most = static_cast<double>(pack->weight) / std::max(took.count(), 1e-3);
+    Speed& speed = lanes_[lane].speed;
+    if (!speed.known() || most < speed.value()) speed = Speed(most);
+  }
+  put_back(pack);
+}
+
+void Schedule::cancel() {
+  const Lock lock(mutex_);
+  cancelled_ = true;
+  changed_.notify_all();
+}
+
+// Nobody runs, and somebody who lives has been asked: what all that live have no memory for is refused.
+void Schedule::refuse_what_is_too_large() {
+  std::uint64_t most = 0;
+  for (const LaneShare& share : lanes_)
+    if (!share.lost) most = std::max(most, share.capacity);
+  const auto refuse = [&](std::uint32_t p) {
+    waiting_weight_ -= weight(p);
+    std::string message = "the problem needs ";
+    message += outgrown(p) ? "more than its size says" : "about " + std::to_string(bytes(p)) + " bytes";
+    message += " of device memory; ";
+    message += shortage_ ? shortage_->what() : "the devices have " + std::to_string(most) + " at most";
+    settle(p, Error(Status::out_of_memory, message));
+  };
+  while (!waiting_.empty() && bytes(waiting_.front()) > most) {
+    refuse(waiting_.front());
+    waiting_.erase(waiting_.begin());
+  }
+  for (const std::uint32_t p : outgrown_) {
+    const auto found = std::find(waiting_.begin(), waiting_.end(), p);
+    if (found == waiting_.end() || std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& share) {
+          return !share.lost && share.refused.count(p) == 0 && bytes(p) <= share.capacity;
+        }))
+      continue;
+    refuse(p);
+    waiting_.erase(found);
+  }
+}
+
+double Schedule::wait() {
+  Lock lock(mutex_);
+  const auto ended = [&] {
+    return std::all_of(lanes_.begin(), lanes_.end(), [](const LaneShare& share) { return share.ended; });
+  };
+  if (!ended()) changed_.wait_for(lock, beat);
+  if (ended()) return 1;
+  const double settled = weight_ > 0 ? static_cast<double>(settled_weight_) / static_cast<double>(weight_) : 1;
+  return std::min(settled, most_told);
+}
+
+bool Schedule::left_out(std::size_t lane) {
+  const Lock lock(mutex_);
+  return lanes_[lane].left_out;
+}
+
+Speed Schedule::speed(std::size_t lane) {
+  const Lock lock(mutex_);
+  return lanes_[lane].speed;
+}
+
+}  // namespace gcdt

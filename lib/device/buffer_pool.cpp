@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/buffer_pool.hpp"
+
+#include "device/runtime.hpp"
+
+namespace gcdt::runtime {
+
+namespace {
+// Sizes are rounded up to multiples of 1/16 of the power of two below, so that inputs of about one size share
+// buffers: 6 % at most.
+constexpr unsigned steps_per_doubling = 16;
+constexpr std::size_t least_bytes = 1024;
+// A free buffer serves if at most twice as large as asked, or small.
+constexpr std::size_t small_bytes = std::size_t{1} << 16;
+// So many calls may go by without a use.
+constexpr std::uint64_t calls_kept = 2;
+
+std::size_t rounded_size(std::size_t bytes, std::size_t most) {
+  std::size_t step = least_bytes;
+  while (bytes / step >= 2 * steps_per_doubling) step *= 2;
+  const std::size_t rounded = (bytes + step - 1) / step * step;
+  return rounded <= most ? rounded : bytes;
+}
+
+bool is_shortage(cl_int code) {
+  return code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES || code == CL_OUT_OF_HOST_MEMORY ||
+         code == CL_INVALID_BUFFER_SIZE;
+}
+}  // namespace
+
+BufferPool::~BufferPool() {
+  for (Entry& entry : entries_) drop(entry);
+}
+
+void BufferPool::begin_call() {
+  ++call_;
+  for (auto& [name, served] : served_) served.next = 0;
+  for (Entry& entry : entries_)
+    if (!entry.used && entry.last_call + calls_kept < call_) drop(entry);
+}
+
+bool BufferPool::fits(const Entry& entry, std::size_t bytes) const {
+  return entry.memory() && !entry.used && entry.bytes >= bytes &&
+         (entry.bytes <= small_bytes || entry.bytes / 2 <= bytes);
+}
+
+DeviceMemory::Place BufferPool::find(Runtime& runtime, const char* name, std::size_t bytes) {
+  Served& served = served_[name];
+  const std::size_t turn = served.next;
+  const std::size_t preferred = turn < served.entries.size() ? served.entries[turn] : entries_.size();
+  const std::size_t chosen = choose(runtime, name, preferred, bytes);
+  served.entries.resize(std::max(turn + 1, served.entries.size()));
+  served.entries[turn] = chosen;
+  ++served.next;
+  entries_[chosen].used = true;
+  entries_[chosen].last_call = call_;
+  return {chosen, 0, entries_[chosen].bytes, entries_[chosen].memory};
+}
+
+std::size_t BufferPool::choose(Runtime& runtime, const char* name, std::size_t preferred, std::size_t bytes) {
+  if (preferred < entries_.size() && fits(entries_[preferred], bytes)) return preferred;
+  std::size_t best = entries_.size();
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    if (fits(entries_[i], bytes) && (best == entries_.size() || entries_[i].bytes < entries_[best].bytes)) best = i;
+  return best < entries_.size() ? best : add(runtime, name, bytes);
+}
+
+cl_int BufferPool::try_to_make(Runtime& runtime, const char* name, std::size_t bytes, cl::Buffer& memory) {
+  return runtime.attempt("clCreateBuffer", name, [&] {
+    cl_int code = CL_SUCCESS;
+    cl_mem made = source_.allocate ? source_.allocate(runtime.context()(), CL_MEM_READ_WRITE, bytes, &code)
+                                   : clCreateBuffer(runtime.context()(), CL_MEM_READ_WRITE, bytes, nullptr, &code);
+    if (made && code == CL_SUCCESS) memory = cl::Buffer(made);
+    return made || code != CL_SUCCESS ? code : CL_MEM_OBJECT_ALLOCATION_FAILURE;
+  });
+}
+
+std::size_t BufferPool::add(Runtime& runtime, const char* name, std::size_t wanted) {
+  const DeviceInfo& info = runtime.info();
+  const std::size_t bytes = rounded_size(wanted, info.largest_buffer_bytes);
+  if (meter_.held + bytes > info.memory_bytes) trim();
+  if (bytes > info.largest_buffer_bytes || meter_.held + bytes > info.memory_bytes)
+    throw Error(Status::out_of_memory, std::string(name) + " needs " + std::to_string(bytes) + " bytes beside " +
+                                           std::to_string(meter_.held) + " in use; " + info.name + " has " +
+                                           std::to_string(info.memory_bytes) + ", at most " +
+                                           std::to_string(info.largest_buffer_bytes) + " in one buffer");
+  Entry entry;
+  cl_int code = try_to_make(runtime, name, bytes, entry.memory);
+  if (is_shortage(code)) {
+    const std::uint64_t before = meter_.held;
+    trim();
+    runtime.try_finish();  // what was trimmed may be in use until then
+    if (meter_.held < before) code = try_to_make(runtime, name, bytes, entry.memory);
+  }
+  if (code != CL_SUCCESS) runtime.fail("clCreateBuffer", name, code);
+  entry.bytes = bytes;
+  meter_.hold(bytes);
+  runtime.log(GCDT_LOG_INFORMATION, "took " + std::to_string(bytes) + " bytes of device memory for " + name + ", " +
+                                        std::to_string(meter_.held) + " held");
+  const auto vacant = std::find_if(entries_.begin(), entries_.end(), [](const Entry& e) { return !e.memory(); });
+  if (vacant == entries_.end()) {
+    entries_.push_back(std::move(entry));
+    return entries_.size() - 1;
+  }
+  *vacant = std::move(entry);
+  return static_cast<std::size_t>(vacant - entries_.begin());
+}
+
+void BufferPool::give_back(Place& place) {
+  place.memory = cl::Buffer();
+  entries_[place.holder].used = false;
+}
+
+void BufferPool::drop(Entry& entry) {
+  if (!entry.memory()) return;
+  meter_.let_go(entry.bytes);
+  cl_mem memory = entry.memory();
+  if (source_.release) clRetainMemObject(memory);  // the one reference that the hook is to release
+  entry.memory = cl::Buffer();
+  if (source_.release) source_.release(memory);
+}
+
+void BufferPool::trim() {
+  for (Entry& entry : entries_)
+    if (!entry.used) drop(entry);
+}
+
+bool BufferPool::is_free(cl_mem memory, std::size_t, std::size_t) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& e) { return e.memory() && e.memory() == memory && !e.used; });
+}
+
+bool BufferPool::holds(cl_mem memory) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& e) { return e.memory() && e.memory() == memory; });
+}
+
+}  // namespace gcdt::runtime

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists OpenCL devices and chooses among them.
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+#include <set>
+
+#include "device/runtime.hpp"
+
+namespace gcdt {
+
+namespace runtime {
+
+// The library needs a compiler and OpenCL 1.2 ("OpenCL 1.2 ..."); a device that cannot even tell is
+// left out, and hides no other.
+bool usable(const cl::Device& device) {
+  cl_bool available = CL_FALSE, compiler = CL_FALSE;
+  cl_platform_id platform = nullptr;
+  std::string version;
+  const bool told = device.getInfo(CL_DEVICE_AVAILABLE, &available) == CL_SUCCESS &&
+                    device.getInfo(CL_DEVICE_COMPILER_AVAILABLE, &compiler) == CL_SUCCESS &&
+                    device.getInfo(CL_DEVICE_PLATFORM, &platform) == CL_SUCCESS &&
+                    device.getInfo(CL_DEVICE_VERSION, &version) == CL_SUCCESS;
+  int major = 0, minor = 0;
+  if (!told || !available || !compiler || !platform ||
+      std::sscanf(version.c_str(), "OpenCL %d.%d", &major, &minor) != 2)
+    return false;
+  return major > 1 || (major == 1 && minor >= 2);
+}
+
+cl::Device part_of(const cl::Device& device, std::uint32_t left) {
+  const cl_uint units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>(), kept = units > left ? units - left : 1;
+  const cl_device_partition_property counts[] = {CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_int>(kept),
+                                                 CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+  std::vector<cl::Device> parts;
+  cl::Device whole = device;
+  if (kept >= units || whole.createSubDevices(counts, &parts) != CL_SUCCESS || parts.size() != 1) return device;
+  return parts[0];
+}
+
+cl_uint compute_units_of_root(const cl::Device& device) {
+  cl::Device root = device, parent;
+  while (root.getInfo(CL_DEVICE_PARENT_DEVICE, &parent) == CL_SUCCESS && parent()) root = parent;
+  return std::max<cl_uint>(1, root.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
+}
+
+std::vector<cl::Device> all_devices() {
+  // These calls return codes, they do not throw: no driver at all, or a platform that fails, only
+  // leaves its list empty.
+  std::vector<cl::Platform> platforms;
+  cl::Platform::get(&platforms);
+  std::vector<cl::Device> all;
+  for (const auto& platform : platforms) {
+    std::vector<cl::Device> of_platform;
+    platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
+    std::copy_if(of_platform.begin(), of_platform.end(), std::back_inserter(all), usable);
+  }
+  return all;
+}
+
+DeviceInfo describe(const cl::Device& device) {
+  DeviceInfo info;
+  auto text = [](std::string s) {
+    s.erase(std::find(s.begin(), s.end(), '\0'), s.end());
+    return s;
+  };
+  info.name = text(device.getInfo<CL_DEVICE_NAME>());
+  info.vendor = text(device.getInfo<CL_DEVICE_VENDOR>());
+  info.driver = text(device.getInfo<CL_DRIVER_VERSION>());
+  info.version = text(device.getInfo<CL_DEVICE_VERSION>());
+  info.platform = text(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>());
+  const auto type = device.getInfo<CL_DEVICE_TYPE>();
+  info.is_gpu = type & CL_DEVICE_TYPE_GPU;
+  info.is_cpu = !info.is_gpu && (type & CL_DEVICE_TYPE_CPU);  // a simulator may say that it is everything
+  info.memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+  info.largest_buffer_bytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+  info.local_bytes = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
+  info.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
+  info.largest_work_group = static_cast<std::uint32_t>(device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>());
+  const std::string extensions = device.getInfo<CL_DEVICE_EXTENSIONS>();
+  auto has = [&](const char* name) { return extensions.find(name) != std::string::npos; };
+  info.atomics64 = has("cl_khr_int64_base_atomics") && has("cl_khr_int64_extended_atomics");
+  info.fp64 = has("cl_khr_fp64");
+  info.subgroups = has("cl_khr_subgroups");
+  return info;
+}
+
+DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning) {
+  if (tuning.kind) return *tuning.kind;
+  if (info.is_gpu) return DeviceKind::gpu;
+  if (!info.is_cpu) return DeviceKind::accelerator;
+  return info.platform == "rusticl" || info.platform == "Clover" ? DeviceKind::lanes : DeviceKind::threads;
+}
+
+namespace {
+
+std::vector<DeviceInfo> describe_all() {
+  std::vector<DeviceInfo> all;
+  for (const auto& device : all_devices()) all.push_back(describe(device));
+  if (all.empty())
+    throw Error(Status::no_device,
+                "no OpenCL device found; on a CPU install PoCL (Debian, Ubuntu: apt install pocl-opencl-icd), for a "
+                "GPU its vendor's OpenCL driver");
+  return all;
+}
+
+std::string or_default(const std::string& spec) {
+  if (!spec.empty()) return spec;
+  const char* variable = std::getenv("GCDT_DEVICE");
+  return variable && *variable ? variable : "auto";
+}
+
+std::string lower(std::string s) {
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return s;
+}
+
+bool is_number(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
+bool has_name(const DeviceInfo& d, const std::string& part) {
+  return lower(d.name + " " + d.platform).find(lower(part)) != std::string::npos;
+}
+
+[[noreturn]] void fail_to_choose(const std::vector<DeviceInfo>& all, const std::string& wanted) {
+  std::string list;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    list += "\n  " + std::to_string(i) + ": " + all[i].name + " (" + all[i].platform + ")";
+  throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
+}
+
+}  // namespace
+
+std::vector<std::size_t> choose_devices(const std::string& spec) {
+  const std::vector<DeviceInfo> all = describe_all();
+  const std::string wanted = or_default(spec);
+  std::set<std::size_t> chosen;
+  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+    end = wanted.find(',', begin);
+    const std::string one = wanted.substr(begin, end == std::string::npos ? end : end - begin);
+    const bool any_gpu = std::any_of(all.begin(), all.end(), [](const DeviceInfo& d) { return d.is_gpu; });
+    const auto fits = [&](std::size_t i) {
+      if (one == "all") return true;
+      if (one == "auto") return any_gpu ? all[i].is_gpu : i == choose_device("auto", nullptr);
+      if (one == "gpu") return all[i].is_gpu;
+      if (one == "cpu") return all[i].is_cpu;
+      return !one.empty() && (is_number(one) ? std::to_string(i) == one : has_name(all[i], one));
+    };
+    bool found = false;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (fits(i)) chosen.insert(i), found = true;
+    if (!found) fail_to_choose(all, one);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+std::size_t choose_device(const std::string& spec, bool* ambiguous) {
+  if (ambiguous) *ambiguous = false;
+  const std::vector<DeviceInfo> all = describe_all();
+  const std::string wanted = or_default(spec);
+  auto first = [&](auto&& fits) -> std::optional<std::size_t> {
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (fits(all[i])) return i;
+    return std::nullopt;
+  };
+  auto gpu = [](const DeviceInfo& d) { return d.is_gpu; };
+  auto cpu = [](const DeviceInfo& d) { return d.is_cpu; };
+  std::optional<std::size_t> found;
+  if (wanted == "auto") {
+    found = first(gpu);
+    if (!found) found = first(cpu);
+    if (!found) found = 0;
+  } else if (wanted == "gpu") {
+    found = first(gpu);
+  } else if (wanted == "cpu") {
+    found = first(cpu);
+  } else if (is_number(wanted)) {
+    if (wanted.size() <= 9 && std::stoul(wanted) < all.size()) found = std::stoul(wanted);
+  } else {
+    auto matches = [&](const DeviceInfo& d) { return has_name(d, wanted); };
+    found = first(matches);
+    if (ambiguous) *ambiguous = std::count_if(all.begin(), all.end(), matches) > 1;
+  }
+  if (!found) fail_to_choose(all, wanted);
+  return *found;
+}
+
+}  // namespace runtime
+
+}  // namespace gcdt

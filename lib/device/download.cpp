@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/download.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+namespace gcdt::runtime {
+
+namespace {
+
+// Smaller ones are not worth their start, larger ones no faster (bench/NOTES.md, "Batches").
+constexpr std::size_t chunk = std::size_t{1} << 20;
+// Counters and the like are read at once.
+constexpr std::size_t least_streamed = std::size_t{1} << 16;
+
+// Nobody on the host reads it soon: what it replaces need not come into the caches before.
+void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t bytes) {
+#ifdef __SSE2__
+  constexpr std::size_t word = sizeof(__m128i);
+  const std::size_t unaligned = std::min(bytes, (word - reinterpret_cast<std::uintptr_t>(to) % word) % word);
+  std::memcpy(to, from, unaligned);
+  std::size_t at = unaligned;
+  for (; at + word <= bytes; at += word)
+    _mm_stream_si128(reinterpret_cast<__m128i*>(to + at), _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + at)));
+  _mm_sfence();
+  std::memcpy(to + at, from + at, bytes - at);
+#else
+  std::memcpy(to, from, bytes);
+#endif
+}
+
+}  // namespace
+
+std::unique_ptr<Download> Download::make(Runtime& runtime) {
+  auto made = std::make_unique<Download>(runtime);
+  return made->memory_.get() ? std::move(made) : nullptr;
+}
+
+Download::Download(Runtime& runtime) : runtime_(runtime), memory_(runtime, 2 * chunk) {}
+
+// While one half of the memory is emptied, the other is filled. After an error a read may still come into it, but
+// before those that are queued later.
+void Download::read(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
+  const std::size_t chunks = (bytes + chunk - 1) / chunk;
+  cl::Event read[2];
+  for (std::size_t i = 0; i <= chunks; ++i) {
+    if (i < chunks)
+      runtime_.read_later(from, offset + i * chunk, memory_.get() + i % 2 * chunk, std::min(chunk, bytes - i * chunk),
+                          read[i % 2]);
+    if (i == 0) continue;
+    const std::size_t ready = i - 1, size = std::min(chunk, bytes - ready * chunk);
+    runtime_.wait(std::exchange(read[ready % 2], cl::Event()));
+    auto* place = static_cast<unsigned char*>(to) + ready * chunk;
+    const unsigned char* there = memory_.get() + ready % 2 * chunk;
+    if (size < least_streamed)
+      std::memcpy(place, there, size);
+    else
+      copy_past_caches(place, there, size);
+  }
+}
+
+}  // namespace gcdt::runtime

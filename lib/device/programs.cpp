@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Builds the embedded programs, or takes them built from the cache.
+#include <algorithm>
+#include <cstring>
+
+#include "device/cache.hpp"
+#include "device/kernel_sources.hpp"
+#include "device/runtime.hpp"
+
+namespace gcdt::runtime {
+
+std::string Runtime::build_options() const {
+  std::string options = "-cl-std=CL1.2";
+  // A GPU has more edges than work-items to flip them, and a work-item that flips on makes its group wait:
+  // no propagation is fastest there (bench/NOTES.md). A CPU wins by the rounds that propagation saves.
+  if (kind_ == DeviceKind::gpu) options += " -DGCDT_FLIP_CHAIN=1";
+  if (contiguous()) options += " -DGCDT_CONTIGUOUS";
+  if (for_forests_) options += " -DGCDT_FOREST";
+  if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
+  if (!hook_.options.empty()) options += " " + hook_.options;
+  return options;
+}
+
+std::vector<std::string> Runtime::cache_parts(const char* program) const {
+  return {source(program), build_options(), info_.name,     info_.vendor,
+          info_.driver,    info_.version,   info_.platform, GCDT_VERSION};
+}
+
+// PoCL compiles kernels as they are launched, and keeps them in a cache of its own. Its binary of a program would have
+// every kernel compiled once more, in a form that launches do not use (bench/NOTES.md).
+bool Runtime::keeps_programs() const { return hook_.keep_programs || info_.platform != pocl_platform; }
+
+std::string Runtime::source(const char* program) const {
+  for (std::size_t i = 0; i < kernel_source_count; ++i)
+    if (std::strcmp(kernel_sources[i].program, program) == 0) {
+      std::string text = kernel_sources[i].text;
+      if (hook_.edit) hook_.edit(text);
+      return text;
+    }
+  throw Error(Status::device_failed, std::string("no program is named ") + program);
+}
+
+namespace {
+
+cl::Program build_source(Runtime& runtime, const char* name) {
+  cl::Program program;
+  runtime.call("clCreateProgramWithSource", name, [&] {
+    cl_int code;
+    program = cl::Program(runtime.context(), runtime.source(name), false, &code);
+    return code;
+  });
+  try {
+    runtime.call("clBuildProgram", name,
+                 [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+  } catch (const Error& error) {
+    std::string log;
+    program.getBuildInfo(runtime.device(), CL_PROGRAM_BUILD_LOG, &log);
+    throw Error(Status::device_failed, std::string(error.what()) + "\n" + log);
+  }
+  return program;
+}
+
+// The program from its binary, if the driver takes it.
+std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, const std::string& binary) {
+  cl::Program program;
+  const cl_int made = runtime.attempt("clCreateProgramWithBinary", name, [&] {
+    cl_int code, status = CL_SUCCESS;
+    const cl_device_id device = runtime.device()();
+    const std::size_t size = binary.size();
+    const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
+    program = cl::Program(clCreateProgramWithBinary(runtime.context()(), 1, &device, &size, &bytes, &status, &code));
+    return code != CL_SUCCESS ? code : status;
+  });
+  if (made != CL_SUCCESS) return std::nullopt;
+  const cl_int built = runtime.attempt(
+      "clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+  if (built != CL_SUCCESS) return std::nullopt;
+  return program;
+}
+
+// Of the runtime's device: the context may have more. Empty if the driver gives none.
+std::string binary_of(Runtime& runtime, const char* name, const cl::Program& program) {
+  cl_uint count = 0;
+  const cl_int counted = runtime.attempt("clGetProgramInfo", name, [&] {
+    return clGetProgramInfo(program(), CL_PROGRAM_NUM_DEVICES, sizeof count, &count, nullptr);
+  });
+  if (counted != CL_SUCCESS) return {};
+  std::vector<cl_device_id> devices(count);
+  std::vector<std::size_t> sizes(count, 0);
+  const cl_int sized = runtime.attempt("clGetProgramInfo", name, [&] {
+    const cl_int listed =
+        clGetProgramInfo(program(), CL_PROGRAM_DEVICES, count * sizeof devices[0], devices.data(), nullptr);
+    return listed != CL_SUCCESS
+               ? listed
+               : clGetProgramInfo(program(), CL_PROGRAM_BINARY_SIZES, count * sizeof sizes[0], sizes.data(), nullptr);
+  });
+  const std::size_t ours = std::find(devices.begin(), devices.end(), runtime.device()()) - devices.begin();
+  if (sized != CL_SUCCESS || ours == count || sizes[ours] == 0) return {};
+  std::string binary(sizes[ours], '\0');
+  std::vector<unsigned char*> places(count, nullptr);  // null: not wanted
+  places[ours] = reinterpret_cast<unsigned char*>(binary.data());
+  const cl_int got = runtime.attempt("clGetProgramInfo", name, [&] {
+    return clGetProgramInfo(program(), CL_PROGRAM_BINARIES, count * sizeof places[0], places.data(), nullptr);
+  });
+  return got == CL_SUCCESS ? binary : std::string();
+}
+
+}  // namespace
+
+cl::Program build_program(Runtime& runtime, const char* name) {
+  if (!runtime.keeps_programs()) return build_source(runtime, name);
+  const std::string entry = cache::entry("program", runtime.cache_parts(name));
+  if (const auto binary = cache::load(entry)) {
+    if (auto program = build_binary(runtime, name, *binary)) return *program;
+    cache::remove(entry);  // whole, but not for this driver
+  }
+  const cl::Program program = build_source(runtime, name);
+  if (cache::folder().empty()) return program;  // asking for the binary may compile kernels never used
+  const std::string binary = binary_of(runtime, name, program);
+  if (!binary.empty()) cache::store(entry, binary);
+  return program;
+}
+
+}  // namespace gcdt::runtime

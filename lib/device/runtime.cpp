@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/runtime.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
+#include "device/download.hpp"
+#include "device/kernel_sources.hpp"
+
+namespace gcdt::runtime {
+
+namespace {
+// A work-group of 128 keeps occupancy on GPUs with kernels of 64 or more registers; on CPUs whose groups are lanes of
+// vectors, 64 items amortise its start.
+constexpr std::size_t gpu_group = 128, cpu_group = 64;
+// On CPUs whose groups are loops of one thread, a group is one work-item that loops over its share by itself: at
+// least as many items as amortise its start, and so many shares that threads end together.
+constexpr std::size_t least_share = 64, shares_per_unit = 16;
+// The group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels' registers.
+constexpr std::size_t gpu_single_group = 512;
+// Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
+constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
+// llvmpipe ends all loops of a work-item after 65535 rounds in all, and says nothing: a work-item takes so few items
+// that each may have some thousands (docs/devices.md).
+constexpr std::size_t most_items_of_lanes = 16;
+constexpr std::size_t least_alignment = 128;
+// Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.
+constexpr std::size_t most_copied = std::size_t{1} << 16;
+// A thread that sleeps comes back some 70 microseconds later, which a run of small problems would feel.
+constexpr auto patience = std::chrono::microseconds(200), nap = std::chrono::microseconds(20);
+// After which a command is no longer one that takes its time.
+constexpr auto long_time = std::chrono::seconds(1);
+
+// PoCL loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last 128, and
+// in versions 4 and 5, when a launch ends, counts down whichever of the kernel's was used last (3 counts up too often
+// to mind, 6 counts right). Two runs at once with launches of different widths (lanes, sub-devices, solvers) end the
+// process that way, by an assertion. So launches are of one width while there are several runtimes, and the first one
+// of each kernel is always, since others may come.
+bool loads_code_by_width(const DeviceInfo& info) {
+  const int version = std::atoi(info.driver.c_str());
+  return info.platform == pocl_platform && (version == 4 || version == 5);
+}
+std::atomic<int> loaded_by_width{0};  // runtimes
+
+// The program to build for the kernels of `program` where shares are contiguous: one for all that every call needs.
+const char* bundle_of(const char* program) {
+  for (const char* part :
+       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check", "few"})
+    if (std::strcmp(part, program) == 0) return "core";
+  return program;
+}
+}  // namespace
+
+Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
+
+Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace)
+    : Runtime(context, device, std::move(hook), std::move(log), std::move(trace), nullptr) {}
+
+Runtime::Runtime(const Runtime& sibling, Log log, Trace trace)
+    : Runtime(sibling.context_, sibling.device_, sibling.hook_, std::move(log), std::move(trace), &sibling) {}
+
+Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace,
+                 const Runtime* sibling)
+    : device_(device),
+      hook_(std::move(hook)),
+      info_(describe(device)),
+      kind_(kind_of(info_, hook_.tuning)),
+      context_(context),
+      log_(std::move(log)),
+      tracer_(std::move(trace), info_.name),
+      programs_(sibling ? sibling->programs_ : std::make_shared<Programs>()) {
+  if (!context_())
+    call("clCreateContext", info_.name.c_str(), [&] {
+      cl_int code;
+      context_ = cl::Context(device_, nullptr, nullptr, nullptr, &code);
+      return code;
+    });
+  call("clCreateCommandQueue", info_.name.c_str(), [&] {
+    cl_int code;
+    queue_ = cl::CommandQueue(context_, device_,
+                              tracer_.on() ? cl::QueueProperties::Profiling : cl::QueueProperties::None, &code);
+    return code;
+  });
+  const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
+  switch (kind_) {
+    case DeviceKind::gpu: geometry_ = {gpu_group, units * gpu_groups_per_unit, gpu_single_group}; break;
+    case DeviceKind::threads: geometry_ = {1, units * shares_per_unit, 1, least_share}; break;
+    case DeviceKind::lanes:
+      geometry_ = {cpu_group, units * cpu_groups_per_unit, cpu_group, 0, most_items_of_lanes};
+      break;
+    case DeviceKind::accelerator: geometry_ = {cpu_group, units * cpu_groups_per_unit, cpu_group}; break;
+  }
+  geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
+  const cl_uint all_shares = compute_units_of_root(device_) * shares_per_unit;
+  const std::size_t widest = std::max<std::size_t>(all_shares, geometry_.max_groups);
+  widest_ = hook_.tuning.width.value_or(loads_code_by_width(info_) ? widest : 0);
+  if (widest_ > 0) {
+    ++loaded_by_width;
+    present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });
+  }
+  // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
+  alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
+  if (sibling) {  // which has tested the device
+    emulate_mul_hi_ = sibling->emulate_mul_hi_;
+    return;
+  }
+  try {
+    self_test();
+  } catch (...) {
+    try_finish();
+    throw;
+  }
+}
+
+Runtime::~Runtime() {
+  if (!unwritten_.empty()) try_finish();
+}
+
+void Runtime::fail(const char* name, const char* detail, cl_int code) const {
+  const bool memory = code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES ||
+                      code == CL_OUT_OF_HOST_MEMORY || code == CL_INVALID_BUFFER_SIZE;
+  throw Error(
+      memory ? Status::out_of_memory : Status::device_failed,
+      std::string(name) + " (" + detail + ") on " + info_.name + " failed with OpenCL code " + std::to_string(code),
+      {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))}, 0, code);
+}
+
+// Siblings that need it as well wait for it.
+const cl::Program& Runtime::find_program(const char* program) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::lock_guard<std::mutex> lock(programs_->mutex);
+  auto& programs = programs_->built[for_forests_];
+  auto found = programs.find(program);
+  if (found == programs.end()) {
+    found = programs.emplace(program, build_program(*this, program)).first;
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    log(GCDT_LOG_INFORMATION, "built " + std::string(program) + " in " + std::to_string(ms) + " ms");
+  }
+  build_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return found->second;
+}
+
+Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
+  const auto key = std::make_pair(std::string(program), std::string(kernel));
+  auto& kernels = kernels_[for_forests_];
+  auto found = kernels.find(key);
+  if (found != kernels.end()) return found->second;
+  const cl::Program& built = find_program(contiguous() ? bundle_of(program) : program);
+  Kernel k;
+  k.name = kernel;
+  call("clCreateKernel", kernel, [&] {
+    cl_int code;
+    k.handle = cl::Kernel(built, kernel, &code);
+    return code;
+  });
+  call("clGetKernelInfo", kernel, [&] { return k.handle.getInfo(CL_KERNEL_NUM_ARGS, &k.arguments); });
+  call("clGetKernelWorkGroupInfo", kernel,
+       [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
+  return kernels.emplace(key, std::move(k)).first->second;
+}
+
+void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
+  if (bytes == 0) return;
+  const bool copied = (contiguous() || download_) && bytes <= most_copied;
+  if (copied) {
+    const auto* first = static_cast<const unsigned char*>(from);
+    from = unwritten_.emplace_back(first, first + bytes).data();
+  }
+  call("clEnqueueWriteBuffer", "", [&] {
+    return clEnqueueWriteBuffer(queue_(), to, copied ? CL_FALSE : CL_TRUE, offset, bytes, from, 0, nullptr, nullptr);
+  });
+}
+
+void Runtime::write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written) {
+  call("clEnqueueWriteBuffer", "",
+       [&] { return clEnqueueWriteBuffer(queue_(), to, CL_FALSE, offset, bytes, from, 0, nullptr, &written()); });
+}
+
+void Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read) {
+  call("clEnqueueReadBuffer", "",
+       [&] { return clEnqueueReadBuffer(queue_(), from, CL_FALSE, offset, bytes, to, 0, nullptr, &read()); });
+}
+
+void Runtime::wait(const cl::Event& event) {
+  if (download_) flush();
+  call("clWaitForEvents", "", [&] {
+    const cl_int code = download_ ? ask_until_done(event()) : CL_SUCCESS;
+    return code == CL_SUCCESS ? clWaitForEvents(1, &event()) : code;  // asking alone does not synchronise memory
+  });
+}
+
+// Ends as clWaitForEvents does, or with an error of the queue, in case that a device that is lost leaves events as they
+// were.
+cl_int Runtime::ask_until_done(cl_event event) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  for (auto asked = start;;) {
+    cl_int status = CL_COMPLETE;
+    const cl_int code = clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr);
+    if (code != CL_SUCCESS) return code;
+    if (status <= CL_COMPLETE) return status;  // errors are negative
+    const auto now = Clock::now();
+    if (now - start < patience) {
+      std::this_thread::yield();
+      continue;
+    }
+    std::this_thread::sleep_for(nap);
+    if (now - asked < long_time) continue;
+    asked = now;
+    const cl_int lost = clFlush(queue_());
+    if (lost != CL_SUCCESS) return lost;
+  }
+}
+
+void Runtime::share_context() {
+  download_ = Download::make(*this);
+  if (!download_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its lanes wait for one another");
+}
+
+void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
+  if (bytes == 0) return;
+  ++read_backs_;
+  if (download_)
+    download_->read(from, offset, to, bytes);
+  else
+    call("clEnqueueReadBuffer", "",
+         [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
+  waited();
+}
+
+void Runtime::read_all(const std::vector<HostRead>& reads) {
+  if (reads.empty()) return;
+  try {
+    for (std::size_t i = 0; i + 1 < reads.size(); ++i)
+      call("clEnqueueReadBuffer", "", [&] {
+        return clEnqueueReadBuffer(queue_(), reads[i].from, CL_FALSE, 0, reads[i].bytes, reads[i].to, 0, nullptr,
+                                   nullptr);
+      });
+    read_bytes(reads.back().from, 0, reads.back().to, reads.back().bytes);  // the queue is in order
+  } catch (...) {
+    try_finish();
+    throw;
+  }
+}
+
+void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
+                         std::size_t bytes) {
+  if (bytes == 0) return;
+  call("clEnqueueFillBuffer", "",
+       [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
+}
+
+void Runtime::copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes) {
+  if (bytes == 0) return;
+  call("clEnqueueCopyBuffer", "",
+       [&] { return clEnqueueCopyBuffer(queue_(), from, to, from_offset, to_offset, bytes, 0, nullptr, nullptr); });
+}
+
+void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value) {
+  call("clSetKernelArg", kernel.name.c_str(), [&] { return clSetKernelArg(kernel.handle(), index, bytes, value); });
+}
+
+void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
+  if (needless_ && needless_()) throw Error(Status::cancelled, "given up before " + kernel.name);
+  if (arguments != kernel.arguments)
+    throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
+                                           std::to_string(arguments));
+  const std::size_t group = range.one_group && geometry_.single > 0 ? geometry_.single : geometry_.local;
+  const std::size_t local = std::min(group, kernel.largest_group);
+  const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
+  const std::size_t wanted = (range.items + each - 1) / each;
+  std::size_t most = geometry_.max_groups;
+  if (geometry_.most_items > 0) {
+    const std::size_t items = range.large_items ? 1 : geometry_.most_items;
+    most = std::max(most, (wanted + items - 1) / items);
+  }
+  const std::size_t usual = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, most);
+  const bool widest = !range.one_group && (!kernel.launched || loaded_by_width > 1);
+  const std::size_t groups = widest ? std::max(usual, widest_) : usual;
+  const std::size_t global = groups * local;
+  ++launches_;
+  call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
+    return tracer_.launch(kernel.name, [&](cl_event* event) {
+      return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, event);
+    });
+  });
+  kernel.launched = true;
+}
+
+std::size_t Runtime::rows_of(std::size_t items) const {
+  const std::size_t usual = geometry_.local * geometry_.max_groups,
+                    least = geometry_.most_items > 0 ? items / geometry_.most_items : 0;
+  return std::clamp<std::size_t>(std::max(usual, least), 1, std::max<std::size_t>(items, 1));
+}
+
+void* Runtime::map_new(std::size_t bytes, cl::Buffer& buffer) {
+  void* mapped = nullptr;
+  cl_int code = attempt("clCreateBuffer", "host memory", [&] {
+    cl_int made;
+    buffer = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes, nullptr, &made);
+    return made;
+  });
+  if (code == CL_SUCCESS)
+    code = attempt("clEnqueueMapBuffer", "host memory", [&] {
+      cl_int made;
+      mapped = clEnqueueMapBuffer(queue_(), buffer(), CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes, 0, nullptr,
+                                  nullptr, &made);
+      return made;
+    });
+  if (code == CL_SUCCESS) return mapped;
+  buffer = cl::Buffer();
+  return nullptr;
+}
+
+void Runtime::unmap(const cl::Buffer& buffer, void* mapped) {
+  attempt("clEnqueueUnmapMemObject", "host memory",
+          [&] { return clEnqueueUnmapMemObject(queue_(), buffer(), mapped, 0, nullptr, nullptr); });
+  try_finish();
+}
+
+void Runtime::finish() {
+  if (download_) {
+    cl::Event reached;
+    call("clEnqueueMarkerWithWaitList", "",
+         [&] { return clEnqueueMarkerWithWaitList(queue_(), 0, nullptr, &reached()); });
+    wait(reached);
+  } else {
+    call("clFinish", "", [&] { return clFinish(queue_()); });
+  }
+  unwritten_.clear();
+}
+
+cl_int Runtime::try_finish() {
+  const cl_int code = clFinish(queue_());
+  unwritten_.clear();
+  return code;
+}
+
+void Runtime::waited() {
+  unwritten_.clear();
+  tracer_.waited();
+}
+
+void Runtime::flush() {
+  call("clFlush", "", [&] { return clFlush(queue_()); });
+}
+
+}  // namespace gcdt::runtime

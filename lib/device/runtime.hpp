@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+// One OpenCL device in use: context, queue, typed buffers, typed launches. Every OpenCL call that the
+// library makes goes through Runtime::call, the one place where tests make the k-th call fail and
+// where launches are timed and counted.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <gcdt/types.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "device/trace.hpp"
+#include "device/tuning.hpp"
+
+namespace gcdt::runtime {
+
+/// `size` elements of T in device memory, handed back with the object. Never empty on the device:
+/// a size of 0 holds one element, so that kernels always get a valid pointer.
+template <class T>
+class Buffer {
+ public:
+  Buffer() = default;
+  /// The caller's memory, which is retained, not counted, and nobody's to hand out again.
+  Buffer(const cl::Buffer& theirs, std::size_t size) : theirs_(theirs), size_(size) {}
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer moved(std::move(other));
+    swap(moved);
+    return *this;
+  }
+
+  std::size_t size() const { return size_; }
+  /// What is behind the first `size` elements, at most size(), is no longer used.
+  void shrink(std::size_t size) { size_ = size; }
+  std::size_t bytes() const { return std::max<std::size_t>(size_, 1) * sizeof(T); }
+  bool allocated() const { return handle() != nullptr; }
+  cl_mem handle() const { return block_.handle() ? block_.handle() : theirs_(); }
+
+ private:
+  friend class Runtime;
+  Buffer(DeviceMemory::Block block, std::size_t size) : block_(std::move(block)), size_(size) {}
+  void swap(Buffer& other) {
+    std::swap(block_, other.block_);
+    std::swap(theirs_, other.theirs_);
+    std::swap(size_, other.size_);
+  }
+  DeviceMemory::Block block_;
+  cl::Buffer theirs_;
+  std::size_t size_ = 0;
+};
+
+constexpr char pocl_platform[] = "Portable Computing Language";
+
+/// How many work-items a launch wants. Kernels loop with the global size as stride, so any launch
+/// is right for any count; this only chooses the parallelism.
+struct Range {
+  std::size_t items = 1;
+  bool one_group = false;    ///< exactly one work-group, for kernels that loop with barriers
+  bool large_items = false;  ///< each is worth a work-item of its own, even where these are contiguous shares
+};
+inline Range over(std::size_t items) { return {items, false}; }
+inline Range over_large(std::size_t items) { return {items, false, true}; }
+inline Range one_group() { return {1, true}; }
+
+/// Launch geometry; tests change it to shake the schedule.
+struct Geometry {
+  std::size_t local = 0;       ///< work-items of a group
+  std::size_t max_groups = 0;  ///< groups of a launch at most
+  std::size_t single = 0;      ///< work-items of a group that is alone (Range::one_group); 0: as `local`
+  std::size_t share = 0;       ///< items that are worth a work-item; 0: one (Range::large_items)
+  /// Items of a work-item at most, of large ones one, however many groups that takes; 0: any number.
+  std::size_t most_items = 0;
+};
+
+/// Bytes of a buffer, from its first on, and where they are to go.
+struct HostRead {
+  cl_mem from;
+  void* to;
+  std::size_t bytes;
+};
+
+/// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
+/// `options` are added when programs are built. `edit` may change a program's text: by that, tests
+/// have a device that computes wrongly. `keep_programs`: built programs go into the cache even if the
+/// driver keeps them itself.
+struct CallHook {
+  std::function<cl_int(const char* call, const char* detail)> before;
+  std::string options;
+  std::function<void(std::string& source)> edit;
+  Tuning tuning;
+  bool keep_programs = false;
+};
+
+using Log = std::function<void(int level, const char* message)>;
+
+class Download;
+
+/// What has been built in a context for a device, by name; for one triangulation, and for many.
+struct Programs {
+  std::mutex mutex;
+  std::map<std::string, cl::Program> built[2];
+};
+
+class Runtime {
+ public:
+  /// Makes a context and an in-order queue on `device`, and makes sure that it computes rightly
+  /// (lib/device/selftest.cpp). Throws device_failed, naming what is wrong.
+  explicit Runtime(const cl::Device& device, CallHook hook = {});
+  /// The same on `device` of a context that is there, with a private in-order queue; a null context: a new one.
+  /// The queue has profiling if there is a trace.
+  Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace = {});
+  /// One for another thread, on the same device, with a queue of its own in the same context, and the same programs.
+  Runtime(const Runtime& sibling, Log log, Trace trace);
+  ~Runtime();
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+
+  const cl::Device& device() const { return device_; }
+  const cl::Context& context() const { return context_; }
+  const Tuning& tuning() const { return hook_.tuning; }
+  /// For tests. The kind of the device, and what follows from it, stays.
+  Tuning& tuning() { return hook_.tuning; }
+  const DeviceInfo& info() const { return info_; }
+
+  /// A new buffer of `count` elements; contents undefined. `name` is for error messages.
+  /// Throws out_of_memory, naming the bytes asked for and the device's limit.
+  template <class T>
+  Buffer<T> allocate(const char* name, std::size_t count) {
+    const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(T);
+    return Buffer<T>(memory_->take(*this, name, bytes), count);
+  }
+  /// Makes `buffer` hold at least `count` elements; contents are lost if it grows.
+  template <class T>
+  void reserve(Buffer<T>& buffer, const char* name, std::size_t count) {
+    if (buffer.allocated() && buffer.size() >= count) return;
+    buffer = Buffer<T>();
+    buffer = allocate<T>(name, count);
+  }
+
+  /// Writes from host memory; the host memory may be reused on return. count 0 is fine.
+  template <class T>
+  void write(const Buffer<T>& to, const T* from, std::size_t count, std::size_t offset = 0) {
+    write_bytes(to.handle(), offset * sizeof(T), from, count * sizeof(T));
+  }
+  /// Reads into host memory and waits for it: the only blocking calls are read() and finish().
+  template <class T>
+  void read(const Buffer<T>& from, T* to, std::size_t count, std::size_t offset = 0) {
+    read_bytes(from.handle(), offset * sizeof(T), to, count * sizeof(T));
+  }
+  template <class T>
+  T read_one(const Buffer<T>& from, std::size_t index = 0) {
+    T value;
+    read(from, &value, 1, index);
+    return value;
+  }
+  template <class T>
+  void fill(const Buffer<T>& buffer, T value, std::size_t count, std::size_t offset = 0) {
+    fill_bytes(buffer.handle(), &value, sizeof(T), offset * sizeof(T), count * sizeof(T));
+  }
+  /// All bytes 0, without waiting.
+  template <class T>
+  void zero(const Buffer<T>& buffer) {
+    static_assert(sizeof(T) % sizeof(cl_uint) == 0, "filled word by word");
+    const cl_uint nothing = 0;
+    fill_bytes(buffer.handle(), &nothing, sizeof nothing, 0, buffer.size() * sizeof(T));
+  }
+  template <class T>
+  void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count, std::size_t from_offset = 0) {
+    copy_bytes(from.handle(), from_offset * sizeof(T), to.handle(), 0, count * sizeof(T));
+  }
+
+  /// Into element `offset` on of the caller's buffer.
+  template <class T>
+  void copy_out(const Buffer<T>& from, cl_mem to, std::size_t count, std::size_t offset) {
+    copy_bytes(from.handle(), 0, to, offset * sizeof(T), count * sizeof(T));
+  }
+
+  /// Enqueues `kernel` of `program`. Buffers are passed as they are, scalars by value with the
+  /// kernel's exact type (cl_uint, cl_ulong, cl_int ...).
+  template <class... Args>
+  void launch(const char* program, const char* kernel, Range range, const Args&... args) {
+    Kernel& k = find_kernel(program, kernel);
+    cl_uint index = 0;
+    (set_argument(k, index++, args), ...);
+    enqueue(k, range, index);
+  }
+
+  /// Launches throw cancelled as soon as `needless` says so; null: never.
+  void give_up_when(std::function<bool()> needless) { needless_ = std::move(needless); }
+
+  void finish();
+  /// Waits, unless nobody wants to know how long phases take: other runs use the device meanwhile.
+  void end_step() {
+    if (times_steps_) finish();
+  }
+  void time_steps(bool wanted) { times_steps_ = wanted; }
+  /// The same as finish(), without an exception.
+  cl_int try_finish();
+  /// Writes bytes from host memory, which may be reused on return.
+  void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  /// Queues a write: the host memory must not change before wait(written).
+  void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
+  /// Queues a read: the host memory holds nothing before wait(read).
+  void read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read);
+  void wait(const cl::Event& event);
+  /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
+  /// writes that are not write_later() do, and what follows an error.
+  void share_context();
+  /// Reads bytes into host memory and waits for it.
+  void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
+  /// All of them, and waits once. Whatever happens, none goes on afterwards.
+  void read_all(const std::vector<HostRead>& reads);
+  void flush();
+  /// The host's memory of a new buffer, mapped; null if the driver has none.
+  void* map_new(std::size_t bytes, cl::Buffer& buffer);
+  void unmap(const cl::Buffer& buffer, void* mapped);
+
+  std::uint64_t launches() const { return launches_; }
+  std::uint64_t read_backs() const { return read_backs_; }
+  double build_ms() const { return build_ms_; }
+  DeviceMemory& memory() { return *memory_; }
+  /// Replaces where memory comes from; nothing may be in use.
+  void use_memory(std::shared_ptr<DeviceMemory> memory) { memory_ = std::move(memory); }
+  MemoryMeter& meter() { return memory_->meter(); }
+  /// Sub-buffers begin at multiples of so many bytes.
+  std::size_t alignment() const { return alignment_; }
+  void log(int level, const std::string& message) const {
+    if (log_) log_(level, message.c_str());
+  }
+  Geometry& geometry() { return geometry_; }
+  const Geometry& geometry() const { return geometry_; }
+  /// So many work-groups, for kernels of which each takes an item.
+  Range over_groups(std::size_t items) const { return over_large(std::max<std::size_t>(items, 1) * geometry_.local); }
+  /// Work-items among which `items` are shared out, for kernels of which each keeps a row of a table.
+  std::size_t rows_of(std::size_t items) const;
+  /// Work-items of a launch at most, whatever it wants.
+  cl_uint most_work_items() const {
+    return static_cast<cl_uint>(std::max(geometry_.max_groups, widest_) * std::max(geometry_.local, geometry_.single));
+  }
+  Tracer& tracer() { return tracer_; }
+  DeviceKind kind() const { return kind_; }
+  /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/common/loops.h).
+  bool contiguous() const { return kind_ == DeviceKind::threads; }
+  /// From now on programs are those for meshes of many triangulations (kernels/common/forest.h), or of one, as at
+  /// first. Those of both kinds that have been built are kept.
+  void build_for_forests(bool forests = true) { for_forests_ = forests; }
+  /// Whether built programs go into the library's cache.
+  bool keeps_programs() const;
+  /// Options that every program is built with; part of the cache key.
+  std::string build_options() const;
+
+  /// The text of the embedded program. Throws device_failed if there is none of that name.
+  std::string source(const char* program) const;
+  /// What a built program depends on: its source, the options, device, driver and library version.
+  std::vector<std::string> cache_parts(const char* program) const;
+
+  /// Makes one OpenCL call: asks the hook, runs `f`, throws on an error code.
+  template <class F>
+  void call(const char* name, const char* detail, F&& f) {
+    const cl_int code = attempt(name, detail, f);
+    if (code != CL_SUCCESS) fail(name, detail, code);
+  }
+  /// The same for calls that may fail: returns the code.
+  template <class F>
+  cl_int attempt(const char* name, const char* detail, F&& f) {
+    const cl_int code = hook_.before ? hook_.before(name, detail) : CL_SUCCESS;
+    return code == CL_SUCCESS ? f() : code;
+  }
+  /// Throws for an error code of the OpenCL call `name`.
+  [[noreturn]] void fail(const char* name, const char* detail, cl_int code) const;
+
+ private:
+  Runtime(const cl::Context& context, const cl::Device& device, CallHook hook, Log log, Trace trace,
+          const Runtime* sibling);
+
+  struct Kernel {
+    std::string name;
+    cl::Kernel handle;
+    cl_uint arguments = 0;
+    std::size_t largest_group = 0;
+    bool launched = false;
+  };
+
+  void self_test();
+  void waited();
+  cl_int ask_until_done(cl_event event);
+  Kernel& find_kernel(const char* program, const char* kernel);
+  const cl::Program& find_program(const char* program);
+  void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
+  void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
+  void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
+  void enqueue(Kernel& kernel, Range range, cl_uint arguments);
+
+  template <class T>
+  void set_argument(Kernel& kernel, cl_uint index, const Buffer<T>& buffer) {
+    cl_mem memory = buffer.handle();
+    set_argument_bytes(kernel, index, sizeof memory, &memory);
+  }
+  template <class T, class = std::enable_if_t<std::is_trivially_copyable_v<T>>>
+  void set_argument(Kernel& kernel, cl_uint index, const T& value) {
+    set_argument_bytes(kernel, index, sizeof(T), &value);
+  }
+
+  cl::Device device_;
+  CallHook hook_;
+  DeviceInfo info_;
+  DeviceKind kind_;
+  cl::Context context_;
+  cl::CommandQueue queue_;
+  Log log_;
+  std::function<bool()> needless_;
+  Tracer tracer_;
+  std::size_t alignment_ = 0;
+  std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});
+  Geometry geometry_;
+  /// Groups that launches have where the driver needs them to be of one width; 0: nowhere.
+  std::size_t widest_ = 0;
+  std::shared_ptr<void> present_;                      ///< among the runtimes that need it
+  std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
+  std::shared_ptr<Programs> programs_;
+  std::map<std::pair<std::string, std::string>, Kernel> kernels_[2];  ///< for one triangulation, for many
+  std::uint64_t launches_ = 0, read_backs_ = 0;
+  double build_ms_ = 0;
+  bool for_forests_ = false;
+  bool times_steps_ = true;
+  bool emulate_mul_hi_ = false;         ///< the device's own is wrong
+  std::unique_ptr<Download> download_;  ///< if the context is shared: then it asks, and does not wait in the driver
+};
+
+/// Builds the embedded program `name` for the runtime's device (lib/device/programs.cpp).
+cl::Program build_program(Runtime& runtime, const char* name);
+
+/// What `device` is and has.
+DeviceInfo describe(const cl::Device& device);
+
+/// As what such a device is treated.
+DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning);
+
+/// Whether `device` has a compiler and OpenCL 1.2.
+bool usable(const cl::Device& device);
+
+/// All usable devices of all platforms, in the order of gcdt_device_get.
+std::vector<cl::Device> all_devices();
+
+/// A sub-device of `device` with all but `left` of its compute units, at least one; `device` itself if it has one or
+/// cannot be divided.
+cl::Device part_of(const cl::Device& device, std::uint32_t left);
+
+/// Compute units of the device that `device` is a part of, or of itself.
+cl_uint compute_units_of_root(const cl::Device& device);
+
+/// See gcdt_device_select; `ambiguous` may be null.
+std::size_t choose_device(const std::string& spec, bool* ambiguous);
+
+/// See gcdt_pool_options.devices: ascending.
+std::vector<std::size_t> choose_devices(const std::string& spec);
+
+}  // namespace gcdt::runtime

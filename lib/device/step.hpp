@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A step of a call: its wall time on the host's clock, without the building of programs, and its span in the trace.
+#pragma once
+
+#include <chrono>
+
+#include "device/runtime.hpp"
+
+namespace gcdt {
+
+/// Milliseconds since a moment on the host's steady clock.
+inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Wall time since its construction, without building programs.
+class Stopwatch {
+ public:
+  explicit Stopwatch(const runtime::Runtime& runtime)
+      : runtime_(runtime), built_(runtime.build_ms()), start_(std::chrono::steady_clock::now()) {}
+  double milliseconds() const { return milliseconds_since(start_) - (runtime_.build_ms() - built_); }
+
+ private:
+  const runtime::Runtime& runtime_;
+  double built_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+/// From its construction to end(). What was queued before should be finished: it would count. Steps nest. After an
+/// exception whoever catches it clears the trace.
+class Step {
+ public:
+  Step(runtime::Runtime& runtime, const char* name) : runtime_(runtime), stopwatch_(begin(runtime, name)) {}
+  /// Waits for the queue, if steps are timed, and returns the milliseconds.
+  double end() {
+    runtime_.end_step();
+    const double ms = stopwatch_.milliseconds();
+    runtime_.tracer().end_phase();
+    return ms;
+  }
+
+ private:
+  static const runtime::Runtime& begin(runtime::Runtime& runtime, const char* name) {
+    runtime.tracer().begin_phase(name);
+    return runtime;
+  }
+  runtime::Runtime& runtime_;
+  Stopwatch stopwatch_;
+};
+
+}  // namespace gcdt

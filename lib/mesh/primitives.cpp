@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// Launches the kernels of primitives*.cl and sort*.cl.
+#include "mesh/primitives.hpp"
+
+#include <algorithm>
+
+namespace gcdt {
+
+using runtime::Buffer;
+
+namespace {
+// Parts per compute unit: as many groups as a GPU unit holds at once; on CPUs enough to even out the
+// load, and few, because each sort part brings 256 counters.
+constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
+// Elements that are worth a part of their own. A GPU's sort part is at least one tile.
+constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
+// Digits as in sort_serial.h and sort_group.h.
+constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
+// On lanes a work-item has 65535 rounds in all, and ends without a word: it walks so many elements at most, and adds up
+// the sums of so many parts (scan_serial).
+constexpr std::size_t longest_walk = 60000, most_parts_of_lanes = 5000;
+// So many keys one work-group sorts in local memory (SORT_SMALL in sort_finish.cl).
+constexpr std::size_t few_keys = 2048;
+// So many keys a CPU sorts faster by one work-item than by launches for each digit.
+constexpr std::size_t few_keys_alone = 8192;
+constexpr unsigned alone_digit_bits = 8;
+// Runs that a work-item sorts by insertion are so long at most (longer ones a work-group: few_keys); below so many keys
+// the radix passes are launches only.
+constexpr cl_uint longest_run = 32;
+constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
+constexpr std::size_t most_elements = std::size_t{1} << 31;
+
+// Scratch that is exchanged with a caller's buffer must leave the caller its capacity, not more.
+template <class T>
+void match(runtime::Runtime& runtime, Buffer<T>& scratch, const char* name, std::size_t size) {
+  if (scratch.allocated() && scratch.size() == size) return;
+  scratch = Buffer<T>();
+  scratch = runtime.allocate<T>(name, size);
+}
+}  // namespace
+
+Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) const {
+  if (count > most_elements) throw Error(Status::invalid_argument, "scan and sort take at most 2^31 elements");
+  const std::size_t units = std::max<std::size_t>(runtime_.info().compute_units, 1);
+  const std::size_t most_parts = units * (walk_ == Walk::serial ? cpu_parts_per_unit : gpu_parts_per_unit);
+  const std::size_t even_span = std::max(least_span, (count + most_parts - 1) / most_parts);
+  const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
+  const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
+  if (runtime_.kind() == DeviceKind::lanes && walk_ == Walk::serial && parts > most_parts_of_lanes)
+    throw Error(Status::device_failed,
+                runtime_.info().name + " ends loops after 65535 rounds: it scans and sorts at most " +
+                    std::to_string(longest_walk * most_parts_of_lanes) + " elements, not " + std::to_string(count));
+  return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
+          runtime_.over_groups(parts)};
+}
+
+void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
+  const Parts cut_at = cut(count, scan_span);
+  const bool serial = walk_ == Walk::serial;
+  const char* program = serial ? "primitives" : "primitives_group";
+  runtime_.reserve(part_sums_, "sums of parts", cut_at.parts);
+  if (cut_at.parts > 1)
+    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span,
+                    cut_at.parts, in, part_sums_);
+  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts,
+                  in, part_sums_, out);
+}
+
+void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl_uint>& out, std::size_t count) {
+  if (count == 0) return;
+  runtime_.launch("primitives", "compact_indices", runtime::over(count), static_cast<cl_uint>(count), offsets, out);
+}
+
+template <class Key>
+void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_uint>& values, std::size_t count,
+                            unsigned low, unsigned bits, Buffer<Key>& other_keys) {
+  if (count < 2) return;
+  const bool serial = walk_ == Walk::serial;
+  const unsigned digit_bits = serial ? serial_digit_bits : group_digit_bits;
+  const Parts cut_at = cut(count, serial ? sort_span_serial : sort_span_group);
+  match(runtime_, other_keys, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  runtime_.reserve(digit_table_, "digit counts", (std::size_t{1} << digit_bits) * cut_at.parts + 1);
+  // Ends after ceil((bits - low) / digit_bits) passes; each leaves the pairs in order of the bits seen so far.
+  for (cl_uint shift = low; shift < bits; shift += digit_bits) {
+    const cl_uint mask = (1u << std::min(digit_bits, bits - shift)) - 1u;
+    runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut_at.range, cut_at.count, cut_at.span,
+                    cut_at.parts, shift, mask, keys, digit_table_);
+    exclusive_scan(digit_table_, digit_table_, std::size_t{mask + 1u} * cut_at.parts);
+    runtime_.launch(program, serial ? "sort_move_serial" : "sort_move_group", cut_at.range, cut_at.count, cut_at.span,
+                    cut_at.parts, shift, mask, keys, values, digit_table_, other_keys, other_values_);
+    std::swap(keys, other_keys);
+    std::swap(values, other_values_);
+  }
+}
+
+void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+  bits = std::min(bits, 64u);
+  if (count <= (alone() ? few_keys_alone : few_keys))
+    sort_few(keys, values, count, bits);
+  else
+    sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
+}
+
+void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+  if (count < 2 || bits == 0) return;
+  const auto n = static_cast<cl_uint>(count);
+  if (!alone()) {
+    const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
+    runtime_.launch("sort_finish", "sort_small", runtime::one_group(), n, mask, keys, values);
+    return;
+  }
+  match(runtime_, other_keys64_, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  runtime_.launch("sort_finish", "sort_alone", runtime::one_group(), n, cl_uint{bits}, keys, values, other_keys64_,
+                  other_values_);
+  if ((bits + alone_digit_bits - 1) / alone_digit_bits % 2 == 0) return;
+  std::swap(keys, other_keys64_);
+  std::swap(values, other_values_);
+}
+
+void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
+                                unsigned prefix) {
+  const unsigned digit = walk_ == Walk::serial ? serial_digit_bits : group_digit_bits;
+  prefix = (prefix + digit - 1) / digit * digit;
+  if (count < least_by_prefix || prefix + digit >= bits) return sort(keys, values, count, bits);
+  const unsigned low = bits - prefix;
+  sort_pairs(sort64(), keys, values, count, low, bits, other_keys64_);
+  sort_runs(keys, values, count, low, bits);
+}
+
+void Primitives::sort_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
+                                 unsigned bits, unsigned low, std::size_t buckets) {
+  if (walk_ == Walk::serial || count < least_by_prefix) return sort_by_prefix(keys, values, count, bits, bits - low);
+  match(runtime_, other_keys64_, "other half of the keys", keys.size());
+  match(runtime_, other_values_, "other half of the values", values.size());
+  const auto n = static_cast<cl_uint>(count), number = static_cast<cl_uint>(buckets);
+  runtime_.reserve(buckets_, "buckets", buckets + 1);
+  runtime_.fill<cl_uint>(buckets_, 0, buckets);
+  runtime_.launch("sort_finish", "bucket_count", runtime::over(count), n, cl_uint{low}, number, keys, buckets_);
+  exclusive_scan(buckets_, buckets_, buckets);
+  runtime_.launch("sort_finish", "bucket_move", runtime::over(count), n, cl_uint{low}, number, keys, values, buckets_,
+                  other_keys64_, other_values_);
+  std::swap(keys, other_keys64_);
+  std::swap(values, other_values_);
+  sort_runs(keys, values, kept, low, bits);
+}
+
+void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned low,
+                           unsigned bits) {
+  const auto n = static_cast<cl_uint>(count);
+  runtime_.reserve(unordered_, "order of keys", 1);
+  runtime_.reserve(long_runs_, "long runs", 1 + count / longest_run);
+  runtime_.fill<cl_uint>(unordered_, 0, 1);
+  runtime_.fill<cl_uint>(long_runs_, 0, 1);
+  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, longest_run, keys, values,
+                  long_runs_);
+  if (walk_ == Walk::group)
+    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_groups(count / few_keys), n, cl_uint{low},
+                    long_runs_, keys, values);
+  runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
+  if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
+}
+
+bool Primitives::sorts_segments(std::size_t longest) const { return walk_ == Walk::group && longest <= few_keys; }
+
+void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,
+                               const Buffer<cl_uint>& first, std::size_t segments) {
+  runtime_.launch("sort_finish", "sort_segments", runtime_.over_groups(segments), static_cast<cl_uint>(segments), first,
+                  keys, values);
+}
+
+void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+  sort_pairs(walk_ == Walk::serial ? "sort32_serial" : "sort32_group", keys, values, count, 0, std::min(bits, 32u),
+             other_keys32_);
+}
+
+void Primitives::release() {
+  for (auto* scratch :
+       {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_, &buckets_, &long_runs_})
+    *scratch = {};
+  other_keys64_ = {};
+}
+
+}  // namespace gcdt

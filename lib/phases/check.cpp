@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/check.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "batch/forest.hpp"
+#include "check/check.h"
+#include "phases/few.hpp"
+
+namespace gcdt {
+
+using device::CheckReport;
+using runtime::Buffer;
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+
+/// How the offending number of a kind is to be read.
+enum class Subject { triangle, half_edge, vertex, piece };
+
+struct Kind {
+  Subject subject;
+  const char* complaint;  ///< ends a sentence that begins with the subject
+};
+
+const Kind kinds[] = {
+    {Subject::triangle, "has a corner that is no vertex"},
+    {Subject::triangle, "is not counter-clockwise"},
+    {Subject::half_edge, "has a neighbour that is no triangle"},
+    {Subject::half_edge, "has a neighbour without the reversed edge"},
+    {Subject::half_edge, "has a neighbour that does not link back"},
+    {Subject::vertex, "has two boundary edges that begin or end there"},
+    {Subject::vertex, "is a place where the boundary is not convex"},
+    {Subject::vertex, "is not a corner of any triangle"},
+    {Subject::vertex, "is not on one line with the others, but there are no triangles"},
+    {Subject::half_edge, "has constraint flags that do not agree"},
+    {Subject::half_edge, "is flagged but is not part of a constraint"},
+    {Subject::piece, "is not an edge"},
+    {Subject::piece, "is an edge that is not flagged"},
+    {Subject::half_edge, "is not locally Delaunay"},
+    {Subject::half_edge, "is the wrong diagonal of four cocircular vertices"},
+};
+static_assert(sizeof kinds / sizeof kinds[0] == GCDT_CHECK_KINDS, "one sentence for each kind");
+
+class Checker {
+ public:
+  Checker(Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces)
+      : runtime_(runtime),
+        ordered_(ordered),
+        vertices_(vertices),
+        pieces_(pieces),
+        edges_expected_(pieces.count),
+        report_(runtime.allocate<CheckReport>("check report", 1)) {}
+
+  /// No triangles: right iff there are fewer than three vertices or all lie on one line.
+  void check_empty() {
+    if (vertices_.n() < 3) return;
+    clear_report();
+    runtime_.launch("check", "check_collinear", over(vertices_.n()), vertices_.n(), vertices_.points, report_);
+    judge(0, GCDT_CHECK_KINDS);
+  }
+
+  void check_mesh() {
+    check_parts([&](const Buffer<cl_uint>&, const Buffer<cl_uint>&) {
+      if (found_.least_corners != 1)
+        fail("the boundary has " + std::to_string(found_.least_corners) +
+                 " least corners, not 1: it is several polygons or winds more than once",
+             {});
+      if (std::uint64_t{ordered_.triangles} + 2 + found_.hull_vertices != std::uint64_t{2} * vertices_.n())
+        name_unused_vertex();
+    });
+  }
+
+  /// What holds for the whole holds for each problem. Numbers in messages count through the run.
+  void check_forest(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
+    check_parts([&](const Buffer<cl_uint>& next, const Buffer<cl_uint>& previous) {
+      const cl_uint n = vertices_.n(), problems = vertices_.roots;
+      auto hull = runtime_.allocate<cl_uint>("check hulls", problems),
+           least = runtime_.allocate<cl_uint>("check least corners", problems),
+           bad = runtime_.allocate<cl_uint>("check problems", 2);
+      runtime_.fill<cl_uint>(hull, 0, problems);
+      runtime_.fill<cl_uint>(least, 0, problems);
+      runtime_.fill<cl_uint>(bad, GCDT_NONE, 1);
+      runtime_.fill<cl_uint>(bad, 0, 1, 1);
+      runtime_.launch("check_forest", "check_forest_boundary", over(n), n, vertices_.points, next, previous, hull,
+                      least);
+      runtime_.launch("check_forest", "check_forest_counts", over(problems), problems, n, vertices_.points,
+                      first_triangle, first_piece, hull, least, bad);
+      runtime_.launch("check_forest", "check_forest_lines", over(n), n, vertices_.levels_buffer, vertices_.points,
+                      first_triangle, bad);
+      const cl_uint problem = runtime_.read_one(bad);
+      if (problem != GCDT_NONE)
+        fail("the triangles of problem " + std::to_string(problem) + " of the run do not cover its hull once", {});
+      edges_expected_ = pieces_.count - runtime_.read_one(bad, 1);
+    });
+  }
+
+ private:
+  /// `cover` finds out whether the hull is covered once, from the boundary.
+  template <class Cover>
+  void check_parts(Cover&& cover) {
+    const cl_uint n = vertices_.n(), count = ordered_.triangles;
+    auto next = runtime_.allocate<cl_uint>("check boundary", n),
+         previous = runtime_.allocate<cl_uint>("check boundary", n);
+    const bool lists = runtime_.contiguous() && pieces_.count > 0;
+    auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
+    if (are_few(runtime_, n)) {
+      runtime_.launch("few", "check_few", runtime::one_group(), count, n, vertices_.levels_buffer, vertices_.points,
+                      ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
+                      pieces_.ends, next, previous, report_);
+    } else {
+      clear_report();
+      runtime_.fill<cl_uint>(next, GCDT_NONE, n);
+      runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
+      runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
+      if (lists)
+        runtime_.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices_.levels_buffer,
+                        cl_uint{pieces_.count}, pieces_.ends, first_pieces);
+      runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points,
+                      ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
+                      pieces_.ends, next, previous, report_);
+      runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
+    }
+    judge(0, GCDT_CHECK_UNUSED);
+    cover(next, previous);
+    judge(GCDT_CHECK_FLAG, GCDT_CHECK_MISSING);
+    if (found_.constrained_edges != edges_expected_) name_missing_piece();
+    judge(GCDT_CHECK_DELAUNAY, GCDT_CHECK_KINDS);
+  }
+
+  void clear_report() {
+    CheckReport clear = {};
+    std::fill(std::begin(clear.first), std::end(clear.first), GCDT_NONE);
+    runtime_.write(report_, &clear, 1);
+  }
+
+  [[noreturn]] void fail(const std::string& what, std::vector<std::uint64_t> indices) {
+    throw Error(Status::check_failed, "check: " + what, std::move(indices));
+  }
+
+  /// Throws for the first kind in [first, last) with an offence.
+  void judge(unsigned first, unsigned last) {
+    if (!read_) found_ = runtime_.read_one(report_);
+    read_ = true;
+    for (unsigned kind = first; kind < last; ++kind)
+      if (found_.first[kind] != GCDT_NONE) fail_at(kinds[kind], found_.first[kind]);
+  }
+
+  [[noreturn]] void fail_at(const Kind& kind, std::uint32_t number) {
+    std::vector<cl_uint> corners(3);
+    const cl_uint t = kind.subject == Subject::half_edge ? number / 3 : number, k = number % 3;
+    std::string subject;
+    switch (kind.subject) {
+      case Subject::triangle:
+        runtime_.read(ordered_.corners, corners.data(), 3, std::size_t{3} * t);
+        subject = "triangle " + std::to_string(t);
+        break;
+      case Subject::half_edge:
+        runtime_.read(ordered_.corners, corners.data(), 3, std::size_t{3} * t);
+        corners = {corners[(k + 1) % 3], corners[(k + 2) % 3]};
+        subject = "edge " + std::to_string(k) + " of triangle " + std::to_string(t);
+        break;
+      case Subject::vertex: corners = {number}; break;
+      case Subject::piece: {
+        const cl_uint2 ends = runtime_.read_one(pieces_.ends, number);
+        corners = {ends.s[0], ends.s[1]};
+        subject = "constraint piece " + std::to_string(number);
+      }
+    }
+    std::vector<std::uint64_t> inputs;
+    for (cl_uint v : corners)
+      if (v < vertices_.n()) inputs.push_back(runtime_.read_one(vertices_.vertex_input, v));
+    fail(subject + listed(inputs, subject.empty()) + " " + kind.complaint, inputs);
+  }
+
+  static std::string listed(const std::vector<std::uint64_t>& inputs, bool alone) {
+    if (inputs.empty()) return "";
+    std::string list = inputs.size() == 1 ? "vertex " : "vertices ";
+    for (std::size_t i = 0; i < inputs.size(); ++i) list += (i ? ", " : "") + std::to_string(inputs[i]);
+    return alone ? list : " (" + list + ")";
+  }
+
+  /// The count of triangles is wrong though they cover a convex polygon: some vertex is no corner.
+  [[noreturn]] void name_unused_vertex() {
+    const cl_uint n = vertices_.n(), corners = 3 * ordered_.triangles;
+    auto used = runtime_.allocate<cl_uint>("check vertices", n);
+    runtime_.fill<cl_uint>(used, 0, n);
+    runtime_.launch("check", "mark_used", over(corners), corners, ordered_.corners, used);
+    name_unmarked(n, 1, GCDT_CHECK_UNUSED, used);
+    fail(std::to_string(ordered_.triangles) + " triangles do not fit " + std::to_string(n) + " vertices with " +
+             std::to_string(found_.hull_vertices) + " on the hull",
+         {});
+  }
+
+  /// All flagged edges are pieces, but fewer than there are.
+  [[noreturn]] void name_missing_piece() {
+    auto marks = runtime_.allocate<cl_uint>("check pieces", pieces_.count);
+    runtime_.fill<cl_uint>(marks, 0, pieces_.count);
+    runtime_.launch("check", "mark_pieces", over(ordered_.triangles), cl_uint{ordered_.triangles},
+                    vertices_.levels_buffer, ordered_.corners, ordered_.constrained, cl_uint{pieces_.count},
+                    pieces_.ends, marks);
+    if (edges_expected_ == pieces_.count) name_unmarked(pieces_.count, 3, GCDT_CHECK_MISSING, marks);
+    fail(std::to_string(found_.constrained_edges) + " edges are flagged for " + std::to_string(edges_expected_) +
+             " pieces",
+         {});
+  }
+
+  void name_unmarked(cl_uint count, cl_uint wanted, cl_uint kind, const Buffer<cl_uint>& marks) {
+    runtime_.launch("check", "find_unmarked", over(count), count, wanted, kind, marks, report_);
+    read_ = false;
+    judge(kind, kind + wanted);
+  }
+
+  Runtime& runtime_;
+  const OrderedMesh& ordered_;
+  const Vertices& vertices_;
+  const Pieces& pieces_;
+  std::uint32_t edges_expected_;  ///< pieces of problems with triangles
+  Buffer<CheckReport> report_;
+  CheckReport found_;
+  bool read_ = false;
+};
+
+}  // namespace
+
+void check(Runtime& runtime, Primitives&, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces) {
+  Checker checker(runtime, ordered, vertices, pieces);
+  if (ordered.triangles == 0)
+    checker.check_empty();
+  else
+    checker.check_mesh();
+}
+
+void check_forest(Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces,
+                  const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
+  Checker(runtime, ordered, vertices, pieces).check_forest(first_triangle, first_piece);
+}
+
+}  // namespace gcdt

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/constrain.hpp"
+
+#include <vector>
+
+namespace gcdt {
+
+using runtime::over;
+
+namespace {
+
+// Owned vertices of a chunk (CHUNK_LENGTH in constrain.cl).
+constexpr cl_uint chunk_length = 8;
+
+class Constraining {
+ public:
+  Constraining(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
+               PhaseCounters& counters)
+      : runtime_(runtime),
+        primitives_(primitives),
+        walked_(walked),
+        mesh_(walked.mesh),
+        pieces_(pieces),
+        counters_(counters) {}
+
+  // The paper's figure: find all intersected triangles, prune by visibility, retriangulate, fill.
+  ConstrainResult run() {
+    find_near();
+    list_crossed();
+    if (failed()) return finish(false);
+    own_vertices();
+    if (failed() || !counts_agree()) return finish(false);
+    find_holes();
+    write_chains();
+    keep_boundary();
+    retriangulate();
+    stitch();
+    counters_.read();
+    return finish(true);
+  }
+
+ private:
+  bool failed() { return counters_.read().failed != 0; }
+
+  // With the counters read last.
+  ConstrainResult finish(bool changed) {
+    const device::Counters& c = counters_.last();
+    ConstrainResult result;
+    result.failed = c.failed | (counts_agree() ? 0u : GCDT_FAILED_COUNT);
+    result.mesh_changed = changed;
+    result.existing_edges = c.existing_edges;
+    result.walked = pieces_.count - c.existing_edges;
+    result.chain_vertices = c.owned_left + c.owned_right;
+    result.holes = c.hexagons;
+    result.symbolic_chain_vertices = c.symbolic_chain_vertices;
+    std::copy(std::begin(c.pairs_of_two), std::end(c.pairs_of_two), result.pairs_of_two.begin());
+    result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
+    result.steps = wide(c.steps_low, c.steps_high);
+    return result;
+  }
+
+  void find_near() {
+    take_claims();
+    near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
+    runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
+    parts_ = parts_by_crossings(runtime_, primitives_, pieces_);
+    find_first_faces();
+    piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
+    runtime_.launch("constrain", "constrain_near", over(parts_.capacity), pieces_.count, parts_.capacity, mesh_.n,
+                    walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, near_, pieces_.ends,
+                    parts_.begins, lines_, part_piece_, part_face_, piece_edge_, claim_, counters_.buffer());
+  }
+
+  void find_first_faces() {
+    lines_ = runtime_.allocate<cl_int4>("lines of pieces", pieces_.count);
+    part_piece_ = runtime_.allocate<cl_uint>("pieces of parts", parts_.capacity);
+    part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
+    walked_.launch(runtime_, "constrain", "constrain_first", over(parts_.capacity),
+                   std::make_tuple(pieces_.count, parts_.capacity), pieces_.ends, parts_.begins, pieces_.walked.parts,
+                   pieces_.walked.faces, lines_, part_piece_, part_face_, counters_.buffer());
+  }
+
+  // One claim for crossed faces, and one for each hexagon.
+  void take_claims() {
+    const std::uint64_t wanted = 1 + std::uint64_t{mesh_.faces()};
+    if (mesh_.claims_below + wanted > UINT32_MAX) clear_claims(runtime_, mesh_, mesh_.faces());
+    claim_ = static_cast<cl_uint>(std::max<std::uint64_t>(mesh_.claims_below, 1));
+    mesh_.claims_below = claim_ + wanted;
+  }
+
+  void list_crossed() {
+    crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
+    crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
+    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), claim_, mesh_.face_data,
+                    near_, pieces_.ends, crossed_, counters_.buffer());
+    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
+                    crossed_edges_, counters_.buffer());
+  }
+
+  // Beside the parts' own chunks: one for each time that another is full.
+  void own_vertices() {
+    crossed_faces_ = counters_.last().crossed_faces;
+    hexagons_ = counters_.last().hexagons;
+    hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
+    if (hexagons_ > 0)
+      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, claim_, crossed_,
+                      mesh_.face_data, hexagon_face_);
+    chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity;
+    chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
+    chunk_entries_ =
+        runtime_.allocate<cl_uint2>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
+    starts_ = runtime_.allocate<cl_uint>("chain starts", 2 * std::size_t{parts_.capacity} + 1);
+    far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
+    runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
+    last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
+    runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
+                    chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
+                    pieces_.ends, parts_.begins, piece_edge_, lines_, part_piece_, part_face_, starts_, far_,
+                    chunk_heads_, chunk_entries_, last_sides_, claim_, counters_.buffer());
+    primitives_.exclusive_scan(starts_, starts_, 2 * std::size_t{parts_.capacity});
+  }
+
+  // As many triangles are made as were crossed, if no two pieces cross.
+  bool counts_agree() const {
+    const device::Counters& c = counters_.last();
+    return std::uint64_t(c.owned_left) + c.owned_right + c.hexagons == c.crossed_faces;
+  }
+
+  // The mesh will change, so nobody needs the history any more.
+  void find_holes() {
+    walked_.history = {};
+    left_total_ = counters_.last().owned_left, right_total_ = counters_.last().owned_right;
+    right_begin_ = left_total_ + 2 * pieces_.count;
+    hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
+    if (hexagons_ > 0)
+      runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
+                      parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
+                      pieces_.ends, parts_.begins, lines_, part_face_, starts_, far_, hexagon_face_, hole_place_,
+                      counters_.buffer());
+  }
+
+  void write_chains() {
+    length_ = right_begin_ + right_total_ + 2 * pieces_.count;
+    chain_vertex_ = runtime_.allocate<cl_uint>("chain vertices", length_);
+    chain_distances_ = runtime_.allocate<cl_ulong>("chain distances", length_);
+    chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
+    chain_side_ = runtime_.allocate<cl_uint>("sides along chains", length_);
+    const cl_uint taken = counters_.last().chunks;
+    runtime_.launch("constrain", "constrain_chain", over(chunk_length * (std::size_t{parts_.capacity} + taken)),
+                    pieces_.count, taken, parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends,
+                    parts_.begins, piece_edge_, lines_, part_piece_, last_sides_, starts_, chunk_heads_, chunk_entries_,
+                    chain_vertex_, chain_distances_, chain_piece_, chain_side_, counters_.buffer());
+    chunk_heads_ = {};
+    chunk_entries_ = {};
+    make_minima();
+  }
+
+  void make_minima() {
+    layers_buffer_ = runtime_.allocate<device::MinimaLayers>("minima layers", 1);
+    runtime_.launch("retriangulate", "retriangulate_layers", over(1), length_, layers_buffer_);
+    const auto above = [](cl_uint length) { return (length - 1) / GCDT_MINIMA_RADIX + 1; };
+    cl_uint total = 0;
+    for (cl_uint length = length_; length > GCDT_MINIMA_RADIX; length = above(length)) total += above(length);
+    minima_ = runtime_.allocate<cl_ulong>("minima", total);
+    cl_uint below = 0, begin = 0;  // where the layers begin: the lowest one is the chains
+    for (cl_uint length = length_; length > GCDT_MINIMA_RADIX; length = above(length)) {
+      const cl_uint lowest = length == length_;
+      runtime_.launch("retriangulate", "retriangulate_minima", over(above(length)), above(length), length, below, begin,
+                      lowest, chain_distances_, minima_);
+      below = begin;
+      begin += above(length);
+    }
+  }
+
+  // Entries: at most 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
+  // is entered for the new edge in its place). A third more slots keeps probes short.
+  void keep_boundary() {
+    const std::uint64_t entries = 3ull * crossed_faces_ - counters_.last().crossed_edges;
+    capacity_ = cl_uint(entries + entries / 2 + 1);
+    table_ = runtime_.allocate<cl_uint>("table of directions", 3 * std::size_t{capacity_});
+    runtime_.fill<cl_uint>(table_, GCDT_NONE, 3 * std::size_t{capacity_});
+    runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data, near_,
+                    capacity_, table_, counters_.buffer());
+    near_ = {};
+  }
+
+  void retriangulate() {
+    const cl_uint free_edges = counters_.last().crossed_edges;
+    roots_ = runtime_.allocate<cl_uint2>("roots of chains", pieces_.count);
+    runtime_.fill<cl_uint2>(roots_, {{GCDT_NONE, GCDT_NONE}}, pieces_.count);
+    runtime_.launch("retriangulate", "retriangulate_chains", over(length_), length_, right_begin_, pieces_.count,
+                    layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, chain_side_, minima_, crossed_,
+                    free_edges, crossed_edges_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, roots_,
+                    counters_.buffer());
+    runtime_.launch("retriangulate", "retriangulate_pieces", over(pieces_.count), pieces_.count, roots_, free_edges,
+                    crossed_edges_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, piece_edge_,
+                    counters_.buffer());
+    if (hexagons_ > 0)
+      runtime_.launch("retriangulate", "retriangulate_holes", over(hexagons_), hexagons_,
+                      cl_uint(left_total_ + right_total_), hole_place_, chain_vertex_, crossed_, mesh_.face_data);
+  }
+
+  void stitch() {
+    runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, counters_.last().crossed_edges,
+                    crossed_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, crossed_edges_, capacity_, table_,
+                    counters_.buffer());
+    runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
+                    mesh_.edge_faces, capacity_, table_, counters_.buffer());
+    runtime_.launch("stitch", "stitch_prove", over(crossed_faces_), crossed_faces_, crossed_, mesh_.n,
+                    walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, counters_.buffer());
+    runtime_.launch("stitch", "stitch_mark", over(pieces_.count), pieces_.count, pieces_.ends, piece_edge_, roots_,
+                    mesh_.face_data, mesh_.edge_marks, capacity_, table_, counters_.buffer());
+  }
+
+  runtime::Runtime& runtime_;
+  Primitives& primitives_;
+  const WalkedMesh& walked_;
+  const Mesh& mesh_;
+  const Pieces& pieces_;
+  PhaseCounters& counters_;
+  Parts parts_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, part_piece_, part_face_, crossed_, crossed_edges_, starts_, far_,
+      hexagon_face_;
+  runtime::Buffer<cl_int4> lines_;
+  runtime::Buffer<cl_uint2> last_sides_, roots_;
+  runtime::Buffer<cl_uint4> chunk_heads_;
+  runtime::Buffer<cl_uint2> chunk_entries_;
+  runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, chain_side_, hole_place_, table_;
+  runtime::Buffer<cl_ulong> chain_distances_, minima_;
+  runtime::Buffer<device::MinimaLayers> layers_buffer_;
+  cl_uint crossed_faces_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
+  cl_uint claim_ = 1;
+  cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;
+};
+
+}  // namespace
+
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                          const Pieces& pieces, PhaseCounters& counters) {
+  counters.zero();
+  if (pieces.count == 0) return {};
+  return Constraining(runtime, primitives, walked, pieces, counters).run();
+}
+
+}  // namespace gcdt

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 2 on the host: all constraints at once (kernels/constrain/constrain.cl, retriangulate.cl, stitch.cl; paper,
+// section 6).
+#pragma once
+
+#include <array>
+
+#include "phases/walk.hpp"
+
+namespace gcdt {
+
+struct ConstrainResult {
+  /// Failure bits (kernels/common/shared.h). Not 0: two pieces cross, or the device computes wrongly; which of
+  /// the two, find_crossings (lib/phases/crossings.hpp) tells.
+  std::uint32_t failed = 0;
+  /// The mesh was changed before the failure was seen; if not, only its claim words were.
+  bool mesh_changed = false;
+  std::uint64_t existing_edges = 0, walked = 0, chain_vertices = 0, holes = 0, symbolic_chain_vertices = 0;
+  std::uint64_t crossed_pairs = 0, steps = 0;
+  std::array<std::uint32_t, 4> pairs_of_two = {};  ///< by intersection_case() of constrain.cl
+};
+
+/// Makes every piece an edge of the mesh and marks it. `walked` is the mesh with all vertices, not flipped
+/// since; afterwards it is proved to be a valid triangulation with every piece as an edge (stitch_prove,
+/// stitch_mark), or `failed` is not 0; so pieces that cross never pass. The
+/// history is released after the last walk (before `mesh_changed` is set).
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                          const Pieces& pieces, PhaseCounters& counters);
+
+}  // namespace gcdt

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/crossings.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace gcdt {
+
+using runtime::over;
+
+namespace {
+
+constexpr std::size_t pairs_in_message = 10;
+
+// Testing all pieces with all others is one loop of a work-item over the pieces; it takes several, and loops of lanes
+// end early (docs/devices.md).
+constexpr cl_uint most_for_all = 1u << 16, most_for_all_of_lanes = 1u << 11;
+
+}  // namespace
+
+CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                               const Pieces& pieces, PhaseCounters& counters)
+    : runtime_(runtime), primitives_(primitives), walked_(walked), pieces_(pieces), counters_(counters) {
+  counters_.zero();
+  find_records();
+  counts_ = runtime_.allocate<cl_uint>("pairs of records", std::size_t(rows_) + 1);
+  counters_.zero();
+  test(0, 0, 0, pieces_.ends);
+  const std::uint64_t found = wide(counters_.read().pairs_low, counters_.last().pairs_high);
+  if (found >= 0xFFFFFFFFull)
+    throw Error(Status::out_of_memory,
+                "crossings: " + std::to_string(found) + " pairs of pieces cross, too many to list");
+  primitives_.exclusive_scan(counts_, counts_, rows_);
+  count_ = cl_uint(found);
+}
+
+// Records by face, unless testing all pairs of pieces takes fewer tests.
+void CrossingPieces::find_records() {
+  const cl_uint faces = walked_.mesh.faces();
+  const Parts parts = parts_by_crossings(runtime_, primitives_, pieces_);
+  starts_ = runtime_.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
+  auto filled = runtime_.allocate<cl_uint>("records filled", faces);
+  runtime_.fill<cl_uint>(starts_, 0, std::size_t(faces) + 1);
+  runtime_.fill<cl_uint>(filled, 0, faces);
+  auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
+    walked_.launch(runtime_, "crossings", "crossings_records", over(parts.capacity),
+                   std::make_tuple(emit, pieces_.count, parts.capacity), pieces_.ends, parts.begins, starts_, filled,
+                   records, counters_.buffer());
+  };
+  collect(0, filled);
+  runtime_.launch("crossings", "crossings_work", over(faces), faces, starts_, counters_.buffer());
+  if (counters_.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
+  const std::uint64_t by_faces = wide(counters_.last().pairs_low, counters_.last().pairs_high);
+  // In a forest, pieces of different problems must not meet: their grids are different.
+  const cl_uint most = runtime_.kind() == DeviceKind::lanes ? most_for_all_of_lanes : most_for_all;
+  all_ = walked_.vertices.roots == 1 && pieces_.count <= most &&
+         std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
+  rows_ = pieces_.count;
+  if (all_) return;
+  primitives_.exclusive_scan(starts_, starts_, faces);
+  rows_ = runtime_.read_one(starts_, faces);
+  records_ = runtime_.allocate<cl_uint>("records of faces", rows_);
+  collect(1, records_);
+}
+
+void CrossingPieces::test(cl_uint emit, cl_uint first, cl_uint last, const runtime::Buffer<cl_uint2>& pairs) {
+  const Mesh& mesh = walked_.mesh;
+  if (all_)
+    runtime_.launch("crossings", "crossings_all", over(rows_), emit, first, last, pieces_.count,
+                    walked_.vertices.points, pieces_.ends, counts_, pairs, counters_.buffer());
+  else
+    runtime_.launch("crossings", "crossings_pairs", over(rows_), emit, first, last, mesh.faces(), mesh.n,
+                    walked_.vertices.points, mesh.face_data, mesh.edge_faces, pieces_.ends, starts_, records_, counts_,
+                    pairs, counters_.buffer());
+}
+
+std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
+                                       const Pieces& pieces, PhaseCounters& counters) {
+  CrossingPieces found(runtime, primitives, walked, pieces, counters);
+  auto pairs = runtime.allocate<cl_uint2>("crossing pieces", found.count());
+  if (found.count() > 0) found.list(0, found.count(), pairs);
+  std::vector<cl_uint2> crossing(found.count());
+  runtime.read(pairs, crossing.data(), crossing.size());
+  std::vector<cl_uint> offsets(std::size_t(pieces.count) + 1), sources(pieces.source_count);
+  runtime.read(pieces.source_offsets, offsets.data(), offsets.size());
+  runtime.read(pieces.sources, sources.data(), sources.size());
+  std::vector<Constraint> all;
+  for (const cl_uint2& pair : crossing)
+    for (cl_uint i = offsets[pair.s[0]]; i < offsets[pair.s[0] + 1]; ++i)
+      for (cl_uint j = offsets[pair.s[1]]; j < offsets[pair.s[1] + 1]; ++j)
+        all.push_back({std::min(sources[i], sources[j]), std::max(sources[i], sources[j])});
+  // Two straight constraints meet in one point, so each pair occurs once.
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+Error crossings_error(const std::vector<Constraint>& crossings, const std::function<Constraint(std::uint32_t)>& ends,
+                      bool rounded) {
+  std::vector<std::uint64_t> indices;
+  std::string list;
+  const auto named = [&](std::uint32_t c) {
+    const Constraint e = ends(c);
+    return std::to_string(c) + " (" + std::to_string(e[0]) + "-" + std::to_string(e[1]) + ")";
+  };
+  for (const Constraint& pair : crossings) indices.insert(indices.end(), pair.begin(), pair.end());
+  for (std::size_t i = 0; i < std::min(crossings.size(), pairs_in_message); ++i)
+    list += (i ? ", " : "") + named(crossings[i][0]) + " and " + named(crossings[i][1]);
+  std::string message = std::to_string(crossings.size()) + (crossings.size() == 1 ? " pair" : " pairs") +
+                        " of constraints cross: " + list;
+  if (crossings.size() > pairs_in_message) message += ", ...";
+  if (rounded)
+    message +=
+        "; the coordinates were rounded to a grid, which can make constraints cross: choose another grid, or drop or "
+        "split crossing constraints";
+  return Error(Status::constraints_cross, message, indices, crossings.size());
+}
+
+std::vector<std::uint32_t> drop_crossing(const std::vector<Constraint>& crossings) {
+  // Pairs by their later constraint, ascending: when d is reached, every earlier one is decided.
+  std::vector<Constraint> by_later;
+  for (const Constraint& pair : crossings) by_later.push_back({pair[1], pair[0]});
+  std::sort(by_later.begin(), by_later.end());
+  std::set<std::uint32_t> dropped;
+  for (const Constraint& pair : by_later)
+    if (!dropped.count(pair[1])) dropped.insert(pair[0]);
+  return {dropped.begin(), dropped.end()};
+}
+
+}  // namespace gcdt

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Regions and domains (kernels/domain/regions.cl, domain.cl; contract 4): labels, depth, winding, removal.
+#pragma once
+
+#include "phases/output.hpp"
+
+namespace gcdt {
+
+/// What select_domain() found; arrays have one element a kept triangle.
+struct Regions {
+  std::uint32_t count = 0;                          ///< regions of the whole hull, numbered by their least triangles
+  std::uint32_t deepest = 0;                        ///< the largest depth
+  std::uint64_t open_parity = 0, open_winding = 0;  ///< see Statistics
+  runtime::Buffer<cl_uint> region, depth;
+  runtime::Buffer<cl_int> winding, seed;
+};
+
+struct SelectedDomain {
+  Regions regions;
+  OrderedMesh mesh;              ///< the kept triangles in their order; not allocated if all are kept by rule
+  runtime::Buffer<cl_int> kept;  ///< by triangle of the hull: its place in `mesh`, or -1
+  runtime::Buffer<cl_uint> region_of_hull;  ///< by triangle of the hull
+};
+
+/// The direction of each piece: sources that run along it from its first end to its second, less those that run
+/// back. `constraints` are pairs of input points.
+runtime::Buffer<cl_int> count_turns(runtime::Runtime& runtime, const Vertices& vertices, const Pieces& pieces,
+                                    const runtime::Buffer<cl_uint2>& constraints);
+
+/// Labels the regions of `ordered`, which covers the hull and has vertices for corners, and chooses by
+/// options.domain. `turns`: count_turns, one a piece. Seeds are located as queries are (locate.hpp).
+SelectedDomain select_domain(runtime::Runtime& runtime, Primitives& primitives, const OrderedMesh& ordered,
+                             const Vertices& vertices, const Pieces& pieces, const runtime::Buffer<cl_int>& turns,
+                             const Options& options);
+
+}  // namespace gcdt

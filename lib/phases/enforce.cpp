@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/enforce.hpp"
+
+#include "phases/clean.hpp"
+#include "phases/grow.hpp"
+
+namespace gcdt {
+
+using runtime::over;
+using runtime::over_large;
+
+namespace {
+constexpr std::uint32_t largest_problem = 1u << 14;
+}  // namespace
+
+bool enforces_by_problem(const runtime::Runtime& runtime, const Vertices& vertices) {
+  return vertices.largest <= largest_problem &&
+         problem_by_problem(runtime, vertices.roots, vertices.largest, vertices.n());
+}
+
+EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                               const Mesh& mesh, const ProblemRanges& ranges,
+                               const runtime::Buffer<cl_uint2>& constraints, PhaseCounters& counters) {
+  const cl_uint problems = ranges.count(), given = cl_uint(constraints.size());
+  counters.zero();
+  EnforceResult result;
+  auto vertex_face = runtime.allocate<cl_uint>("faces of vertices", mesh.n);
+  auto offsets = runtime.allocate<cl_uint>("pieces of constraints", std::size_t{given} + 1);
+  {
+    auto crossed = runtime.allocate<cl_uint4>("crossed faces", mesh.faces());
+    auto stack = runtime.allocate<cl_uint4>("stacks of chains", mesh.faces());
+    runtime.launch("enforce", "enforce_problems", over_large(problems), problems, mesh.n, vertices.points,
+                   mesh.face_data, mesh.edge_faces, ranges.first_constraint_buffer, constraints, vertices.input_vertex,
+                   mesh.edge_marks, vertex_face, crossed, stack, offsets, counters.buffer());
+  }
+  const device::Counters c = counters.read();
+  result.crossing = c.failed != 0;
+  if (result.crossing) return result;
+  result.zero_length = c.zero_length;
+  result.existing_edges = c.existing_edges;
+  result.chain_vertices = c.owned_left;
+  result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
+  result.flips = wide(c.flips_low, c.flips_high);
+
+  primitives.exclusive_scan(offsets, offsets, given);
+  const cl_uint count = runtime.read_one(offsets, given);
+  result.hits = count - (given - c.zero_length);
+  auto keys = runtime.allocate<cl_ulong>("keys of pieces", count);
+  auto sources = runtime.allocate<cl_uint>("sources of pieces", count);
+  {
+    auto places = runtime.allocate<cl_uint>("places of pieces", mesh.n);
+    auto unsorted_keys = runtime.allocate<cl_ulong>("unsorted keys of pieces", count);
+    auto unsorted_sources = runtime.allocate<cl_uint>("unsorted sources of pieces", count);
+    runtime.launch("enforce", "enforce_pieces", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
+                   mesh.edge_faces, ranges.first_constraint_buffer, constraints, vertices.input_vertex, vertex_face,
+                   offsets, places, unsorted_keys, unsorted_sources, keys, sources);
+  }
+  auto firsts = runtime.allocate<cl_uint>("first pieces", std::size_t{count} + 1);
+  runtime.launch("order", "mark_first", over(count), count, keys, firsts);
+  Pieces& pieces = result.pieces;
+  pieces = merge_runs(runtime, primitives, firsts, count);
+  pieces.ends = runtime.allocate<cl_uint2>("pieces", pieces.count);
+  runtime.launch("enforce", "enforce_ends", over(pieces.count), pieces.count, keys, pieces.source_offsets, pieces.ends);
+  pieces.sources = std::move(sources);
+  return result;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/flip.hpp"
+
+#include <tuple>
+
+namespace gcdt {
+
+namespace {
+
+// The group's loops end within what lanes allow: 16 rounds of 4 tiles, each with 32 flips of a chain and their edges.
+constexpr std::uint32_t edges_of_lanes = 256, rounds_of_lanes = 16;
+// Edges that a work-item of a sweep looks at.
+constexpr std::uint32_t sweep_items = 4;
+
+/// The rounds of one flip phase. `round_` is the next round.
+class Flipping {
+ public:
+  Flipping(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+           PhaseCounters& counters, std::uint32_t vertices_in_mesh)
+      : runtime_(runtime),
+        vertices_(vertices),
+        mesh_(mesh),
+        lists_(lists),
+        counters_(counters),
+        faces_(mesh.faces(vertices_in_mesh)),
+        edges_(mesh.edges(vertices_in_mesh)),
+        stamps_(runtime, edges_),
+        flips_before_(wide(counters.last().flips_low, counters.last().flips_high)) {
+    stamps_.go_on_above(mesh.claims_below);
+  }
+
+  /// Ends: a flip lowers the lifted surface (heights |p|^2, and infinitesimal ones for the tie rule), so an
+  /// edge flipped away never returns and there are at most (n+3)(n+2)/2 flips; a round with an illegal
+  /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
+  /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
+  FlipResult run(Ticker& ticker) {
+    const bool swept = edges_ >= runtime_.tuning().least_sweep;
+    if (swept) sweep(ticker);
+    runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!swept), edges_, round_, mesh_.edge_marks,
+                    lists_.first, counters_.buffer());
+    return finish(swept ? counters_.read().list_test[round_ % 3] : edges_, ticker);
+  }
+
+  /// The rounds of all problems, each by one work-group. The counters are zero. Ends: see run().
+  FlipResult by_problem(Ticker& ticker) {
+    const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
+    runtime_.fill<cl_uint>(lengths, 0, lengths.size());
+    runtime_.launch("flip", "flip_deal", runtime::over(edges_), edges_, mesh_.n, vertices_.points, mesh_.face_data,
+                    mesh_.edge_faces, mesh_.edge_marks, lists_.first, lengths);
+    FlipResult result;
+    for (;; counters_.zero()) {
+      renew_stamps();
+      const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), rounds_of_group());
+      for_launches(runtime_, vertices_, [&](cl_uint begin, cl_uint end) {
+        runtime_.launch("flip", "flip_problems", runtime_.over_groups(end - begin), begin, end, stamp, stamps_.bits(),
+                        most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
+                        lists_.first, lists_.second, lengths, counters_.buffer());
+      });
+      const device::Counters& c = counters_.read();
+      stamps_.take(c.rounds);
+      result.rounds += c.rounds;
+      result.flips += wide(c.flips_low, c.flips_high);
+      check(result.rounds, ticker);
+      if (c.list_test[0] == 0) break;
+    }
+    mesh_.claims_below = stamps_.claims_below();
+    return result;
+  }
+
+  /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
+  FlipResult finish(std::uint32_t pending, Ticker& ticker) {
+    std::uint64_t total = round_;
+    while (pending > 0) {
+      const std::uint32_t rounds_before = counters_.last().rounds;
+      const std::uint32_t launched = pending <= edges_of_group() ? rounds_in_one_group() : rounds_wide(pending);
+      const device::Counters& c = counters_.read();
+      const std::uint32_t in_group = c.rounds - rounds_before;
+      round_ += in_group;
+      stamps_.take(in_group);
+      total += launched + in_group;
+      pending = c.list_test[round_ % 3];
+      check(total, ticker);
+    }
+    mesh_.claims_below = stamps_.claims_below();
+    return {total, wide(counters_.last().flips_low, counters_.last().flips_high) - flips_before_};
+  }
+
+ private:
+  // Rounds by sweeps. The first takes all edges. Ends: see run().
+  void sweep(Ticker& ticker) {
+    for (std::uint32_t illegal = edges_; illegal > edges_ / runtime_.tuning().sweep_share;) {
+      for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
+        renew_stamps();
+        const cl_uint stamp = stamps_.take();
+        launch("flip_sweep", edges_ / sweep_items, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
+               lists_.second);
+        launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
+      }
+      illegal = counters_.read().list_flip[(round_ - 1) & 1];
+      check(round_, ticker);
+    }
+  }
+
+  std::uint32_t edges_of_group() const {
+    const std::uint32_t most = runtime_.tuning().one_group_edges;
+    return runtime_.kind() == DeviceKind::lanes ? std::min(most, edges_of_lanes) : most;
+  }
+  std::uint32_t rounds_of_group() const {
+    const std::uint32_t most = runtime_.tuning().rounds_of_group;
+    return runtime_.kind() == DeviceKind::lanes ? std::min(most, rounds_of_lanes) : most;
+  }
+
+  void check(std::uint64_t rounds, Ticker& ticker) const {
+    if (rounds > 1024 + 64ull * edges_)
+      throw Error(Status::round_limit, "flip: illegal edges are left after the limit of rounds");
+    ticker.tick("flip", double(faces_) / mesh_.faces());
+  }
+
+  // Arguments in the order of all kernels that flip: scalars, stamp bits, mesh, marks, lists, counters.
+  template <class Scalars, class... Lists>
+  void launch(const char* kernel, std::uint32_t items, const Scalars& scalars, const Lists&... lists) {
+    std::apply(
+        [&](const auto&... scalar) {
+          runtime_.launch("flip", kernel, runtime::over(items), scalar..., stamps_.bits(), mesh_.n, vertices_.points,
+                          mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists..., counters_.buffer());
+        },
+        scalars);
+  }
+
+  // Launches are as wide as the list was when last read; lists shrink, and a longer one is only slower.
+  std::uint32_t rounds_wide(std::uint32_t pending) {
+    for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
+      renew_stamps();
+      const cl_uint stamp = stamps_.take();
+      launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
+      launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
+    }
+    return runtime_.tuning().rounds_per_read;
+  }
+
+  // How many rounds were done stands in the counters.
+  std::uint32_t rounds_in_one_group() {
+    renew_stamps();
+    const cl_uint most = std::min(stamps_.left(), rounds_of_group());
+    runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
+                    most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
+                    lists_.second, counters_.buffer());
+    return 0;
+  }
+
+  void renew_stamps() {
+    if (stamps_.left() > 0) return;
+    clear_claims(runtime_, mesh_, faces_);
+    stamps_.restart();
+  }
+
+  runtime::Runtime& runtime_;
+  const Vertices& vertices_;
+  const Mesh& mesh_;
+  const WorkLists& lists_;
+  PhaseCounters& counters_;
+  cl_uint faces_, edges_;
+  Stamps stamps_;
+  std::uint64_t flips_before_;
+  cl_uint round_ = 0;
+};
+
+}  // namespace
+
+FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
+  counters.zero();
+  Flipping flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh);
+  return one_group_each(runtime, vertices) ? flipping.by_problem(ticker) : flipping.run(ticker);
+}
+
+FlipResult flip_queued(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                       PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
+  return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh)
+      .finish(counters.last().list_test[0], ticker);
+}
+
+}  // namespace gcdt

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/grow.hpp"
+
+#include <algorithm>
+
+namespace gcdt {
+
+namespace {
+
+// Levels up to so many vertices are inserted by one work-item, one after the other: less than a thread's share of
+// them is worth a launch.
+constexpr std::uint32_t alone = 4096;
+// Vertices of a share at least, and shares for each unit: every border between shares is inserted again.
+constexpr std::uint32_t least_vertices = 1024, shares_per_unit = 4;
+// What shares leave lies along the borders between them: the next round joins so many, four cells of the curve to one.
+constexpr std::uint32_t joined = 4;
+constexpr std::uint32_t walk_beside_others = 4096;
+
+// Tickets are numbers of work-items, of which a launch may have more than the mesh has edges (Owner in grow.cl).
+Stamps stamps_of(const runtime::Runtime& runtime, const Mesh& mesh) {
+  return Stamps(runtime, std::max(mesh.edges(), runtime.most_work_items()));
+}
+
+/// The insertion of consecutive vertices, round by round.
+class Growth {
+ public:
+  Growth(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+         PhaseCounters& counters, Ticker& ticker)
+      : runtime_(runtime), vertices_(vertices), mesh_(mesh), lists_(lists), counters_(counters), ticker_(ticker) {
+    const std::uint32_t units = std::max(1u, runtime_.info().compute_units);
+    most_shares_ = units * shares_per_unit;
+    left_ = runtime.allocate<cl_uint>("vertices left", mesh.n);
+    left_of_ = runtime.allocate<cl_uint>("vertices left of shares", most_shares_);
+  }
+
+  /// Ends: a round of one work-item leaves nothing, and each has fewer than the one before.
+  void insert(std::uint32_t begin, std::uint32_t end, std::uint32_t level) {
+    const cl_uint segments = begin == 0 ? 1 : std::clamp((end - begin) / least_vertices, 1u, most_shares_);
+    std::uint32_t left = end - begin;
+    for (cl_uint step = 1, step_before = 1; left > 0; step_before = step, step *= joined) {
+      if (left < least_vertices) step = std::max(step, segments);
+      left = round(begin, end, level, segments, step, step_before);
+      if (left > 0 && step >= segments) throw Error(Status::round_limit, "insert: point location left the mesh");
+    }
+  }
+
+  /// All problems of a forest, each by one work-item.
+  void insert_problems() {
+    counters_.zero();
+    Stamps stamps = stamps_of(runtime_, mesh_);
+    const cl_uint stamp = stamps.take(), limit = mesh_.faces();
+    runtime_.launch("grow", "grow_problems", runtime::over_large(mesh_.roots), cl_uint{mesh_.roots}, limit, stamp,
+                    stamps.bits(), vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data,
+                    mesh_.edge_faces, mesh_.edge_marks, lists_.first, counters_.buffer());
+    mesh_.claims_below = stamps.claims_below();
+    const device::Counters c = counters_.read();
+    if (c.list_insert[0] > 0 || c.list_test[0] > 0)
+      throw Error(Status::round_limit, "insert: point location left the mesh");
+    result.rounds = 1;
+    add(c);
+  }
+
+  GrowResult result;
+
+ private:
+  void add(const device::Counters& c) {
+    result.edge_splits += c.edge_splits;
+    result.steps += wide(c.steps_low, c.steps_high);
+    result.flips.flips += wide(c.flips_low, c.flips_high);
+  }
+
+  /// Returns how many vertices are left.
+  std::uint32_t round(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
+    if (begin > 0) counters_.zero();
+    Stamps stamps = stamps_of(runtime_, mesh_);
+    stamps.go_on_above(mesh_.claims_below);
+    if (stamps.left() == 0) {
+      clear_claims(runtime_, mesh_, mesh_.faces(end));
+      stamps.restart();
+    }
+    const cl_uint shares = (segments + step - 1) / step, stamp = stamps.take();
+    const cl_uint limit = shares == 1 ? mesh_.faces() : walk_beside_others;
+    runtime_.launch("grow", "grow_insert", runtime::over_large(shares), cl_uint{end - begin}, begin, segments, step,
+                    step_before, level, limit, stamp, stamps.bits(), vertices_.levels_buffer, mesh_.n, vertices_.points,
+                    mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, left_, left_of_, lists_.first,
+                    counters_.buffer());
+    mesh_.claims_below = stamps.claims_below();
+    const device::Counters c = counters_.read();
+    ++result.rounds;
+    add(c);
+    if (c.list_test[0] > 0) {
+      const FlipResult flipped = flip_queued(runtime_, vertices_, mesh_, lists_, counters_, end, ticker_);
+      result.flips.rounds += flipped.rounds;
+      result.flips.flips += flipped.flips;
+    }
+    ticker_.tick("insert", double(end - c.list_insert[0]) / mesh_.n);
+    return c.list_insert[0];
+  }
+
+  runtime::Runtime& runtime_;
+  const Vertices& vertices_;
+  const Mesh& mesh_;
+  const WorkLists& lists_;
+  PhaseCounters& counters_;
+  Ticker& ticker_;
+  std::uint32_t most_shares_;
+  runtime::Buffer<cl_uint> left_, left_of_;
+};
+
+}  // namespace
+
+bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
+                        std::uint32_t n) {
+  return runtime.contiguous() && problems > 1 && std::uint64_t{largest} * runtime.info().compute_units <= n;
+}
+
+GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                PhaseCounters& counters, std::uint32_t end, Ticker& ticker) {
+  Growth growth(runtime, vertices, mesh, lists, counters, ticker);
+  mesh.claims_below = 1;
+  if (problem_by_problem(runtime, vertices.roots, vertices.largest, mesh.n)) {
+    growth.insert_problems();
+    return growth.result;
+  }
+  const auto& levels = vertices.levels;
+  std::uint32_t level = 0;
+  while (level < levels.count && levels.begin[level] < end) {
+    const std::uint32_t begin = levels.begin[level];
+    std::uint32_t next = level + 1;
+    // The first levels together.
+    if (level == 0)
+      while (next < levels.count && levels.begin[next] < end && levels.begin[next + 1] <= alone) ++next;
+    growth.insert(begin, std::min(levels.begin[next], end), level);
+    level = next;
+  }
+  return growth.result;
+}
+
+FlipResult grow_flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                     PhaseCounters& counters, Ticker& ticker) {
+  counters.zero();
+  Stamps stamps = stamps_of(runtime, mesh);
+  stamps.go_on_above(mesh.claims_below);
+  if (stamps.left() == 0) {
+    clear_claims(runtime, mesh, mesh.faces());
+    stamps.restart();
+  }
+  const cl_uint stamp = stamps.take(), edges = mesh.edges();
+  runtime.launch("grow", "grow_flip", runtime::over(edges), edges, stamp, stamps.bits(), mesh.n, vertices.points,
+                 mesh.face_data, mesh.edge_faces, mesh.edge_marks, lists.first, counters.buffer());
+  mesh.claims_below = stamps.claims_below();
+  const device::Counters c = counters.read();
+  FlipResult result{1, wide(c.flips_low, c.flips_high)};
+  if (c.list_test[0] > 0) {
+    const FlipResult rest = flip_queued(runtime, vertices, mesh, lists, counters, mesh.n, ticker);
+    result.rounds += rest.rounds;
+    result.flips += rest.flips;
+  }
+  return result;
+}
+
+}  // namespace gcdt

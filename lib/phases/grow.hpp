@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phases 1 and 3 on the host where work-items are threads' loops (kernels/insert/grow.cl): vertices go into a Delaunay
+// mesh one after the other, many such sequences side by side.
+#pragma once
+
+#include "phases/flip.hpp"
+
+namespace gcdt {
+
+struct GrowResult {
+  std::uint64_t rounds = 0;  ///< launches that insert
+  std::uint64_t edge_splits = 0, steps = 0;
+  FlipResult flips;
+};
+
+/// Whether each problem of a forest is one work-item's business: work-items are threads' loops, and problems enough to
+/// share out. `largest`: vertices of the largest; n: of all.
+bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
+                        std::uint32_t n);
+
+/// Makes the mesh, whatever it holds, that of the symbolic triangles and of all vertices below `end`, the first of a
+/// level, if there are any. After: the mesh is Delaunay, and no edge is constrained. Throws round_limit.
+GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                PhaseCounters& counters, std::uint32_t end, Ticker& ticker);
+
+/// As flip(): makes a valid mesh of all vertices (constrained) Delaunay.
+FlipResult grow_flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+                     PhaseCounters& counters, Ticker& ticker);
+
+}  // namespace gcdt

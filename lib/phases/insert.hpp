@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Phase 1 on the host: vertex insertion, level by level (kernels/insert/insert.cl).
+#pragma once
+
+#include "mesh/phase.hpp"
+
+namespace gcdt {
+
+/// The history tree of the last level inserted and the top layer that it hangs from (kernels/common/history.h).
+/// Valid for location until the mesh is flipped.
+struct History {
+  cl_uint level = 0, begin = 0, end = 0;
+  runtime::Buffer<cl_uint4> top, nodes;
+  runtime::Buffer<cl_uint> vertex_face, shape;
+};
+
+/// Buffers for the largest level; sizes in `required_bytes`.
+History make_history(runtime::Runtime& runtime, const device::Levels& levels, std::uint32_t roots = 1);
+
+/// A history without splits, of a Delaunay mesh with all vertices: all of it is top layer.
+History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
+
+/// Makes the mesh hold the symbolic triangles alone, no edge constrained.
+void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh);
+
+/// Inserts the vertices of `level` into the mesh of the levels before, which must be Delaunay.
+/// After: every vertex of the level is in the mesh, which is a valid triangulation, and `history` locates
+/// points in it. Adds to counters: edge_splits, steps, history_depth. Returns the number of rounds.
+/// Throws round_limit.
+std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, History& history,
+                           const WorkLists& lists, PhaseCounters& counters, unsigned level, Ticker& ticker);
+
+}  // namespace gcdt

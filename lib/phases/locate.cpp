@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/locate.hpp"
+
+#include <cstring>
+
+#include "mesh/grid.hpp"
+#include "query/locate.h"
+
+namespace gcdt {
+
+using runtime::Buffer;
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+
+struct Queries {
+  cl_uint count;
+  Buffer<cl_ulong> keys;
+  Buffer<cl_uint> numbers;
+};
+
+/// Decimals in units of the cell, so that a query may have more digits than any vertex; where that leaves 63 bits,
+/// in those of the vertices.
+device::Decimals finest_decimals(const Vertices& vertices) {
+  if (!vertices.decimals) return {};
+  device::Decimals fine = *vertices.decimals;
+  fine.digits = vertices.grid.cell_decimals;
+  fine.step = 1;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::uint64_t bits;
+    std::memcpy(&bits, &vertices.grid.origin[axis], sizeof bits);
+    fine.least[axis] = device::gcdt_decimal_numerator(device::gcdt_without_negative_zero(bits), fine.digits);
+    if (fine.least[axis] == static_cast<device::i64>(GCDT_NUMERATOR_OVERFLOW)) return *vertices.decimals;
+  }
+  return fine;
+}
+
+Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& points) {
+  Queries queries = {points.n, runtime.allocate<cl_ulong>("keys of queries", points.n),
+                     runtime.allocate<cl_uint>("numbers of queries", points.n)};
+  const cl_uint by_decimals = vertices.decimals.has_value();
+  const device::Scale scale = scale_of(vertices.grid);
+  const device::Decimals decimals = finest_decimals(vertices);
+  auto scale_buffer = runtime.allocate<device::Scale>("scale", 1);
+  auto decimals_buffer = runtime.allocate<device::Decimals>("decimals", 1);
+  auto not_finite = runtime.allocate<cl_uint>("query not finite", 1);
+  runtime.write(scale_buffer, &scale, 1);
+  runtime.write(decimals_buffer, &decimals, 1);
+  runtime.fill<cl_uint>(not_finite, GCDT_NONE, 1);
+  runtime.launch("locate", "place_queries", over(points.n), points.n, points.type, points.coordinates, by_decimals,
+                 scale_buffer, decimals_buffer, queries.keys, queries.numbers, not_finite);
+  const cl_uint bad = runtime.read_one(not_finite);
+  if (bad != GCDT_NONE)
+    throw Error(Status::coordinate_not_finite,
+                std::string(bad % 2 ? "y" : "x") + " of query " + std::to_string(bad / 2) + " is not a finite number",
+                {bad / 2, bad % 2});
+  return queries;
+}
+
+/// The triangle that each query has arrived in, in sorted order.
+Buffer<cl_uint> walk(Runtime& runtime, const Terrain& terrain, const Queries& queries) {
+  auto places = runtime.allocate<cl_uint>("places of queries", queries.count);
+  auto pending = runtime.allocate<cl_uint>("queries on their way", 1);
+  runtime.launch("locate", "locate_start", over(queries.count), queries.count, terrain.vertices.levels_buffer,
+                 terrain.vertices.points, queries.keys, terrain.starts, places);
+  // A straight way has at most as many triangles as there are; a walk that also turns back is given sixteen
+  // times that.
+  const std::uint64_t limit = 16 + 16ull * terrain.all.triangles / GCDT_LOCATE_STEPS;
+  for (cl_uint round = 0;; ++round) {
+    if (round == limit) throw Error(Status::round_limit, "locate: queries have not arrived after the limit of rounds");
+    runtime.fill<cl_uint>(pending, 0, 1);
+    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, round, terrain.all.corners,
+                   terrain.all.neighbours, cl_uint{terrain.by_input}, terrain.vertices.input_vertex,
+                   terrain.vertices.points, queries.keys, places, pending);
+    if (runtime.read_one(pending) == 0) return places;
+  }
+}
+
+}  // namespace
+
+Buffer<cl_uint> least_triangles(Runtime& runtime, const Vertices& vertices, const OrderedMesh& mesh, bool by_input) {
+  auto least = runtime.allocate<cl_uint>("least triangles", vertices.n());
+  runtime.fill<cl_uint>(least, GCDT_NONE, vertices.n());
+  if (mesh.triangles != 0)
+    runtime.launch("locate", "least_triangles", over(mesh.triangles), cl_uint{mesh.triangles}, cl_uint{by_input},
+                   vertices.input_vertex, mesh.corners, least);
+  return least;
+}
+
+Buffer<cl_int> least_triangles_by_input(Runtime& runtime, const Vertices& vertices, const Buffer<cl_uint>& least) {
+  const auto inputs = static_cast<cl_uint>(vertices.input_vertex.size());
+  auto triangles = runtime.allocate<cl_int>("triangles of vertices", inputs);
+  if (inputs != 0)
+    runtime.launch("locate", "number_least", over(inputs), inputs, vertices.input_vertex, least, triangles);
+  return triangles;
+}
+
+Located locate(Runtime& runtime, Primitives& primitives, const Terrain& terrain, const InputPoints& points) {
+  Located located = {runtime.allocate<cl_int>("triangles of queries", points.n),
+                     runtime.allocate<cl_uint>("corners of queries", std::size_t{3} * points.n),
+                     runtime.allocate<cl_long>("areas of queries", std::size_t{3} * points.n)};
+  if (points.n == 0) return located;
+  Queries queries = place(runtime, terrain.vertices, points);
+  if (terrain.all.triangles == 0) {
+    runtime.fill<cl_int>(located.triangles, -1, points.n);
+    runtime.fill<cl_uint>(located.corners, 0, std::size_t{3} * points.n);
+    runtime.fill<cl_long>(located.areas, 0, std::size_t{3} * points.n);
+    return located;
+  }
+  primitives.sort(queries.keys, queries.numbers, queries.count, GCDT_QUERY_KEY_BITS);
+  primitives.release();
+  const Buffer<cl_uint> places = walk(runtime, terrain, queries);
+  const Buffer<cl_int> none = runtime.allocate<cl_int>("no selection", 0);
+  runtime.launch("locate", "locate_finish", over(queries.count), queries.count, queries.keys, queries.numbers, places,
+                 terrain.all.corners, terrain.all.neighbours, cl_uint{terrain.by_input}, terrain.vertices.input_vertex,
+                 terrain.vertices.points, cl_uint{terrain.kept != nullptr}, terrain.kept ? *terrain.kept : none,
+                 terrain.result.corners, terrain.least, located.triangles, located.corners, located.areas);
+  return located;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Point location on the device (kernels/query/locate.cl).
+#pragma once
+
+#include "phases/order.hpp"
+#include "phases/output.hpp"
+
+namespace gcdt {
+
+/// What queries are located in: a mesh that covers the convex hull, all or some triangles of which are kept.
+struct Terrain {
+  const Vertices& vertices;
+  const OrderedMesh& all;
+  bool by_input;                           ///< corners are input numbers, else vertices
+  const runtime::Buffer<cl_int>* kept;     ///< the place of each triangle of `all` in `result`, or -1; null: all kept
+  const OrderedMesh& result;               ///< `all` itself if all are kept
+  const runtime::Buffer<cl_uint>& starts;  ///< least triangle of `all` at each vertex (least_triangles)
+  const runtime::Buffer<cl_uint>& least;   ///< the same of `result`
+};
+
+/// By query: the least kept triangle that holds it, border included, or -1; its corners; and twice the areas of
+/// the query with the edges across from them, in cells, exactly.
+struct Located {
+  runtime::Buffer<cl_int> triangles;
+  runtime::Buffer<cl_uint> corners;
+  runtime::Buffer<cl_long> areas;
+};
+
+/// The least triangle at each vertex, GCDT_NONE without one.
+runtime::Buffer<cl_uint> least_triangles(runtime::Runtime& runtime, const Vertices& vertices, const OrderedMesh& mesh,
+                                         bool by_input);
+
+/// The same by input vertex, -1 without one.
+runtime::Buffer<cl_int> least_triangles_by_input(runtime::Runtime& runtime, const Vertices& vertices,
+                                                 const runtime::Buffer<cl_uint>& least);
+
+/// Queries are rounded to the grid as vertices are; what is not on it is outside. Throws coordinate_not_finite,
+/// indices {query, axis}, and round_limit. Needs about 100 bytes a query; blocks.
+Located locate(runtime::Runtime& runtime, Primitives& primitives, const Terrain& terrain, const InputPoints& queries);
+
+}  // namespace gcdt

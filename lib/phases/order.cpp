@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/order.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "device/step.hpp"
+#include "mesh/grid.hpp"
+#include "mesh/phase.hpp"
+#include "order/few.h"
+#include "phases/few.hpp"
+
+namespace gcdt {
+
+namespace {
+
+// Rows that are read back of a table of maxima; the rest is folded on the device.
+constexpr cl_uint rows_read = 64;
+constexpr cl_uint survey_columns = 6, quantise_columns = 2;
+constexpr unsigned morton_bits = 62;
+// The sort begins with as many high bits as tell n evenly spread vertices apart, and these: 16 cells a vertex.
+constexpr unsigned spare_bits = 4;
+
+/// Every vertex's Morton code and number.
+struct Keys {
+  Grid grid;
+  std::optional<device::Decimals> decimals;
+  runtime::Buffer<cl_ulong> codes;
+  runtime::Buffer<cl_uint> numbers;
+};
+
+/// A table of maxima, one row for each work-item that the device runs at once.
+struct Maxima {
+  cl_uint rows, columns;
+  runtime::Buffer<cl_ulong> table;
+
+  Maxima(runtime::Runtime& runtime, std::size_t n, cl_uint column_count) : columns(column_count) {
+    rows = static_cast<cl_uint>(runtime.rows_of(n));
+    table = runtime.allocate<cl_ulong>("maxima", std::size_t{rows} * columns);
+  }
+
+  /// The maximum of each column. Blocks.
+  std::vector<cl_ulong> read(runtime::Runtime& runtime) {
+    // Ends: each pass leaves a 64th of the rows.
+    while (rows > rows_read) {
+      const cl_uint folded_rows = std::max<cl_uint>(rows_read, rows / rows_read);
+      auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
+      runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
+                     folded_rows, folded);
+      table = std::move(folded);
+      rows = folded_rows;
+    }
+    std::vector<cl_ulong> values(std::size_t{rows} * columns), most(columns, 0);
+    runtime.read(table, values.data(), values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) most[i % columns] = std::max(most[i % columns], values[i]);
+    return most;
+  }
+};
+
+/// Of the maxima of kernel `survey`.
+Survey checked_survey(cl_uint type, const cl_ulong* found) {
+  if (found[5] != 0) throw survey_error(type, ~found[5]);
+  return survey_of(found);
+}
+
+/// Of the maxima of kernel `quantise`; the largest move.
+double checked_move(runtime::Runtime& runtime, const InputPoints& points, const cl_ulong* found,
+                    const device::Scale& scale) {
+  if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
+  return largest_move(runtime, points, 0, points.n, found[0], scale);
+}
+
+Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
+  Maxima maxima(runtime, staged.n, survey_columns);
+  runtime.launch("order", "survey", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
+                 maxima.rows, maxima.table);
+  return checked_survey(staged.type, maxima.read(runtime).data());
+}
+
+std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const InputPoints& staged, const Survey& survey,
+                                         int k) {
+  const cl_int limit = decimals_limit(survey, k);
+  if (limit < 0) return std::nullopt;
+  Maxima maxima(runtime, staged.n, 1);
+  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
+                 limit, maxima.rows, maxima.table);
+  const int digits = static_cast<int>(maxima.read(runtime)[0]);
+  return digits > limit ? std::nullopt : decimal_grid(survey, digits);
+}
+
+// In the contract's order: binary, decimal, rounded. A given grid is read first, as an error in it is the
+// caller's; the survey is made for it, too, since it finds what is not finite.
+ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, const std::optional<FixedGrid>& fixed) {
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
+  const Survey found = survey(runtime, staged);
+  if (given) return *given;
+  const int k = finest_exponent(found);
+  ChosenGrid power = power_of_two_grid(found, k);
+  if (power.grid.kind == Grid::Kind::binary) return power;
+  std::optional<ChosenGrid> decimal = choose_decimal(runtime, staged, found, k);
+  return decimal ? *decimal : power;
+}
+
+template <class T>
+runtime::Buffer<T> upload(runtime::Runtime& runtime, const char* name, const T& value) {
+  auto buffer = runtime.allocate<T>(name, 1);
+  runtime.write(buffer, &value, 1);
+  return buffer;
+}
+
+Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
+  Keys keys;
+  keys.grid = chosen.grid;
+  keys.decimals = chosen.decimals;
+  keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
+  keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
+  if (chosen.decimals) {
+    const auto decimals = upload(runtime, "decimals", *chosen.decimals);
+    runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates,
+                   decimals, keys.codes, keys.numbers);
+    return keys;
+  }
+  const auto scale = upload(runtime, "scale", chosen.scale);
+  Maxima maxima(runtime, staged.n, quantise_columns);
+  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
+                 scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
+  keys.grid.largest_move = checked_move(runtime, staged, maxima.read(runtime).data(), chosen.scale);
+  return keys;
+}
+
+void set_levels(runtime::Runtime& runtime, Vertices& vertices, std::uint32_t n, std::uint32_t coarsest_level) {
+  vertices.levels = device::make_levels(n, coarsest_level);
+  vertices.levels_buffer = upload(runtime, "levels", vertices.levels);
+  vertices.points = runtime.allocate<cl_int2>("points", n);
+  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
+}
+
+OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid>& fixed,
+                        std::uint32_t coarsest_level) {
+  OrderResult result;
+  if (fixed) result.vertices.grid = fixed_grid(*fixed).grid;
+  result.vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", 0);
+  set_levels(runtime, result.vertices, 0, coarsest_level);
+  return result;
+}
+
+void set_together(runtime::Runtime& runtime, const InputPoints& points, OrderResult& result) {
+  if (result.merged == 0 || !may_round_together(result.vertices.grid)) return;
+  result.together = rounded_together(runtime, points, result.vertices, {0, points.n})[0];
+}
+
+/// The whole phase by one work-item (kernels/order/few.cl), which reads nothing back in between.
+OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::optional<FixedGrid>& fixed,
+                      std::uint32_t coarsest_level) {
+  const cl_uint n = points.n;
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
+  device::OrderReport report = {};
+  const auto report_buffer = runtime.allocate<device::OrderReport>("order report", 1);
+  if (given) {
+    report.scale = given->scale;
+    runtime.write(report_buffer, &report, 1);
+  }
+  const auto keys = runtime.allocate<cl_ulong>("Morton codes", n),
+             other_keys = runtime.allocate<cl_ulong>("other half of the keys", n);
+  const auto numbers = runtime.allocate<cl_uint>("input numbers", n),
+             other_numbers = runtime.allocate<cl_uint>("other half of the values", n);
+  OrderResult result;
+  Vertices& vertices = result.vertices;
+  vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
+  vertices.levels_buffer = runtime.allocate<device::Levels>("levels", 1);
+  vertices.points = runtime.allocate<cl_int2>("points", n);
+  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
+  Step sorting(runtime, "sort");
+  runtime.launch("few", "order_few", runtime::one_group(), n, points.type, points.coordinates, cl_uint(!!given),
+                 cl_uint{coarsest_level}, report_buffer, keys, numbers, other_keys, other_numbers,
+                 vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
+  report = runtime.read_one(report_buffer);
+  result.sort_ms = sorting.end();
+  const Survey found = checked_survey(points.type, report.surveyed);
+  const ChosenGrid chosen = given                        ? *given
+                            : report.decimal_digits >= 0 ? *decimal_grid(found, report.decimal_digits)
+                                                         : power_of_two_grid(found, report.exponent);
+  vertices.grid = chosen.grid;
+  vertices.decimals = chosen.decimals;
+  if (!chosen.decimals) vertices.grid.largest_move = checked_move(runtime, points, report.quantised, chosen.scale);
+  vertices.levels = device::make_levels(report.distinct, coarsest_level);
+  vertices.points.shrink(report.distinct);
+  vertices.vertex_input.shrink(report.distinct);
+  result.merged = n - report.distinct;
+  set_together(runtime, points, result);
+  return result;
+}
+
+}  // namespace
+
+Error coordinate_error(Status status, const char* what, std::uint64_t coordinate) {
+  const std::uint64_t vertex = coordinate / 2, axis = coordinate % 2;
+  return Error(status, std::string(axis == 0 ? "x" : "y") + " of vertex " + std::to_string(vertex) + what,
+               {vertex, axis});
+}
+
+Error survey_error(cl_uint type, std::uint64_t coordinate) {
+  if (type == GCDT_COORDINATES_INT64)
+    return coordinate_error(Status::coordinate_outside_grid, " is beyond 2^53", coordinate);
+  return coordinate_error(Status::coordinate_not_finite, " is not a finite number", coordinate);
+}
+
+cl_uint coordinates_type(Points::Type type) {
+  return type == Points::Type::float64   ? GCDT_COORDINATES_FLOAT64
+         : type == Points::Type::int64   ? GCDT_COORDINATES_INT64
+         : type == Points::Type::float32 ? GCDT_COORDINATES_FLOAT32
+                                         : GCDT_COORDINATES_INT32;
+}
+
+std::size_t words_per_vertex(Points::Type type) {
+  return type == Points::Type::float64 || type == Points::Type::int64 ? 2 : 1;
+}
+
+void check_vertex_count(std::uint64_t n) {
+  if (n > max_vertices)
+    throw Error(Status::too_many_vertices,
+                std::to_string(n) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
+}
+
+InputPoints stage(runtime::Runtime& runtime, Points points) {
+  check_vertex_count(points.size());
+  InputPoints staged;
+  staged.n = static_cast<cl_uint>(points.size());
+  staged.type = coordinates_type(points.type());
+  const std::size_t words = points.size() * words_per_vertex(points.type());
+  staged.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
+  runtime.write(staged.coordinates, static_cast<const cl_ulong*>(points.data()), words);
+  return staged;
+}
+
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
+                  const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
+  const cl_uint n = points.n;
+  if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
+  if (are_few(runtime, n)) return order_few(runtime, std::move(points), fixed, coarsest_level);
+  Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
+  if (!may_round_together(keys.grid)) points = {};
+  runtime.end_step();
+  Step sorting(runtime, "sort");
+  primitives.sort_by_prefix(keys.codes, keys.numbers, n, morton_bits, bit_width(n) + spare_bits);
+  primitives.release();
+
+  auto before = runtime.allocate<cl_uint>("distinct before", n + 1);
+  runtime.launch("order", "mark_first", runtime::over(n), n, keys.codes, before);
+  primitives.exclusive_scan(before, before, n);
+  const cl_uint distinct = runtime.read_one(before, n);
+
+  OrderResult result;
+  result.merged = n - distinct;
+  Vertices& vertices = result.vertices;
+  vertices.grid = keys.grid;
+  vertices.decimals = keys.decimals;
+  vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
+  set_levels(runtime, vertices, distinct, coarsest_level);
+  runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,
+                 before, vertices.points, vertices.vertex_input, vertices.input_vertex);
+  result.sort_ms = sorting.end();
+  set_together(runtime, points, result);
+  return result;
+}
+
+}  // namespace gcdt

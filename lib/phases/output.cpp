@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/output.hpp"
+
+#include "device/step.hpp"
+#include "mesh/phase.hpp"
+#include "phases/few.hpp"
+
+namespace gcdt {
+
+using runtime::Buffer;
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+
+/// Sorts the references of finite faces by canonical order, and returns how many they are. Adds to `gather_ms` what
+/// finding them takes.
+std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
+                         Buffer<cl_uint>& refs, double& gather_ms) {
+  Step gathering(runtime, "gather");
+  const cl_uint bits = bit_width(mesh.n);
+  auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
+  auto finite = runtime.allocate<cl_uint>("output count", 1);
+  runtime.fill<cl_uint>(finite, 0, 1);
+  runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.face_data,
+                 keys, refs, finite);
+  const std::uint32_t triangles = runtime.read_one(finite);
+  gather_ms += gathering.end();
+  // The first corner's rank is a bucket: most vertices are the first of some triangles, few of many.
+  if (triangles != 0) primitives.sort_by_buckets(keys, refs, mesh.faces(), triangles, 2 * bits, bits, mesh.n);
+  primitives.release();
+  runtime.end_step();
+  return triangles;
+}
+
+/// The same without an order: finite faces by number, each with its first corner.
+std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh& mesh, Buffer<cl_uint>& refs,
+                           double& gather_ms) {
+  Step gathering(runtime, "gather");
+  auto before = runtime.allocate<cl_uint>("output finite faces", std::size_t{mesh.faces()} + 1);
+  runtime.launch("select", "select_finite", over(mesh.faces()), mesh.faces(), mesh.n, mesh.face_data, before);
+  primitives.exclusive_scan(before, before, mesh.faces());
+  const std::uint32_t triangles = runtime.read_one(before, mesh.faces());
+  runtime.launch("select", "select_refs", over(mesh.faces()), mesh.faces(), before, refs);
+  primitives.release();
+  gather_ms += gathering.end();
+  return triangles;
+}
+
+/// Room for so many.
+void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
+  ordered.corners = runtime.allocate<cl_uint>("output corners", 3 * triangles);
+  ordered.neighbours = runtime.allocate<cl_int>("output neighbours", 3 * triangles);
+  ordered.constrained = runtime.allocate<cl_uchar>("output flags", triangles);
+}
+
+/// All of it by one work-item (kernels/order/few.cl).
+OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
+  Step gathering(runtime, "gather");
+  OrderedMesh ordered;
+  const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
+  allocate(runtime, ordered, faces);
+  const auto keys = runtime.allocate<cl_ulong>("output keys", faces),
+             other_keys = runtime.allocate<cl_ulong>("other half of the keys", faces);
+  const auto refs = runtime.allocate<cl_uint>("output faces", faces),
+             other_refs = runtime.allocate<cl_uint>("other half of the values", faces),
+             finite = runtime.allocate<cl_uint>("output count", 1);
+  const auto positions = runtime.allocate<cl_int>("output positions", faces);
+  runtime.launch("few", "output_few", runtime::one_group(), faces, vertices.levels_buffer, bits, mesh.face_data,
+                 mesh.edge_faces, mesh.edge_marks, keys, refs, other_keys, other_refs, positions, finite,
+                 ordered.corners, ordered.neighbours, ordered.constrained);
+  ordered.triangles = runtime.read_one(finite);
+  ordered.corners.shrink(std::size_t{3} * ordered.triangles);
+  ordered.neighbours.shrink(std::size_t{3} * ordered.triangles);
+  ordered.constrained.shrink(ordered.triangles);
+  ordered.gather_ms = gathering.end();
+  return ordered;
+}
+
+}  // namespace
+
+OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
+                            bool canonical) {
+  if (canonical && mesh.n >= 3 && are_few(runtime, mesh.n)) {
+    primitives.release();
+    return order_few(runtime, mesh, vertices);
+  }
+  OrderedMesh ordered;
+  auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
+  if (mesh.n >= 3)
+    ordered.triangles = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs, ordered.gather_ms)
+                                  : select_faces(runtime, primitives, mesh, refs, ordered.gather_ms);
+  const cl_uint count = ordered.triangles;
+  Step gathering(runtime, "gather");
+  allocate(runtime, ordered, count);
+  if (count == 0) return ordered;
+  auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
+  runtime.fill<cl_int>(positions, -1, mesh.faces());
+  runtime.launch("output", "place_faces", over(count), count, refs, positions);
+  runtime.launch("output", "gather_triangles", over(count), count, mesh.face_data, mesh.edge_faces, mesh.edge_marks,
+                 refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
+  ordered.gather_ms += gathering.end();
+  return ordered;
+}
+
+Buffer<cl_uint> number_by_input(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered, Pieces& pieces) {
+  const auto inputs = static_cast<cl_uint>(vertices.input_vertex.size());
+  const cl_uint ends = 2 * pieces.count;
+  auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
+  if (inputs != 0 && are_few(runtime, inputs)) {
+    runtime.launch("few", "number_few", runtime::one_group(), inputs, cl_uint{3 * ordered.triangles}, ends,
+                   vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners, pieces.ends,
+                   pieces.source_offsets);
+    return representatives;
+  }
+  if (inputs != 0)
+    runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input,
+                   vertices.input_vertex, representatives);
+  number_corners(runtime, vertices, ordered);
+  if (ends != 0)
+    runtime.launch("output", "number_corners", over(ends), ends, vertices.vertex_input, pieces.ends);
+  else
+    runtime.fill<cl_uint>(pieces.source_offsets, 0, 1);
+  return representatives;
+}
+
+void number_corners(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered) {
+  const cl_uint count = 3 * ordered.triangles;
+  if (count != 0)
+    runtime.launch("output", "number_corners", over(count), count, vertices.vertex_input, ordered.corners);
+}
+
+}  // namespace gcdt

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Splitting constraints that cross (kernels/constrain/split.cl, kernels/constrain/route.cl; docs/splitting.md).
+#pragma once
+
+#include "phases/crossings.hpp"
+#include "phases/order.hpp"
+
+namespace gcdt {
+
+/// The vertices that splitting adds, in order of (x, y) on the grid.
+struct AddedVertices {
+  std::uint32_t count = 0;
+  runtime::Buffer<cl_int2> points;     ///< on the grid
+  runtime::Buffer<cl_uint2> crossing;  ///< the least pair of constraints that cross in the vertex's pixel
+};
+
+class Splitter {
+ public:
+  /// `constraints`, pairs of `inputs` input points, stay where they are as long as this object.
+  Splitter(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint2>& constraints,
+           std::uint32_t inputs);
+
+  /// Once: finds all crossings of pieces, rounds them, and marks the constraints. Returns the pairs of constraints that
+  /// cross; 0: there are none. Arguments as for CrossingPieces.
+  std::uint64_t find(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters);
+
+  /// Once, after find: `vertices` and the added ones, ordered anew; their grid is kept. Input numbers of added vertices
+  /// follow those of the input. Throws too_many_vertices.
+  Vertices add(Vertices vertices, std::uint32_t coarsest_level);
+
+  /// The links into which the marked constraints are routed, and the other constraints as they are: pairs of
+  /// input numbers, by constraint, in order along each.
+  const runtime::Buffer<cl_uint2>& route(const Vertices& vertices);
+
+  /// Marks the constraints that own crossing pieces of links. Returns how many were not marked before.
+  std::uint32_t mark(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters);
+
+  /// Instead of all the above: marks the constraints that cross, without a look at where. Returns what is marked, one
+  /// word a constraint, 0 or 1.
+  const runtime::Buffer<cl_uint>& mark_crossing(const WalkedMesh& walked, const Pieces& pieces,
+                                                PhaseCounters& counters);
+
+  /// Turns the sources of pieces of links into constraints.
+  void name_sources(Pieces& pieces);
+
+  AddedVertices& added() { return added_; }
+  std::uint32_t marked() const { return marked_; }
+  /// The largest distance of a constraint from its links, in cells, after the last route; below sqrt(1/2).
+  double largest_move() const { return largest_move_; }
+
+ private:
+  std::uint32_t mark(CrossingPieces& crossing, const Pieces& pieces, bool linked);
+  void gather_points(CrossingPieces& crossing, const WalkedMesh& walked, const Pieces& pieces);
+  void keep_distinct(runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> numbers,
+                     const runtime::Buffer<cl_uint2>& named, cl_uint count);
+  void measure(const runtime::Buffer<cl_ulong2>& farthest);
+
+  runtime::Runtime& runtime_;
+  Primitives& primitives_;
+  const runtime::Buffer<cl_uint2>& constraints_;
+  const cl_uint inputs_, count_;
+  runtime::Buffer<cl_uint> touched_;  ///< 1 for each marked constraint
+  std::uint32_t marked_ = 0;
+  std::uint64_t pairs_ = 0;
+
+  cl_uint distinct_ = 0;             ///< pixels with a crossing
+  runtime::Buffer<cl_ulong> keys_;   ///< their centres, ascending
+  runtime::Buffer<cl_uint2> least_;  ///< the least pair of constraints that cross there
+  AddedVertices added_;
+
+  runtime::Buffer<cl_uint2> links_;
+  runtime::Buffer<cl_uint> owners_;  ///< the constraint of each link
+  double largest_move_ = 0;
+};
+
+}  // namespace gcdt

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the walks along constraints share on the host: the parts of pieces, and launching a kernel with
+// the mesh and the history tree as arguments (kernels/constrain/walk.h).
+#pragma once
+
+#include <tuple>
+
+#include "mesh/primitives.hpp"
+#include "phases/insert.hpp"
+
+namespace gcdt {
+
+/// The mesh as it is after its last insertion and before any flip, with what locates points in it.
+struct WalkedMesh {
+  const Vertices& vertices;
+  const Mesh& mesh;
+  History& history;
+
+  /// Launches a kernel whose arguments are `first`, then GCDT_WALK_PARAMETERS, then `last`.
+  template <class First, class... Last>
+  void launch(runtime::Runtime& runtime, const char* program, const char* kernel, runtime::Range range,
+              const First& first, const Last&... last) const {
+    std::apply(
+        [&](const auto&... f) {
+          runtime.launch(program, kernel, range, f..., vertices.levels_buffer, history.level, mesh.n, vertices.points,
+                         mesh.face_data, mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face,
+                         history.nodes, history.shape, last...);
+        },
+        first);
+  }
+};
+
+/// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
+struct Parts {
+  cl_uint capacity = 0;             ///< parts at most; how many there are stands in begins[pieces]
+  runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
+};
+Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                      const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+/// With the weights of the pieces: what was counted when their constraints were cleaned. A mesh is seldom filled
+/// evenly.
+Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Pieces& pieces);
+
+}  // namespace gcdt

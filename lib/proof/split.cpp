@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// Proves that a mesh was made by splitting the crossings of its constraints (docs/splitting.md).
+//
+// A constraint is straight if it is a chain of edges under contract 3, routed if the vertices whose pixels it meets,
+// one after the other, are a chain of edges. Proved is that the added vertices are the pixels of the crossings, all of
+// them, that the constraints that cross are routed, and of the others exactly those that would cross a routed one.
+//
+// All crossings are seen: two constraints that cross outside of the pixels of vertices meet the pixel of one vertex in
+// common (the motion in docs/splitting.md carries edges, which do not cross, to the constraints), and for every
+// vertex all pairs that meet its pixel are tested, but those of two constraints that end there.
+#include <algorithm>
+
+#include "proof/pixels.hpp"
+
+namespace gcdt::proof {
+
+namespace {
+
+/// A constraint that meets the pixel of a vertex.
+struct Meeting {
+  std::uint32_t vertex, segment;
+};
+
+std::string name(const Segment& s) { return say("constraint ", s.constraint, " (", s.a, "-", s.b, ")"); }
+
+class CrossingSearch {
+ public:
+  CrossingSearch(const Sites& sites, const PixelTree& tree, std::uint32_t inputs, const std::vector<Segment>& segments)
+      : sites_(sites), tree_(tree), inputs_(inputs), segments_(segments), crosses_(segments.size(), false) {
+    for (const Vertex at : sites_.at) places_.push_back(place(at));
+    std::sort(places_.begin(), places_.end());
+  }
+
+  /// Every pixel with a crossing is that of a vertex, and every added vertex has a crossing in its pixel.
+  std::string run() {
+    std::vector<Meeting> meetings;
+    for (std::uint32_t s = 0; s < segments_.size(); ++s)
+      for (std::uint32_t v : tree_.along(segments_[s].a, segments_[s].b)) meetings.push_back({v, s});
+    std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
+      return a.vertex != b.vertex ? a.vertex < b.vertex : a.segment < b.segment;
+    });
+    std::vector<bool> founded(sites_.at.size(), false);
+    for (std::size_t begin = 0, end; begin < meetings.size(); begin = end) {
+      const std::uint32_t v = meetings[begin].vertex;
+      std::vector<std::uint32_t> through, ending;
+      for (end = begin; end < meetings.size() && meetings[end].vertex == v; ++end) {
+        const std::uint32_t s = meetings[end].segment;
+        (segments_[s].a == v || segments_[s].b == v ? ending : through).push_back(s);
+      }
+      for (std::size_t i = 0; i < through.size(); ++i) {
+        for (std::size_t j = i + 1; j < through.size(); ++j)
+          if (auto reason = check_pair(v, through[i], through[j], founded); !reason.empty()) return reason;
+        for (std::uint32_t s : ending)
+          if (auto reason = check_pair(v, through[i], s, founded); !reason.empty()) return reason;
+      }
+    }
+    for (std::uint32_t v = inputs_; v < sites_.at.size(); ++v)
+      if (!founded[v]) return say("added vertex ", v, ": no constraints cross in its pixel");
+    return {};
+  }
+
+  const std::vector<bool>& crosses() const { return crosses_; }
+
+ private:
+  static std::uint64_t place(Vertex at) { return std::uint64_t(at.x) << 32 | std::uint32_t(at.y); }
+
+  /// Two constraints that meet the pixel of v.
+  std::string check_pair(std::uint32_t v, std::uint32_t s, std::uint32_t t, std::vector<bool>& founded) {
+    const Vertex a = sites_.at[segments_[s].a], b = sites_.at[segments_[s].b];
+    const Vertex c = sites_.at[segments_[t].a], d = sites_.at[segments_[t].b];
+    const auto pixel = pixel_of_crossing(a, b, c, d);
+    if (!pixel) return {};
+    if (pixel->x == sites_.at[v].x && pixel->y == sites_.at[v].y) {
+      // At a vertex of the input itself they are split there, and do not cross.
+      if (v < inputs_ && orient(a, b, *pixel) == 0 && orient(c, d, *pixel) == 0) return {};
+      founded[v] = true;
+      crosses_[s] = crosses_[t] = true;
+      return {};
+    }
+    if (std::binary_search(places_.begin(), places_.end(), place(*pixel))) return {};  // looked at there
+    return say(name(segments_[s]), " and ", name(segments_[t]), " cross, but no vertex was added at grid point (",
+               pixel->x, ", ", pixel->y, ")");
+  }
+
+  const Sites& sites_;
+  const PixelTree& tree_;
+  const std::uint32_t inputs_;
+  const std::vector<Segment>& segments_;
+  std::vector<bool> crosses_;
+  std::vector<std::uint64_t> places_;  // of all vertices, ascending
+};
+
+class SplitProof {
+ public:
+  SplitProof(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, const std::vector<Segment>& segments,
+             Sources& sources)
+      : sites_(sites), mesh_(mesh), inputs_(inputs), segments_(segments), sources_(sources), tree_(sites) {}
+
+  std::string run() {
+    sources_.assign(mesh_.half_edges(), none);
+    routed_edge_.assign(mesh_.half_edges(), false);
+    auto reason = find_crossing(sites_, tree_, inputs_, segments_, crosses_);
+    if (reason.empty()) reason = check_chains();
+    return reason;
+  }
+
+ private:
+  using Chain = std::vector<std::uint32_t>;  // half-edges
+
+  const Segment& segment(std::uint32_t s) const { return segments_[s]; }
+  std::string name(std::uint32_t s) const { return proof::name(segment(s)); }
+
+  std::string check_chains() {
+    std::vector<std::uint32_t> left;
+    for (std::uint32_t s = 0; s < segments_.size(); ++s) {
+      Chain chain;
+      if (crosses_[s]) {
+        const std::uint32_t v = route(s, chain);
+        if (v != none)
+          return say(name(s),
+                     " crosses another one, but is not routed through the vertices near it: no edge leaves vertex ", v,
+                     " to the next of them");
+        record(s, chain, true);
+      } else if (straight(s, chain)) {
+        record(s, chain, false);
+      } else {
+        left.push_back(s);
+      }
+    }
+    // What is left must cross a routed one. Ends: each round has routed another.
+    for (bool more = true; more && !left.empty();) {
+      more = false;
+      for (std::size_t i = 0; i < left.size();) {
+        Chain chain;
+        if (!crosses_routed(left[i])) {
+          ++i;
+          continue;
+        }
+        const std::uint32_t v = route(left[i], chain);
+        if (v != none)
+          return say(name(left[i]), " crosses a routed one, but is not routed itself: no edge leaves vertex ", v,
+                     " to the next vertex near it");
+        record(left[i], chain, true);
+        left[i] = left.back();
+        left.pop_back();
+        more = true;
+      }
+    }
+    if (left.empty()) return {};
+    return say(name(*std::min_element(left.begin(), left.end())), " is not a chain of edges, though it crosses none");
+  }
+
+  bool straight(std::uint32_t s, Chain& chain) const {
+    for (std::uint32_t v = segment(s).a; v != segment(s).b;) {
+      const auto exit = mesh_.leave(v, segment(s).b);
+      if (!exit.along_edge) return false;
+      chain.push_back(exit.half_edge);
+      v = exit.end;
+    }
+    return true;
+  }
+
+  /// Fills `chain`, or returns the vertex from which no edge leads to the next one.
+  std::uint32_t route(std::uint32_t s, Chain& chain) const {
+    const auto vertices = tree_.along(segment(s).a, segment(s).b);
+    for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
+      const auto exit = mesh_.leave(vertices[i], vertices[i + 1]);
+      if (!exit.along_edge || exit.end != vertices[i + 1]) return vertices[i];
+      chain.push_back(exit.half_edge);
+    }
+    return none;
+  }
+
+  void record(std::uint32_t s, const Chain& chain, bool routed) {
+    for (std::uint32_t h : chain)
+      for (std::uint32_t side : {h, mesh_.twin(h)}) {
+        if (side == none) continue;
+        sources_[side] = std::min(sources_[side], segment(s).constraint);
+        if (routed) routed_edge_[side] = true;
+      }
+  }
+
+  bool crosses_routed(std::uint32_t s) const {
+    bool found = false;
+    walk_across(mesh_, segment(s), [&](std::uint32_t h) { return found = routed_edge_[h]; });
+    return found;
+  }
+
+  const Sites& sites_;
+  const Mesh& mesh_;
+  const std::uint32_t inputs_;
+  const std::vector<Segment>& segments_;
+  Sources& sources_;
+  const PixelTree tree_;
+  std::vector<bool> routed_edge_, crosses_;
+};
+
+}  // namespace
+
+std::string check_added(const Sites& sites, std::uint32_t inputs) {
+  for (std::uint32_t v = inputs; v < sites.at.size(); ++v) {
+    if (!sites.is_representative(v))
+      return say("added vertex ", v, " is where vertex ", sites.representative[v], " is");
+    if (v == inputs) continue;
+    const Vertex before = sites.at[v - 1], at = sites.at[v];
+    if (before.x > at.x || (before.x == at.x && before.y > at.y))
+      return say("added vertices ", v - 1, " and ", v, " are not in order of x and y");
+  }
+  return {};
+}
+
+std::string find_crossing(const Sites& sites, const PixelTree& tree, std::uint32_t inputs,
+                          const std::vector<Segment>& segments, std::vector<bool>& crosses) {
+  CrossingSearch search(sites, tree, inputs, segments);
+  const std::string reason = search.run();
+  crosses = search.crosses();
+  return reason;
+}
+
+std::string prove_split(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, Constraints constraints,
+                        Sources& sources) {
+  const std::vector<Segment> segments = distinct_segments(sites, constraints);
+  return SplitProof(sites, mesh, inputs, segments, sources).run();
+}
+
+}  // namespace gcdt::proof

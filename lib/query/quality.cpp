@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "query/quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gcdt {
+
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+// Rows that are read back; the rest is joined on the device.
+constexpr cl_uint rows_read = 64;
+}  // namespace
+
+device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, const OrderedMesh& mesh) {
+  if (mesh.triangles == 0) return device::gcdt_no_quality();
+  auto rows = static_cast<cl_uint>(runtime.rows_of(mesh.triangles));
+  auto table = runtime.allocate<device::Quality>("quality", rows);
+  runtime.launch("quality", "measure_triangles", runtime::over_large(rows), cl_uint{mesh.triangles}, mesh.corners,
+                 vertices.input_vertex, vertices.points, rows, table);
+  // Ends: each pass leaves a 64th of the rows.
+  while (rows > rows_read) {
+    const cl_uint folded_rows = std::max<cl_uint>(rows_read, rows / rows_read);
+    auto folded = runtime.allocate<device::Quality>("folded quality", folded_rows);
+    runtime.launch("quality", "fold_quality", over(folded_rows), rows, table, folded_rows, folded);
+    table = std::move(folded);
+    rows = folded_rows;
+  }
+  std::vector<device::Quality> last(rows);
+  runtime.read(table, last.data(), rows);
+  device::Quality all = device::gcdt_no_quality();
+  for (const device::Quality& row : last) all = device::gcdt_join_quality(all, row);
+  return all;
+}
+
+double degrees(std::int64_t dot, std::uint64_t area) {
+  constexpr double half_turn = 180, pi = 3.14159265358979323846;
+  return std::atan2(static_cast<double>(area), static_cast<double>(dot)) * (half_turn / pi);
+}
+
+}  // namespace gcdt

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// gcdt_required_bytes: the device bytes of each step, added up from what its source allocates.
+#include <algorithm>
+
+#include "mesh/mesh.hpp"
+
+namespace gcdt {
+
+namespace {
+
+// Counters, levels, tables of primitives (256 or 16 counters a part), parts beyond one per constraint, those of
+// cleaning and those of enforcement, with a chunk each: everything that does not grow with the input.
+constexpr std::uint64_t constant_bytes = 32u << 20;
+
+// Buffers lie in one piece of memory (device_memory.hpp), with gaps between them that none fits in. Measured
+// over all generators of tests/support/workloads.hpp: below an eighth of the most that is in use.
+constexpr std::uint64_t gaps_share = 8;
+// A multiple of every alignment.
+constexpr std::uint64_t page = 4096;
+
+struct Sizes {
+  std::uint64_t n, m, faces, edges, crossed_faces;
+};
+
+std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }              // points, both maps
+std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edges; }  // corners, sides; faces, marks
+// Where all is top layer (freeze_all); with nodes it is half of that.
+std::uint64_t history_bytes(const Sizes& s) { return 32 * s.faces + 4 * s.n; }
+// Ends, first sources, sources.
+std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
+// Of constraints until they are edges: input, pieces, what cleaning says of these (weights, parts, first faces), and
+// what the sorts keep (other halves of both kinds of keys, and of values).
+std::uint64_t cleaned_bytes(const Sizes& s) { return 8 * s.m + piece_bytes(s) + (4 + 8 + 4) * s.m + (8 + 4 + 4) * s.m; }
+
+// Chains triangulate crossed faces c but for hexagons h. A hole of k of these has k + 2 sides (L8), each a segment
+// between vertices that a piece owns one after the other on one side, or its ends: one more than it has triangles
+// there. So the sides of all holes, more than h, are at most (c - h) + 2 m, and h <= c / 2 + m.
+std::uint64_t hexagons(const Sizes& s) { return std::min(s.crossed_faces, s.crossed_faces / 2 + s.m); }
+
+// Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
+std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
+
+// From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
+// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and two starts; of
+// hexagons faces and farthest cuts.
+std::uint64_t crossed_step(const Sizes& s) {
+  return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
+         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 16 * hexagons(s);
+}
+
+std::uint64_t walk_step(const Sizes& s) { return crossed_step(s) + history_bytes(s) + chunk_bytes(s); }
+
+// After the last walk the history is gone. An entry of a chain, one for each owned vertex and four a piece, holds 20
+// bytes; of a hexagon, which no vertex is owned in, corners 12.
+std::uint64_t chain_bytes(const Sizes& s) { return 20 * (s.crossed_faces - hexagons(s) + 4 * s.m) + 12 * hexagons(s); }
+std::uint64_t chain_step(const Sizes& s) { return crossed_step(s) + chain_bytes(s) + chunk_bytes(s); }
+
+// Without the chunks. Minima hold 8/15 of a word an entry, the table 12 bytes a slot, 3/2 slots an entry: three a
+// crossed face less one a crossed edge. Crossed faces c and edges e: a crossed face has a crossed edge, which two
+// share, so e >= c/2; and the faces of a piece are a path along crossed edges, so these join all crossed faces to at
+// most as many components as there are pieces: e >= c - m. (Where the pieces' roots are made, the nearest pieces are
+// gone.)
+std::uint64_t stitch_step(const Sizes& s) {
+  const std::uint64_t entries = std::min(5 * s.crossed_faces / 2 + 1, 2 * s.crossed_faces + s.m);
+  return crossed_step(s) + chain_bytes(s) + 8 * (s.crossed_faces + 4 * s.m) / 15 + 18 * entries;
+}
+
+// Keys and face references with the other halves of their sort, buckets and long runs; then the result and positions.
+std::uint64_t output_step(const Sizes& s) {
+  const std::uint64_t sorting = 24 * s.faces + 4 * s.n + s.faces / 8, gathered = (12 + 12 + 1 + 4 + 4) * s.faces;
+  return vertex_bytes(s) + mesh_bytes(s) + piece_bytes(s) + std::max(sorting, gathered);
+}
+
+}  // namespace
+
+// Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (182): order (60),
+// insertion (172 with its history), domains (172). With constraints walking (228 and 184) is above these as well:
+// insertion (208 and 8), cleaning (208 and 108), domains (172 and 76).
+std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
+  const std::uint64_t faces = 2 * n + 1;
+  const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
+  const std::uint64_t most =
+      m == 0 ? output_step(s) : std::max({output_step(s), walk_step(s), chain_step(s), stitch_step(s)});
+  return (constant_bytes + most + most / gaps_share) / page * page + page;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Properties of the flip phase, by each of its ways (sweeps, lists, one work-group, with stamps that run out), on
+// devices as what they are and as GPUs.
+#include "phases/flip.hpp"
+#include "kinds.hpp"
+#include "mesh_fixture.hpp"
+#include "oracle.hpp"
+#include "phases/insert.hpp"
+#include "reference.hpp"
+
+using namespace fixture;
+using test::GridPoint;
+
+namespace {
+
+constexpr std::uint32_t none = 0, all = 0xFFFFFFFFu;
+
+struct Way {
+  std::string name;
+  std::uint32_t least_sweep, sweep_share, one_group_edges, most_stamps;
+};
+
+// A share of `all` edges: sweeps until there is no illegal edge.
+const Way ways[] = {{"sweeps", none, all, none, all},       {"sweeps, then lists", none, 16, none, all},
+                    {"lists", all, 1, none, all},           {"lists, then one group", all, 1, 300, all},
+                    {"one group", all, 1, all, all},        {"sweeps, few stamps", none, all, none, 2},
+                    {"lists, few stamps", all, 1, none, 3}, {"one group, few stamps", all, 1, all, 3}};
+
+Tuning tuning_of(const runtime::Runtime& runtime, const Way& way) {
+  Tuning tuning = runtime.tuning();
+  tuning.least_sweep = way.least_sweep, tuning.sweep_share = way.sweep_share;
+  tuning.one_group_edges = way.one_group_edges, tuning.most_stamps = way.most_stamps;
+  return tuning;
+}
+
+using Ends = std::pair<std::uint32_t, std::uint32_t>;
+
+bool has_two_sides(const HostMesh& m, std::uint32_t e) {
+  return m.edge_faces[2 * e] != GCDT_NONE && m.edge_faces[2 * e + 1] != GCDT_NONE;
+}
+
+// The ends of an edge with two sides, and the vertices across from it, ascending.
+std::pair<Ends, Ends> quadrilateral(const HostMesh& m, std::uint32_t e) {
+  const cl_uint r = m.edge_faces[2 * e], other = m.edge_faces[2 * e + 1];
+  const cl_uint* c = m.corners[r >> 2].s;
+  const cl_uint p = c[r & 3], q = m.corners[other >> 2].s[other & 3];
+  return {std::minmax({c[((r & 3) + 1) % 3], c[((r & 3) + 2) % 3]}), std::minmax({p, q})};
+}
+
+bool is_finite(const HostMesh& m, const Ends& ends) { return ends.second < m.n; }
+
+// By CGAL: is the edge with these ends illegal, where these vertices are across from it? All are finite.
+bool illegal(const HostMesh& m, const std::pair<Ends, Ends>& of) {
+  const auto point = [&](std::uint32_t v) { return GridPoint{m.points[v][0], m.points[v][1]}; };
+  GridPoint a = point(of.first.first), b = point(of.first.second), p = point(of.second.first),
+            q = point(of.second.second);
+  if (test::orientation(a, b, p) < 0) std::swap(p, q);
+  const auto circle = CGAL::side_of_oriented_circle(test::exact(a), test::exact(b), test::exact(p), test::exact(q));
+  if (circle != CGAL::ON_ORIENTED_BOUNDARY) return circle == CGAL::ON_POSITIVE_SIDE;
+  return std::min(a, b) != std::min({a, b, p, q});
+}
+
+// Edges that flips have to come back to, and that are not queued.
+std::size_t forgotten_edges(const HostMesh& m) {
+  std::size_t count = 0;
+  for (std::uint32_t e = 0; e < m.edges; ++e) {
+    const cl_uint r0 = m.edge_faces[2 * e], r1 = m.edge_faces[2 * e + 1];
+    if (!has_two_sides(m, e) || (m.marks[e] & (GCDT_MARK_CONSTRAINED | GCDT_MARK_QUEUED))) continue;
+    const cl_uint *a = m.corners[r0 >> 2].s, *b = m.corners[r1 >> 2].s;
+    const cl_uint k = r0 & 3;
+    count += device::gcdt_must_flip(m.vertex(a[(k + 2) % 3]), m.vertex(a[k]), m.vertex(a[(k + 1) % 3]),
+                                    m.vertex(b[r1 & 3])) != 0;
+  }
+  return count;
+}
+
+std::size_t queued_edges(const HostMesh& m) {
+  return std::size_t(std::count_if(m.marks.begin(), m.marks.end(), [](cl_uint w) { return w & GCDT_MARK_QUEUED; }));
+}
+
+// What CGAL makes of the points and the marked edges.
+std::set<std::array<std::uint32_t, 3>> expected_faces(const HostMesh& m) {
+  std::vector<std::array<std::uint32_t, 2>> constraints;
+  for (std::uint32_t e = 0; e < m.edges; ++e)
+    if (m.marks[e] & GCDT_MARK_CONSTRAINED) {
+      const Ends ends = quadrilateral(m, e).first;
+      constraints.push_back({ends.first, ends.second});
+    }
+  std::set<std::array<std::uint32_t, 3>> faces;
+  for (auto t : reference::reference_cdt(m.points, constraints)) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    faces.insert(t);
+  }
+  return faces;
+}
+
+// All vertices inserted at once, no edge flipped.
+struct Unflipped {
+  runtime::Runtime& runtime;
+  std::vector<Point> points;
+  Vertices vertices;
+  Mesh mesh;
+  WorkLists lists;
+  PhaseCounters counters;
+
+  Unflipped(runtime::Runtime& on, std::vector<Point> given)
+      : runtime(on),
+        points(std::move(given)),
+        vertices(upload(on, points, all)),
+        mesh(make_mesh(on, vertices.n())),
+        lists(make_work_lists(on, vertices.n())),
+        counters(on) {
+    History history = make_history(runtime, vertices.levels);
+    Ticker ticker;
+    insert_root(runtime, vertices, mesh);
+    insert_level(runtime, vertices, mesh, history, lists, counters, 0, ticker);
+  }
+  HostMesh now() const { return download(runtime, mesh, points, vertices.n()); }
+  void mark(const HostMesh& m) const { runtime.write(mesh.edge_marks, m.marks.data(), m.marks.size()); }
+  FlipResult flip(const Progress& progress = {}) {
+    Ticker ticker(progress);
+    return gcdt::flip(runtime, vertices, mesh, lists, counters, vertices.n(), ticker);
+  }
+};
+
+// Marks one in `one_in` of the finite edges; 0: none.
+void constrain_some(Unflipped& mesh, std::uint32_t one_in) {
+  HostMesh m = mesh.now();
+  Random random{one_in};
+  for (std::uint32_t e = 0; one_in > 0 && e < m.edges; ++e)
+    if (has_two_sides(m, e) && is_finite(m, quadrilateral(m, e).first) && random.below(one_in) == 0)
+      m.marks[e] |= GCDT_MARK_CONSTRAINED;
+  mesh.mark(m);
+}
+
+template <class Test>
+void for_all_ways(Test test) {
+  for (test::Treated& device : test::devices_as_all_kinds())
+    for (const Way& way : ways) {
+      CAPTURE(device.name);
+      CAPTURE(way.name);
+      Tuning tuning = tuning_of(*device.runtime, way);
+      tuning.rounds_per_read = tuning.rounds_of_group = 1;  // the caller is asked after each round
+      const test::Tuned tuned(*device.runtime, tuning);
+      test(*device.runtime);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("after every round the mesh is valid and each illegal edge queued; flips end in CGAL's triangulation") {
+  for_all_ways([](runtime::Runtime& runtime) {
+    for (const std::string kind : {"uniform", "grid", "clusters", "parabola"})
+      for (const std::uint32_t one_in : {0u, 5u}) {
+        CAPTURE(kind);
+        CAPTURE(one_in);
+        Unflipped mesh(runtime, make_points(kind, 400, 7));
+        constrain_some(mesh, one_in);
+        REQUIRE(illegal_edges(mesh.now()) > 0);
+        std::uint64_t rounds = 0;
+        const FlipResult result = mesh.flip([&](const char*, double) {
+          const HostMesh m = mesh.now();
+          CHECK(invalid_reason(m, m.n) == "");
+          CHECK(forgotten_edges(m) == 0);
+          ++rounds;
+          return true;
+        });
+        const HostMesh flipped = mesh.now();
+        CHECK(rounds == result.rounds);
+        CHECK(result.flips > 0);
+        CHECK(illegal_edges(flipped) == 0);
+        CHECK(queued_edges(flipped) == 0);
+        CHECK(finite_faces(flipped) == expected_faces(flipped));
+      }
+  });
+}
+
+TEST_CASE("where no two edges that may be flipped share a face, each is flipped if it is illegal, and counted once") {
+  for_all_ways([](runtime::Runtime& runtime) {
+    for (const std::string kind : {"uniform", "grid", "tiny"}) {
+      CAPTURE(kind);
+      Unflipped mesh(runtime, make_points(kind, 1500, 11));
+      HostMesh before = mesh.now();
+      std::vector<char> taken(before.faces, 0);
+      std::vector<bool> free(before.edges, false);
+      std::uint64_t expected = 0;
+      for (std::uint32_t e = 0; e < before.edges; ++e) {
+        if (!has_two_sides(before, e)) continue;
+        char &t = taken[before.edge_faces[2 * e] >> 2], &u = taken[before.edge_faces[2 * e + 1] >> 2];
+        const auto around = quadrilateral(before, e);
+        free[e] = !t && !u && is_finite(before, around.first) && is_finite(before, around.second);
+        if (free[e])
+          t = u = 1, expected += illegal(before, around);
+        else
+          before.marks[e] |= GCDT_MARK_CONSTRAINED;
+      }
+      mesh.mark(before);
+      CHECK(mesh.flip().flips == expected);
+      const HostMesh after = mesh.now();
+      std::size_t wrong = 0;
+      for (std::uint32_t e = 0; e < before.edges; ++e) {
+        if (!has_two_sides(before, e)) continue;
+        const auto was = quadrilateral(before, e), is = quadrilateral(after, e);
+        wrong += is.first != (free[e] && illegal(before, was) ? was.second : was.first);
+      }
+      CHECK(wrong == 0);
+    }
+  });
+}

@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: Apache-2.0
+// The order phase on every device against the oracle.
+#include "phases/order.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <limits>
+#include <map>
+#include <memory>
+
+#include "coordinate_families.hpp"
+#include "device_list.hpp"
+#include "grid_oracle.hpp"
+
+using namespace gcdt;
+using namespace families;
+using oracle::Doubles;
+
+namespace {
+
+struct Device {
+  runtime::Runtime runtime;
+  Primitives primitives;
+  explicit Device(const cl::Device& device, runtime::CallHook hook = {})
+      : runtime(device, std::move(hook)), primitives(runtime) {}
+};
+
+// Every device present, the software device of rusticl included; one that has a way of its own for few vertices also
+// without it.
+std::vector<std::unique_ptr<Device>>& devices_under_test() {
+  static auto* made = [] {
+    auto* list = new std::vector<std::unique_ptr<Device>>;
+    for (const auto& device : test::every_device()) {
+      list->push_back(std::make_unique<Device>(device));
+      runtime::CallHook hook;
+      hook.tuning.few_vertices = 0;
+      if (list->back()->runtime.contiguous()) list->push_back(std::make_unique<Device>(device, hook));
+    }
+    return list;
+  }();
+  return *made;
+}
+
+constexpr std::uint32_t coarsest = 16;
+
+/// What the order phase left on the device.
+struct Read {
+  Grid grid;
+  device::Levels levels;
+  std::uint64_t merged = 0;
+  std::vector<cl_int2> points;
+  std::vector<cl_uint> vertex_input, input_vertex;
+};
+
+Read run(Device& device, Points points, const std::optional<FixedGrid>& fixed = {}) {
+  const OrderResult result = order(device.runtime, device.primitives, stage(device.runtime, points), fixed, coarsest);
+  const Vertices& v = result.vertices;
+  Read read{v.grid, v.levels, result.merged, {}, {}, {}};
+  read.points.resize(v.n());
+  read.vertex_input.resize(v.n());
+  read.input_vertex.resize(points.size());
+  device.runtime.read(v.points, read.points.data(), v.n());
+  device.runtime.read(v.vertex_input, read.vertex_input.data(), v.n());
+  device.runtime.read(v.input_vertex, read.input_vertex.data(), points.size());
+  const auto levels = device.runtime.read_one(v.levels_buffer);
+  CHECK(std::memcmp(&levels, &v.levels, sizeof levels) == 0);
+  CHECK(v.points.size() == v.n());
+  CHECK(v.vertex_input.size() == v.n());
+  CHECK(v.input_vertex.size() == points.size());
+  return read;
+}
+
+void check_same(const Read& a, const Read& b) {
+  CHECK(a.grid.kind == b.grid.kind);
+  CHECK(std::memcmp(a.grid.origin.data(), b.grid.origin.data(), sizeof a.grid.origin) == 0);
+  CHECK(a.grid.cell_units == b.grid.cell_units);
+  CHECK(a.grid.cell_decimals == b.grid.cell_decimals);
+  CHECK(a.grid.cell_exponent == b.grid.cell_exponent);
+  CHECK(a.grid.largest_move == b.grid.largest_move);
+  CHECK(a.vertex_input == b.vertex_input);
+  CHECK(a.input_vertex == b.input_vertex);
+  CHECK(std::memcmp(a.points.data(), b.points.data(), a.points.size() * sizeof(cl_int2)) == 0);
+}
+
+// Numbering: least input number, strictly ascending along the curve, ids as the levels say.
+void check_numbering(const Read& read) {
+  const auto n = static_cast<std::uint32_t>(read.points.size());
+  CHECK(read.levels.n == n);
+  CHECK(read.merged == read.input_vertex.size() - n);
+  std::vector<cl_uint> least(n, std::numeric_limits<cl_uint>::max());
+  for (cl_uint i = 0; i < read.input_vertex.size(); ++i) {
+    REQUIRE(read.input_vertex[i] < n);
+    cl_uint& l = least[read.input_vertex[i]];
+    l = std::min(l, i);
+  }
+  CHECK(least == read.vertex_input);
+  std::uint64_t before = 0;
+  for (std::uint32_t rank = 0; rank < n; ++rank) {
+    const std::uint32_t id = device::gcdt_vertex_of_rank(&read.levels, read.levels.count - 1, rank);
+    REQUIRE(id < n);
+    const std::uint64_t code =
+        device::gcdt_morton(static_cast<cl_uint>(read.points[id].s[0]), static_cast<cl_uint>(read.points[id].s[1]));
+    if (rank > 0) CHECK(code > before);
+    before = code;
+  }
+}
+
+void check_grid_points(const Read& read, const std::vector<std::array<oracle::Integer, 2>>& expected) {
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const cl_int2 at = read.points[read.input_vertex[i]];
+    CAPTURE(i);
+    CHECK(oracle::Integer(at.s[0]) == expected[i][0]);
+    CHECK(oracle::Integer(at.s[1]) == expected[i][1]);
+  }
+}
+
+void check_move(double reported, const oracle::Rational& exact, const oracle::Rational& cell) {
+  CHECK((reported == 0) == (exact == 0));
+  const auto distance = [&](double v) { return oracle::Rational(abs(oracle::exact(v) - exact)); };
+  const bool nearest = distance(reported) <= distance(std::nextafter(reported, HUGE_VAL)) &&
+                       distance(reported) <= distance(std::nextafter(reported, 0));
+  const bool decimal = boost::multiprecision::numerator(cell) != 1 || boost::multiprecision::denominator(cell) % 5 == 0;
+  const oracle::Rational more = oracle::exact(reported) - exact;
+  CHECK((nearest || (decimal && more >= 0 && more <= exact * oracle::power_of_two(-51))));
+}
+
+void check_against_oracle(const Read& read, const Doubles& points) {
+  const oracle::Choice expected = oracle::choose(points);
+  CHECK(read.grid.kind == expected.kind);
+  for (int axis = 0; axis < 2 && !points.empty(); ++axis)
+    CHECK(oracle::exact(read.grid.origin[axis]) == expected.origin[axis]);
+  CHECK(read.grid.cell_units == (expected.decimal_cell ? 1u : 0u));
+  if (expected.decimal_cell)
+    CHECK(read.grid.cell_decimals == expected.cell_decimals);
+  else
+    CHECK(read.grid.cell_exponent == expected.cell_exponent);
+  check_grid_points(read, expected.grid);
+  check_move(read.grid.largest_move, expected.largest_move, oracle::cell_of(expected));
+}
+
+// The whole contract of the phase on all devices for one input.
+Read check_all(const Doubles& points) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 8); ++i) {
+    char line[80];
+    std::snprintf(line, sizeof line, "(%a, %a) ", points[i][0], points[i][1]);
+    text += line;
+  }
+  CAPTURE(text);
+  std::optional<Read> first;
+  for (auto& device : devices_under_test()) {
+    CAPTURE(device->runtime.info().name);
+    Read read = run(*device, points);
+    check_numbering(read);
+    if (first)
+      check_same(*first, read);
+    else
+      check_against_oracle(read, points);
+    if (!first) first = std::move(read);
+  }
+  return *first;
+}
+
+}  // namespace
+
+TEST_CASE("every family of coordinates gets the grid and the places that the rules say") {
+  Engine e(1);
+  for (const auto& [name, family] : families::all) {
+    CAPTURE(name);
+    for (std::size_t n : {1, 2, 3, 5, 20, 20, 60}) check_all(draw(e, n, family, family));
+    check_all(draw(e, 20, family, families::all.at("tenths")));
+    check_all(draw(e, 20, families::all.at("uniform around 0"), family));
+  }
+}
+
+TEST_CASE("all four kinds occur in the families") {
+  Engine e(2);
+  std::map<std::string, Grid::Kind> kinds;
+  Device& device = *devices_under_test()[0];
+  for (const auto& [name, family] : families::all) kinds[name] = run(device, draw(e, 200, family, family)).grid.kind;
+  for (const std::string name : {"31-bit integers", "eighths", "integers above 2^53 in a short range", "few denormals",
+                                 "the last digits of a double"}) {
+    CAPTURE(name);
+    CHECK(kinds[name] == Grid::Kind::binary);
+  }
+  for (const std::string name :
+       {"degrees with 6 decimals", "tenths", "powers of two and ten", "a decimal range far from 0", "22 decimals"}) {
+    CAPTURE(name);
+    CHECK(kinds[name] == Grid::Kind::decimal);
+  }
+  for (const std::string name : {"degrees with 7 decimals", "UTM metres to the millimetre",
+                                 "uniform in the unit square", "any bits", "23 decimals"}) {
+    CAPTURE(name);
+    CHECK(kinds[name] == Grid::Kind::rounded);
+  }
+}
+
+TEST_CASE("no points, one point, two points and equal points are fine") {
+  const Read none = check_all({});
+  CHECK(none.points.empty());
+  CHECK(none.grid.cell() == 1);
+  for (const Doubles& points : {Doubles{{0.1, 0.2}}, Doubles(50, {0.1, -7e200}), Doubles{{0.0, 0.0}, {-0.0, 0.0}}}) {
+    const Read read = check_all(points);
+    CHECK(read.points.size() == 1);
+    CHECK(read.merged == points.size() - 1);
+    CHECK(read.grid.kind == Grid::Kind::binary);
+    CHECK(read.grid.cell() == 1);
+    CHECK(!std::signbit(read.grid.origin[0]));
+  }
+  CHECK(check_all({{0.1, 0.2}, {0.1, 0.3}}).grid.kind == Grid::Kind::decimal);
+}
+
+TEST_CASE("the finest cell is taken at the very edge of the grid") {
+  const double last = 2147483647.0;
+  CHECK(check_all({{0, 0}, {last, 1}}).grid.cell() == 1);
+  CHECK(check_all({{0, 0}, {last + 1, 1}}).grid.cell() == 2);
+  CHECK(check_all({{0, 0}, {last + 0.4375, 0.5}}).grid.kind == Grid::Kind::rounded);
+  CHECK(check_all({{0, 0}, {last + 0.4375, 0.5}}).grid.cell() == 1);
+  CHECK(check_all({{0, 0}, {last + 0.5, 0.5}}).grid.cell() == 2);
+  CHECK(check_all({{0, 0}, {214748364.7, 0.1}}).grid.cell() == 0.1);
+  CHECK(check_all({{0, 0}, {214748364.8, 0.1}}).grid.kind == Grid::Kind::rounded);
+  CHECK(check_all({{0.1, 0}, {0.2, 0.1}}).grid.cell() == 1e-10);
+}
+
+TEST_CASE("ties go to even and a hair beside a tie decides") {
+  // The extent makes the cell 2, so odd numbers are ties.
+  const double far = 4294967292.0;
+  Doubles points{{0, 0}, {far, 0}};
+  for (double v : {1.0, 3.0, 5.0, 7.0, 1001.0, 4294967291.0})
+    for (double w : {v, std::nextafter(v, 0.0), std::nextafter(v, 1e10)}) points.push_back({w, w});
+  CHECK(check_all(points).grid.kind == Grid::Kind::rounded);
+  // An origin below the window: x - o is a hair less or more than a tie.
+  for (double hair : {1e-300, -1e-300, 1e-20, -1e-20, 5e-324}) {
+    Doubles shifted = points;
+    for (auto& p : shifted) p = {p[0] == 0 ? hair : p[0] + 1e-3 - 1e-3, p[1] == 0 ? hair : p[1]};
+    shifted[1][1] = hair;
+    check_all(shifted);
+  }
+}
+
+TEST_CASE("floats and integers are taken as the doubles they are") {
+  Engine e(3);
+  for (auto& device : devices_under_test()) {
+    CAPTURE(device->runtime.info().name);
+    for (int round = 0; round < 20; ++round) {
+      std::vector<std::array<float, 2>> floats(40);
+      std::vector<std::array<std::int32_t, 2>> ints(40);
+      for (auto& p : floats)
+        for (auto& v : p) {
+          const std::uint32_t bits = std::uint32_t(e()) >> (round == 1 ? 10 : 0);  // round 1: denormals and small
+          std::memcpy(&v, &bits, sizeof v);
+          if (round >= 2 || !std::isfinite(v)) v = float(uniform(e, -100, 100));
+        }
+      for (auto& p : ints)
+        for (auto& v : p) v = std::int32_t(round == 0 ? integer(e, -3, 3) : std::int64_t(std::int32_t(e())));
+      ints[0] = {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()};
+      Doubles from_floats, from_ints;
+      for (const auto& p : floats) from_floats.push_back({p[0], p[1]});
+      for (const auto& p : ints) from_ints.push_back({double(p[0]), double(p[1])});
+      check_same(run(*device, floats), run(*device, from_floats));
+      check_same(run(*device, ints), run(*device, from_ints));
+      std::vector<std::array<std::int64_t, 2>> longs(40);
+      Doubles from_longs;
+      for (auto& p : longs)
+        for (auto& v : p) v = integer(e, -(std::int64_t(1) << 53), std::int64_t(1) << 53) >> (round % 4 * 16);
+      longs[0] = {-(std::int64_t(1) << 53), std::int64_t(1) << 53};
+      for (const auto& p : longs) from_longs.push_back({double(p[0]), double(p[1])});
+      check_same(run(*device, longs), run(*device, from_longs));
+    }
+  }
+}
+
+TEST_CASE("a fixed grid places points as given, and its report is the caller's grid") {
+  Engine e(7);
+  for (const char* cell :
+       {"1", "0.001", "1e-3", "0.5", "7.25", "0.000000476837158203125", "3e2", "1234567890123456789e-18"}) {
+    CAPTURE(cell);
+    const FixedGrid fixed{-12.3, 4.5, cell};
+    oracle::Choice expected;
+    expected.origin = {oracle::exact(fixed.x), oracle::exact(fixed.y)};
+    const oracle::Rational edge = oracle::decimal_number(cell);
+    Doubles points;
+    for (int i = 0; i < 300; ++i) points.push_back({uniform(e, -12.3, 900), uniform(e, 4.5, i % 2 ? 4.6 : 900)});
+    oracle::place(expected, points, edge);
+    for (auto& device : devices_under_test()) {
+      const Read read = run(*device, points, fixed);
+      check_numbering(read);
+      check_grid_points(read, expected.grid);
+      CHECK(read.grid.kind == Grid::Kind::fixed);
+      CHECK(read.grid.origin == std::array<double, 2>{fixed.x, fixed.y});
+      CHECK(read.grid.cell() == std::strtod(cell, nullptr));
+      check_move(read.grid.largest_move, expected.largest_move, edge);
+    }
+  }
+}
+
+TEST_CASE("a point outside a fixed grid is an error that names the least such vertex, never clipped") {
+  for (auto& device : devices_under_test()) {
+    Engine e(8);
+    Doubles points =
+        draw(e, 3000, families::all.at("uniform in the unit square"), families::all.at("uniform in the unit square"));
+    auto expect = [&](const FixedGrid& fixed, std::vector<std::uint64_t> indices) {
+      try {
+        run(*device, points, fixed);
+        FAIL("no error");
+      } catch (const Error& error) {
+        CHECK(error.status() == Status::coordinate_outside_grid);
+        CHECK(error.indices() == indices);
+      }
+    };
+    points[2000] = {-0.2, -1};
+    points[1000] = {0.5, 3e9};
+    expect({0, 0, "1"}, {1000, 1});
+    points[1000] = {0.5, 2147483647.5};
+    expect({0, 0, "1"}, {1000, 1});
+    points[1000] = {0.5, 2147483647.25};
+    expect({0, 0, "1"}, {2000, 1});
+    expect({0, 0, "0.1"}, {1000, 1});
+    points[1000] = points[2000] = {-0.5, -0.5};
+    CHECK(run(*device, points, FixedGrid{0, 0, "1"}).points.size() == 4);
+    CHECK_THROWS_AS(run(*device, points, FixedGrid{0, 0, "-1"}), Error);
+    CHECK_THROWS_AS(run(*device, Doubles{}, FixedGrid{0, 0, "-1"}), Error);
+    CHECK(run(*device, Doubles{}, FixedGrid{0, 0, "2"}).grid.cell() == 2);
+  }
+}
+
+TEST_CASE("the least vertex that is not finite is named, x before y") {
+  const double infinite = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  for (auto& device : devices_under_test())
+    for (double bad : {infinite, -infinite, nan, -nan}) {
+      Engine e(4);
+      Doubles points = draw(e, 5000, families::all.at("uniform around 0"), families::all.at("uniform around 0"));
+      points[4000][0] = bad;
+      points[1234][1] = bad;
+      std::vector<std::array<float, 2>> floats;
+      for (const auto& p : points) floats.push_back({float(p[0]), float(p[1])});
+      for (const Points& view : {Points(points), Points(floats)})
+        for (const std::optional<FixedGrid>& fixed :
+             {std::optional<FixedGrid>(), std::optional<FixedGrid>(FixedGrid{5, 5, "1"})})
+          try {
+            run(*device, view, fixed);
+            FAIL("no error");
+          } catch (const Error& error) {
+            CHECK(error.status() == Status::coordinate_not_finite);
+            CHECK(error.indices() == std::vector<std::uint64_t>{1234, 1});
+          }
+    }
+}
+
+TEST_CASE("more vertices than can be numbered are refused before they are read") {
+  try {
+    run(*devices_under_test()[0], Points::pairs(static_cast<const double*>(nullptr), max_vertices + 1));
+    FAIL("no error");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::too_many_vertices);
+  }
+}
+
+TEST_CASE("the launch geometry does not matter") {
+  Engine e(5);
+  const Doubles points = draw(e, 3000, families::all.at("tenths"), families::all.at("degrees with 6 decimals"));
+  const Doubles rounded = draw(e, 3000, families::all.at("uniform around 0"), families::all.at("1e300, 1 and 1e-300"));
+  for (auto& device : devices_under_test()) {
+    const runtime::Geometry before = device->runtime.geometry();
+    const Read expected = run(*device, points), expected_rounded = run(*device, rounded);
+    for (const runtime::Geometry& geometry :
+         {runtime::Geometry{1, 1}, runtime::Geometry{7, 3}, runtime::Geometry{64, 1000}}) {
+      device->runtime.geometry() = geometry;
+      check_same(expected, run(*device, points));
+      check_same(expected_rounded, run(*device, rounded));
+    }
+    device->runtime.geometry() = before;
+  }
+}
+
+TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
+  const auto few = static_cast<int>(Tuning().few_vertices);
+  Engine e(7);
+  for (const int n : {few - 1, few, few + 1})
+    for (const char* family : {"tenths", "uniform around 0", "1e300, 1 and 1e-300"}) {
+      CAPTURE(n);
+      CAPTURE(family);
+      Doubles points = draw(e, n, families::all.at(family), families::all.at(family));
+      for (std::size_t i = 0; i < 100; ++i) points[points.size() - 1 - 3 * i] = points[5 * i];
+      const Read read = check_all(points);
+      CHECK(read.merged >= 100);
+      std::vector<std::array<float, 2>> floats;
+      std::vector<std::array<std::int32_t, 2>> ints;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        floats.push_back({float(i % 97) / 10, float(i % 89) * 3});
+        ints.push_back({std::int32_t(i * 7919 % 1000), -std::int32_t(i % 31)});
+      }
+      for (auto& device : devices_under_test()) {
+        check_same(run(*devices_under_test()[0], floats), run(*device, floats));
+        check_same(run(*devices_under_test()[0], ints), run(*device, ints));
+      }
+    }
+}
+
+TEST_CASE("nothing stays allocated but the vertices") {
+  Device& device = *devices_under_test()[0];
+  Engine e(6);
+  const Doubles points = draw(e, 10000, families::all.at("uniform around 0"), families::all.at("uniform around 0"));
+  device.primitives.release();
+  const std::uint64_t before = device.runtime.meter().now;
+  {
+    const OrderResult result = order(device.runtime, device.primitives, stage(device.runtime, points), {}, coarsest);
+    const Vertices& v = result.vertices;
+    device.primitives.release();  // the scan's
+    CHECK(device.runtime.meter().now - before ==
+          v.points.bytes() + v.vertex_input.bytes() + v.input_vertex.bytes() + v.levels_buffer.bytes());
+  }
+  CHECK(device.runtime.meter().now == before);
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// Batches for tests, and their parts against problems alone.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "batch/forest.hpp"
+#include "corpus.hpp"
+#include "workloads.hpp"
+
+namespace gcdt::test {
+
+/// Problems one after the other, as the interface takes them.
+struct RaggedBatch {
+  std::vector<std::array<double, 2>> vertices;
+  std::vector<Constraint> constraints;
+  std::vector<std::uint64_t> vertex_offsets = {0}, constraint_offsets = {0};
+
+  explicit RaggedBatch(const std::vector<Workload>& problems) {
+    for (const Workload& problem : problems) {
+      vertices.insert(vertices.end(), problem.points.begin(), problem.points.end());
+      constraints.insert(constraints.end(), problem.constraints.begin(), problem.constraints.end());
+      vertex_offsets.push_back(vertices.size());
+      constraint_offsets.push_back(constraints.size());
+    }
+  }
+  BatchInput view() const {
+    return {vertex_offsets.size() - 1, Points::Type::float64, vertices.data(),
+            vertex_offsets.data(),     constraints.data(),    constraint_offsets.data()};
+  }
+};
+
+template <class T>
+std::vector<T> array_of(const ForestResult& forest, std::size_t place, int array) {
+  const auto kind = static_cast<std::size_t>(array);
+  const auto& begins = forest.begins[kind];
+  const T* all = reinterpret_cast<const T*>(forest.arrays[kind].bytes.get());
+  return {all + begins[place], all + begins[place + 1]};
+}
+
+/// The part of the problem at that place of a run.
+inline Triangulation part_of(const ForestResult& run, std::size_t place_in_run) {
+  const auto [found, place] = run.at(place_in_run);
+  const ForestResult& forest = *found;
+  Triangulation part;
+  part.triangles = array_of<std::array<std::uint32_t, 3>>(forest, place, GCDT_TRIANGLES);
+  part.neighbours = array_of<std::array<std::int32_t, 3>>(forest, place, GCDT_NEIGHBOURS);
+  part.constrained = array_of<std::uint8_t>(forest, place, GCDT_CONSTRAINED);
+  part.representative = array_of<std::uint32_t>(forest, place, GCDT_REPRESENTATIVES);
+  part.pieces = array_of<Constraint>(forest, place, GCDT_PIECES);
+  part.source_offsets = array_of<std::uint32_t>(forest, place, GCDT_SOURCE_OFFSETS);
+  part.sources = array_of<std::uint32_t>(forest, place, GCDT_SOURCES);
+  part.dropped = array_of<std::uint32_t>(forest, place, GCDT_DROPPED);
+  if (!forest.begins[GCDT_REGIONS].empty()) {
+    part.region = array_of<std::uint32_t>(forest, place, GCDT_REGIONS);
+    part.depth = array_of<std::uint32_t>(forest, place, GCDT_DEPTHS);
+    part.winding = array_of<std::int32_t>(forest, place, GCDT_WINDINGS);
+  }
+  if (!forest.begins[GCDT_ADDED].empty()) {
+    part.added_on_grid = array_of<std::array<std::int32_t, 2>>(forest, place, GCDT_ADDED);
+    part.added_crossing = array_of<Constraint>(forest, place, GCDT_ADDED_CROSSINGS);
+  }
+  part.statistics.grid = forest.grids[place];
+  return part;
+}
+
+inline bool same_grid(const Grid& a, const Grid& b) {
+  return a.kind == b.kind && a.origin == b.origin && a.cell_units == b.cell_units &&
+         a.cell_decimals == b.cell_decimals && a.cell_exponent == b.cell_exponent && a.largest_move == b.largest_move;
+}
+
+/// The first array that differs; empty if all bytes and the grids are equal.
+inline std::string difference(const Triangulation& a, const Triangulation& b) {
+  if (!same_grid(a.statistics.grid, b.statistics.grid)) return "grid";
+  if (a.triangles != b.triangles) return "triangles";
+  if (a.neighbours != b.neighbours) return "neighbours";
+  if (a.constrained != b.constrained) return "constrained";
+  if (a.representative != b.representative) return "representative";
+  if (a.pieces != b.pieces) return "pieces";
+  if (a.source_offsets != b.source_offsets) return "source_offsets";
+  if (a.sources != b.sources) return "sources";
+  if (a.dropped != b.dropped) return "dropped";
+  if (a.region != b.region) return "region";
+  if (a.depth != b.depth) return "depth";
+  if (a.winding != b.winding) return "winding";
+  if (a.added_on_grid != b.added_on_grid) return "added_on_grid";
+  if (a.added_crossing != b.added_crossing) return "added_crossing";
+  return {};
+}
+
+inline Workload problem(std::vector<std::array<double, 2>> points, std::vector<Constraint> constraints = {}) {
+  Workload work;
+  work.points = std::move(points);
+  work.constraints = std::move(constraints);
+  return work;
+}
+
+inline std::vector<Workload> smallest_problems() {
+  const auto line = [] {
+    Workload work;
+    for (std::uint32_t i = 0; i < 40; ++i) work.points.push_back({0.5 * i, 0.25 * i});
+    work.constraints = {{3, 30}, {30, 3}, {5, 5}};
+    return work;
+  };
+  return {problem({}),
+          problem({{1, 2}}),
+          problem({{1, 2}, {3, 4}}, {{0, 1}}),
+          problem({}),
+          problem({{0, 0}, {1, 0}, {0, 1}}, {{2, 1}}),
+          line(),
+          problem({{7, 7}, {7, 7}, {7, 7}}, {{0, 2}}),
+          problem({{0.1, 0.2}, {0.3, 0.2}, {0.3, 0.5}, {0.1, 0.5}, {0.1, 0.2}}, {{0, 2}, {4, 2}}),
+          problem({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}, {3, 2}}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}}),
+          problem({{1, 2}, {1, 2}}),
+          problem({})};
+}
+
+/// The files of the corpus with one of these statuses.
+inline std::vector<Workload> corpus(const std::set<std::string>& statuses) {
+  const std::string folder = GCDT_TEST_DATA "/corpus";
+  std::vector<Workload> problems;
+  for (const CorpusEntry& entry : readManifest(folder))
+    if (statuses.count(entry.status) > 0) problems.push_back(readPoly(folder + "/" + entry.name));
+  return problems;
+}
+
+inline std::vector<Workload> generated_problems() {
+  std::vector<Workload> problems;
+  for (const std::string& name : workloadNames())
+    for (const std::size_t n : {3, 17, 90, 700})
+      problems.push_back(workload(name, name == "random_pslg" ? n / 10 + 2 : n));
+  problems.push_back(uniform(5000));
+  problems.push_back(workload("random_pslg", 90));
+  return problems;
+}
+
+}  // namespace gcdt::test

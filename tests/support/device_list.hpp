@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The OpenCL devices that tests run on.
+#pragma once
+
+#include <cstdlib>
+#include <stdexcept>
+#include <vector>
+
+#include "device/runtime.hpp"
+
+namespace gcdt::test {
+
+/// All devices, Mesa's software one included where it is installed: rusticl hides it unless asked,
+/// and it is a second vendor on any CPU. To be called before anything else lists devices. Throws if there is one device
+/// alone: "on every device" would say nothing then.
+inline std::vector<cl::Device> every_device() {
+#ifndef _WIN32
+  setenv("RUSTICL_ENABLE", "swrast", 0);
+#endif
+  std::vector<cl::Device> all = runtime::all_devices();
+  if (all.size() < 2)
+    throw std::runtime_error("the tests need two OpenCL drivers (Debian and Ubuntu: pocl-opencl-icd, mesa-opencl-icd)");
+  return all;
+}
+
+}  // namespace gcdt::test

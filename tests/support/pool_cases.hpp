@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Batches on pools for tests: what problems have alone, devices in halves, and devices that fail.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+
+#include "batch/device_pool.hpp"
+#include "batch_cases.hpp"
+#include "opencl_app.hpp"
+
+#include <gcdt/gcdt_pool.hpp>
+
+namespace gcdt::test {
+
+inline Batch batch_of(const std::vector<Workload>& problems) {
+  Batch batch;
+  for (const Workload& problem : problems) batch.add(problem.points, problem.constraints);
+  return batch;
+}
+
+template <class T>
+std::vector<T> copied(Span<T> span) {
+  return {span.begin(), span.end()};
+}
+
+inline Triangulation part_of(const BatchResult& result, std::size_t p) {
+  Triangulation part;
+  part.triangles = copied(result.triangles(p));
+  part.neighbours = copied(result.neighbours(p));
+  part.constrained = copied(result.constrained(p));
+  part.representative = copied(result.representative(p));
+  part.pieces = copied(result.pieces(p));
+  part.source_offsets = copied(result.source_offsets(p));
+  part.sources = copied(result.sources(p));
+  part.dropped = copied(result.dropped(p));
+  part.region = copied(result.region(p));
+  part.depth = copied(result.depth(p));
+  part.winding = copied(result.winding(p));
+  part.added_on_grid = copied(result.added_on_grid(p));
+  part.added_crossing = copied(result.added_crossing(p));
+  part.statistics.grid = result.grid(p);
+  return part;
+}
+
+/// What problems have alone: a mesh or an error.
+struct Alone {
+  std::vector<Triangulation> meshes;
+  std::vector<std::string> errors;
+
+  explicit Alone(const std::vector<Workload>& problems, const Options& options = {}) {
+    for (const Workload& problem : problems) {
+      meshes.emplace_back();
+      errors.emplace_back();
+      try {
+        meshes.back() = solver().triangulate(problem.points, problem.constraints, options);
+      } catch (const Error& error) {
+        errors.back() = error.what();
+      }
+    }
+  }
+
+  void check(const BatchResult& result) const {
+    REQUIRE(result.size() == meshes.size());
+    std::uint64_t failed = 0;
+    for (std::size_t p = 0; p < meshes.size(); ++p) {
+      const std::optional<Error> error = result.error(p);
+      if (error) ++failed;
+      check(p, error ? error->what() : "", [&] { return part_of(result, p); });
+    }
+    CHECK(result.statistics().failed == failed);
+  }
+
+  void check(const PoolResult& result) const {
+    REQUIRE(result.places.size() == meshes.size());
+    for (std::uint32_t p = 0; p < meshes.size(); ++p) {
+      const auto error = result.errors.find(p);
+      const Schedule::Place place = result.places[p];
+      check(p, error != result.errors.end() ? error->second.what() : "",
+            [&] { return test::part_of(result.results.at(place.result), place.place); });
+    }
+  }
+
+ private:
+  template <class Part>
+  void check(std::size_t p, const std::string& error, const Part& part) const {
+    CAPTURE(p);
+    CHECK(error == errors[p]);
+    if (errors[p].empty()) CHECK(difference(part(), meshes[p]) == "");
+  }
+};
+
+/// Two halves of PoCL's CPU. A device that cannot be divided is taken twice.
+inline std::vector<cl::CommandQueue> half_devices() {
+  cl::Device whole = app_device();
+  static std::vector<cl::Device> halves;  // for good: PoCL's contexts do not keep their sub-devices
+  const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
+                                                CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+  if (halves.empty() && whole.createSubDevices(parts, &halves) != CL_SUCCESS) halves = {whole, whole};
+  std::vector<cl::CommandQueue> queues;
+  for (const cl::Device& half : halves) queues.emplace_back(cl::Context(half), half);
+  return queues;
+}
+
+/// Of a device that works.
+inline runtime::CallHook healthy() {
+  runtime::CallHook hook;
+  hook.keep_programs = true;  // hundreds of runtimes, each of which would compile
+  return hook;
+}
+
+/// Fails the k-th OpenCL call of a device, and, as a lost one would, all that follow if `for_good`.
+inline runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
+                                 cl_int code) {
+  runtime::CallHook hook = healthy();
+  hook.before = [=](const char*, const char*) {
+    const std::uint64_t call = ++*calls;
+    return call == k || (for_good && call > k) ? code : CL_SUCCESS;
+  };
+  return hook;
+}
+
+}  // namespace gcdt::test
