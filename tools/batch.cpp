@@ -14,7 +14,7 @@
 
 #include "batch_statistics.hpp"
 #include "command.hpp"
-#include "device/trace.hpp"
+#include "trace.hpp"
 #include "io/formats.hpp"
 #include "io/geojson.hpp"
 #include "io/output_files.hpp"

@@ -8,7 +8,7 @@
 #include <gcdt/verify.hpp>
 
 #include "command.hpp"
-#include "device/trace.hpp"
+#include "trace.hpp"
 #include "io/formats.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
