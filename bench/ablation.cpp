@@ -16,7 +16,7 @@
 #include "batch/device_pool.hpp"
 #include "batch_inputs.hpp"
 #include "inputs.hpp"
-#include "solve/pipeline.hpp"
+#include "solve/triangulate.hpp"
 
 namespace {
 
@@ -102,7 +102,7 @@ Measured measure(const cl::Device& device, const Variant& variant, const test::W
     const InputSource source = {points.size(), constraints.size, [&] {
                                   return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                                 }};
-    const DeviceTriangulation result = Pipeline(runtime, primitives, source, options).run();
+    const DeviceTriangulation result = triangulate(runtime, primitives, source, options);
     if (i == -2) measured.hash = hash(runtime, result);
     if (i >= 0) times.push_back(result.statistics.ms.core);
     measured.statistics = result.statistics;

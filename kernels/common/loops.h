@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a loop over many items is shared out among the work-items of a launch. OpenCL C only.
 //
-// GCDT_CONTIGUOUS is set for devices whose work-items are loops of a thread (Runtime::build_options): every work-item
+// GCDT_CONTIGUOUS is set for devices whose work-items are loops of a thread (device/programs.cpp): every work-item
 // takes consecutive items, so that it reads whole cache lines and pages, and its neighbours others. Elsewhere
 // neighbours take neighbouring items, so that a group's loads are joined. Either way each item below `count` has
 // exactly one owner, for any launch geometry.

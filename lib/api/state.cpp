@@ -193,7 +193,7 @@ DeviceTriangulation State::triangulate(InputSource source, const Options& option
   settle();
   try {
     runtime.memory().begin_call();
-    return Pipeline(runtime, primitives, std::move(source), options).run();
+    return gcdt::triangulate(runtime, primitives, source, options);
   } catch (...) {
     // The caller may do with its buffers what it likes from now on.
     runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });

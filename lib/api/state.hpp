@@ -14,7 +14,7 @@
 
 #include "device/step.hpp"
 #include "query/derived.hpp"
-#include "solve/pipeline.hpp"
+#include "solve/triangulate.hpp"
 
 namespace gcdt::api {
 

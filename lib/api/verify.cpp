@@ -8,6 +8,7 @@
 #include "proof/domain.hpp"
 #include "proof/grid.hpp"
 #include "query/foreign.hpp"
+#include "solve/memory.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;

@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/alone.hpp"
 
+#include "solve/triangulate.hpp"
+
 namespace gcdt {
 
 using runtime::Buffer;
 using runtime::Runtime;
 
 namespace {
-
-/// Programs for one triangulation, as long as it lives.
-class OneMesh {
- public:
-  explicit OneMesh(Runtime& runtime) : runtime_(runtime) { runtime_.build_for_forests(false); }
-  ~OneMesh() { runtime_.build_for_forests(true); }
-  OneMesh(const OneMesh&) = delete;
-  OneMesh& operator=(const OneMesh&) = delete;
-
- private:
-  Runtime& runtime_;
-};
 
 Points points_of(const BatchInput& batch, std::uint32_t p) {
   const auto count = static_cast<std::size_t>(batch.n(p));
@@ -75,7 +65,6 @@ class ResultCopy {
 
 ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const BatchInput& batch, std::uint32_t number,
                                const Options& options) {
-  const OneMesh programs(runtime);
   Options own = options;
   own.canonical = true;
   const Points points = points_of(batch, number);
@@ -85,7 +74,7 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
                                 return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                               }};
   runtime.memory().begin_call();
-  const DeviceTriangulation made = Pipeline(runtime, primitives, source, own).run();
+  const DeviceTriangulation made = triangulate(runtime, primitives, source, own);
   ForestResult result;
   runtime.tracer().begin_phase("copy");
   ResultCopy(runtime, result).run(made);

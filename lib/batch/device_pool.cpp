@@ -108,7 +108,6 @@ void DevicePool::open(Member member, std::size_t device) {
     else
       lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
     if (shared) lane.runtime->share_context();
-    lane.runtime->build_for_forests();
     lane.runtime->time_steps(lane.runtime->tracer().on());
     lane.runtime->tracer().set_lane(first + number * devices, number);
     lane.primitives = std::make_unique<Primitives>(*lane.runtime);

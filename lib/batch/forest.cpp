@@ -6,8 +6,10 @@
 #include "batch/forest_copy.hpp"
 #include "batch/forest_gather.hpp"
 #include "phases/arrange.hpp"
-#include "phases/crossings.hpp"
+#include "phases/check.hpp"
 #include "phases/enforce.hpp"
+#include "solve/crossing_policy.hpp"
+#include "solve/memory.hpp"
 
 namespace gcdt {
 
@@ -16,167 +18,199 @@ using runtime::over;
 
 namespace {
 
-class ForestPipeline final : public Pipeline {
- public:
-  ForestPipeline(runtime::Runtime& runtime, Primitives& primitives, InputSource source, const Options& options,
-                 const BatchInput& batch, const std::vector<std::uint32_t>& numbers, ProblemRanges& ranges)
-      : Pipeline(runtime, primitives, std::move(source), options), batch_(batch), numbers_(numbers), ranges_(ranges) {}
+/// A run of many problems in one mesh: what it has beside what a run of one has.
+struct ForestRun : Run {
+  ForestRun(runtime::Runtime& device, Primitives& all, const Options& wanted, const BatchInput& whole,
+            const std::vector<std::uint32_t>& some, ProblemRanges& begins)
+      : Run(device, all, wanted, begins.first_input.back(), begins.first_constraint.back()),
+        batch(whole),
+        numbers(some),
+        ranges(begins) {}
 
-  std::vector<Grid> grids;
-  std::vector<RoundedTogether> together;
+  const BatchInput& batch;
+  const std::vector<std::uint32_t>& numbers;  ///< of the problems in the batch
+  ProblemRanges& ranges;
+  std::vector<Grid> grids;                ///< by problem, as all that follows
+  std::vector<RoundedTogether> together;  ///< none: none of any
   Buffer<cl_uint> first_triangle, first_piece;
-
- private:
-  OrderResult order_points(InputPoints points) override {
-    ranges_.first_input_buffer = upload("first inputs", ranges_.first_input);
-    ranges_.first_constraint_buffer = upload("first constraints", ranges_.first_constraint);
-    ForestOrder made = order_forest(runtime_, primitives_, std::move(points), ranges_, options_.grid,
-                                    runtime_.tuning().coarsest_level);
-    grids = std::move(made.grids);
-    together = std::move(made.together);
-    if (options_.distinct) refuse_together();
-    return std::move(made.ordered);
-  }
-
-  void refuse_together() const {
-    InvalidProblems invalid;
-    for (std::uint32_t p = 0; p < together.size(); ++p)
-      if (together[p].count > 0) invalid.errors.emplace_back(p, together_error(together[p]));
-    if (!invalid.errors.empty()) throw invalid;
-  }
-
-  // Crossing constraints are each problem's own error. Pairs are sorted, so by problem.
-  [[noreturn]] void reject(const std::vector<Constraint>& crossings) override {
-    InvalidProblems invalid;
-    for (std::size_t begin = 0, end = 0; begin < crossings.size(); begin = end) {
-      const auto& first = ranges_.first_constraint;
-      const std::uint32_t p = problem_of_constraint(crossings[begin][0]);
-      std::vector<Constraint> own;
-      for (; end < crossings.size() && crossings[end][0] < first[p + 1]; ++end)
-        own.push_back({crossings[end][0] - first[p], crossings[end][1] - first[p]});
-      const Constraint* given = batch_.constraints + batch_.constraint_offsets[numbers_[p]];
-      invalid.errors.emplace_back(
-          p, crossings_error(
-                 own, [&](std::uint32_t c) { return given[c]; }, grids[p].kind == Grid::Kind::rounded));
-    }
-    throw invalid;
-  }
-
-  bool enforce_by_problem() override {
-    EnforceResult r = enforce_problems(runtime_, primitives_, vertices_, mesh_, ranges_, constraints_, counters_);
-    if (r.crossing) return false;
-    statistics_.constraints_zero = r.zero_length;
-    auto& cases = statistics_.cases;
-    cases.constraint_hits = r.hits;
-    cases.existing_edges = r.existing_edges;
-    cases.pieces_walked = r.pieces.count - r.existing_edges;
-    cases.chain_vertices = r.chain_vertices;
-    statistics_.crossed_pairs = r.crossed_pairs;
-    statistics_.flips += r.flips;
-    pieces_ = std::move(r.pieces);
-    return true;
-  }
-
-  // Added vertices would be numbered through all problems, and are ordered by their place on one grid: what crosses is
-  // to be run alone.
-  [[noreturn]] void split_crossings() override {
-    Splitter splitter(runtime_, primitives_, constraints_, static_cast<std::uint32_t>(source_.n));
-    const auto& marked = splitter.mark_crossing(WalkedMesh{vertices_, mesh_, history_}, pieces_, counters_);
-    if (splitter.marked() == 0) fail_without_crossings({});
-    std::vector<cl_uint> crosses(ranges_.first_constraint.back());
-    runtime_.read(marked, crosses.data(), crosses.size());
-    InvalidProblems invalid;
-    for (std::uint32_t p = 0; p < ranges_.count(); ++p) {
-      const auto first = crosses.begin() + ranges_.first_constraint[p];
-      const auto end = crosses.begin() + ranges_.first_constraint[p + 1];
-      if (std::find(first, end, 1u) != end) invalid.crossing.push_back(p);
-    }
-    throw invalid;
-  }
-
-  void output() override {
-    auto& ms = statistics_.ms;
-    OrderedMesh ordered;
-    timed("output", ms.output, [&] {
-      ticker_.tick("output", 0);
-      history_ = {};
-      lists_ = {};
-      if (by_problem_) {
-        ArrangedForest arranged = arrange_problems(runtime_, primitives_, mesh_, vertices_);
-        ordered = std::move(arranged.mesh);
-        first_triangle = std::move(arranged.first_triangle);
-      } else {
-        ordered = order_triangles(runtime_, primitives_, mesh_, vertices_, true);
-        first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
-      }
-      ms.gather = ordered.gather_ms;
-      mesh_ = {};
-      first_piece = begins("first pieces", pieces_.count, 2, pieces_.ends);
-    });
-    if (options_.check)
-      timed("check", ms.check,
-            [&] { check_forest(runtime_, ordered, vertices_, pieces_, first_triangle, first_piece); });
-    const bool wants_regions = options_.regions || options_.domain != Domain::hull;
-    if (wants_regions && ordered.triangles > 0) timed("domain", ms.domain, [&] { select_by_problem(ordered); });
-    timed("output", ms.output, [&] { number_by_problem(ordered); });
-    result_.mesh = std::move(ordered);
-    if (!result_.dropped.allocated()) result_.dropped = runtime_.allocate<cl_uint>("dropped constraints", 0);
-  }
-
-  // Regions do not lead from one problem to another, and outside is the same for all; so a search through the forest
-  // is one through each problem, and the order of triangles and half edges within each is what it would be alone.
-  void select_by_problem(OrderedMesh& ordered) {
-    SelectedDomain selected = select_domain(runtime_, primitives_, ordered, vertices_, pieces_, turns_, options_);
-    turns_ = {};
-    result_.regions = std::move(selected.regions);
-    const Buffer<cl_uint> first_of_hull = std::move(first_triangle);
-    if (options_.domain != Domain::hull) ordered = std::move(selected.mesh);
-    first_triangle = begins("first triangles", ordered.triangles, 3, ordered.corners);
-    runtime_.launch("forest", "forest_local_regions", over(ordered.triangles), cl_uint{ordered.triangles},
-                    vertices_.n(), vertices_.points, ordered.corners, first_of_hull, selected.region_of_hull,
-                    result_.regions.region);
-  }
-
-  void number_by_problem(const OrderedMesh& ordered) {
-    const cl_uint n = vertices_.n(), inputs = static_cast<cl_uint>(source_.n);
-    runtime_.launch("forest", "forest_local_triangles", over(ordered.triangles), cl_uint{ordered.triangles}, n,
-                    vertices_.points, vertices_.vertex_input, ranges_.first_input_buffer, first_triangle,
-                    ordered.corners, ordered.neighbours);
-    result_.representatives = runtime_.allocate<cl_uint>("output representatives", inputs);
-    runtime_.launch("forest", "forest_representatives", over(inputs), inputs, n, vertices_.points,
-                    vertices_.vertex_input, vertices_.input_vertex, ranges_.first_input_buffer,
-                    result_.representatives);
-    runtime_.launch("forest", "forest_local_sources", over(pieces_.source_count), cl_uint{pieces_.source_count},
-                    ranges_.count(), ranges_.first_constraint_buffer, pieces_.sources);
-    runtime_.launch("forest", "forest_local_pieces", over(pieces_.count), cl_uint{pieces_.count}, n, vertices_.points,
-                    vertices_.vertex_input, ranges_.first_input_buffer, pieces_.ends);
-    if (pieces_.count == 0) runtime_.fill<cl_uint>(pieces_.source_offsets, 0, 1);
-  }
-
-  template <class T>
-  Buffer<cl_uint> begins(const char* name, cl_uint count, cl_uint stride, const Buffer<T>& things) {
-    const cl_uint problems = ranges_.count();
-    auto found = runtime_.allocate<cl_uint>(name, std::size_t{problems} + 1);
-    runtime_.launch("forest", "forest_begins", over(std::size_t{problems} + 1), problems, count, stride, vertices_.n(),
-                    vertices_.points, things, found);
-    return found;
-  }
-
-  std::uint32_t problem_of_constraint(std::uint32_t c) const {
-    const auto& first = ranges_.first_constraint;
-    return static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), c) - first.begin() - 1);
-  }
-
-  Buffer<cl_uint> upload(const char* name, const std::vector<cl_uint>& values) {
-    auto buffer = runtime_.allocate<cl_uint>(name, values.size());
-    runtime_.write(buffer, values.data(), values.size());
-    return buffer;
-  }
-
-  const BatchInput& batch_;
-  const std::vector<std::uint32_t>& numbers_;
-  ProblemRanges& ranges_;
 };
+
+void order_problems(ForestRun& run, InputPoints points) {
+  ProblemRanges& ranges = run.ranges;
+  ranges.first_input_buffer = run.runtime.upload("first inputs", ranges.first_input);
+  ranges.first_constraint_buffer = run.runtime.upload("first constraints", ranges.first_constraint);
+  ForestOrder made = order_forest(run.runtime, run.primitives, std::move(points), ranges, run.options.grid);
+  run.grids = std::move(made.grids);
+  run.together = std::move(made.together);
+  InvalidProblems invalid;
+  for (std::uint32_t p = 0; run.options.distinct && p < run.together.size(); ++p)
+    if (run.together[p].count > 0) invalid.errors.emplace_back(p, together_error(run.together[p]));
+  if (!invalid.errors.empty()) throw invalid;
+  run.take(std::move(made.ordered));
+}
+
+// Crossing constraints are each problem's own error. Pairs are sorted, so by problem.
+[[noreturn]] void reject(const ForestRun& run, const std::vector<Constraint>& crossings) {
+  InvalidProblems invalid;
+  const auto& first = run.ranges.first_constraint;
+  for (std::size_t begin = 0, end = 0; begin < crossings.size(); begin = end) {
+    const auto after = std::upper_bound(first.begin(), first.end(), crossings[begin][0]);
+    const auto p = static_cast<std::uint32_t>(after - first.begin() - 1);
+    std::vector<Constraint> own;
+    for (; end < crossings.size() && crossings[end][0] < first[p + 1]; ++end)
+      own.push_back({crossings[end][0] - first[p], crossings[end][1] - first[p]});
+    const Constraint* given = run.batch.constraints + run.batch.constraint_offsets[run.numbers[p]];
+    invalid.errors.emplace_back(
+        p, crossings_error(
+               own, [&](std::uint32_t c) { return given[c]; }, run.grids[p].kind == Grid::Kind::rounded));
+  }
+  throw invalid;
+}
+
+// Added vertices would be numbered through all problems, and are ordered by their place on one grid: what crosses is
+// to be run alone.
+[[noreturn]] void name_crossing_problems(ForestRun& run) {
+  Splitter splitter(run.runtime, run.primitives, run.constraints, static_cast<std::uint32_t>(run.n));
+  const auto& marked = splitter.mark_crossing(run.walked(), run.pieces, run.counters);
+  if (splitter.marked() == 0) fail_without_crossings({});
+  const auto& begins = run.ranges.first_constraint;
+  std::vector<cl_uint> crosses(begins.back());
+  run.runtime.read(marked, crosses.data(), crosses.size());
+  InvalidProblems invalid;
+  for (std::uint32_t p = 0; p < run.ranges.count(); ++p) {
+    const auto first = crosses.begin() + begins[p], end = crosses.begin() + begins[p + 1];
+    if (std::find(first, end, 1u) != end) invalid.crossing.push_back(p);
+  }
+  throw invalid;
+}
+
+// Returns false, the mesh void, if constraints of some problem cross.
+bool enforce_each(ForestRun& run) {
+  EnforceResult r = enforce_problems(run.runtime, run.primitives, run.vertices, run.mesh,
+                                     run.ranges.first_constraint_buffer, run.constraints, run.counters);
+  if (r.crossing) return false;
+  Statistics& s = run.statistics;
+  s.constraints_zero = r.zero_length;
+  s.cases.constraint_hits = r.hits;
+  s.cases.existing_edges = r.existing_edges;
+  s.cases.pieces_walked = r.pieces.count - r.existing_edges;
+  s.cases.chain_vertices = r.chain_vertices;
+  s.crossed_pairs = r.crossed_pairs;
+  s.flips += r.flips;
+  run.pieces = std::move(r.pieces);
+  return true;
+}
+
+void enforce_all(ForestRun& run) {
+  run.clean(run.constraints, run.n);
+  run.ticker.tick("constrain", 0.3);
+  const ConstrainResult enforced = run.enforce();
+  if (!enforced.failed) return;
+  if (enforced.mesh_changed) run.insert();
+  if (run.options.crossing == Crossing::split) name_crossing_problems(run);
+  const std::vector<Constraint> crossings = find_crossings(run, enforced);
+  if (run.options.crossing != Crossing::drop) reject(run, crossings);
+  drop_crossings(run, crossings);
+}
+
+void constrain(ForestRun& run) {
+  run.pieces = {};
+  if (run.m == 0) return run.no_pieces();
+  run.ticker.tick("constrain", 0);
+  if (run.plan.constraints == Plan::By::each && !enforce_each(run)) {  // crossings are found with all at once
+    PlannedSizes sizes = sizes_of(run.vertices);
+    sizes.crossing = true;
+    run.plan = make_plan(run.runtime, sizes);
+    run.insert();
+  }
+  if (run.plan.constraints == Plan::By::all) enforce_all(run);
+  run.pieces.walked = {};
+  run.count_turns();
+}
+
+/// Where the problems' `things` begin, of which each has `stride` words, the first one a vertex.
+template <class T>
+Buffer<cl_uint> begins(ForestRun& run, const char* name, cl_uint count, cl_uint stride, const Buffer<T>& things) {
+  const cl_uint problems = run.ranges.count();
+  auto found = run.runtime.allocate<cl_uint>(name, std::size_t{problems} + 1);
+  run.runtime.launch("forest", "forest_begins", over(std::size_t{problems} + 1), problems, count, stride,
+                     run.vertices.n(), run.vertices.points, things, found);
+  return found;
+}
+
+OrderedMesh put_in_order(ForestRun& run) {
+  run.ticker.tick("output", 0);
+  run.history = {};
+  run.lists = {};
+  OrderedMesh ordered;
+  if (run.plan.output == Plan::By::each) {
+    ArrangedForest arranged = arrange_problems(run.runtime, run.primitives, run.mesh, run.vertices);
+    ordered = std::move(arranged.mesh);
+    run.first_triangle = std::move(arranged.first_triangle);
+  } else {
+    ordered = order_triangles(run.runtime, run.primitives, run.plan, run.mesh, run.vertices, true);
+    run.first_triangle = begins(run, "first triangles", ordered.triangles, 3, ordered.corners);
+  }
+  run.statistics.ms.gather = ordered.gather_ms;
+  run.mesh = {};
+  run.first_piece = begins(run, "first pieces", run.pieces.count, 2, run.pieces.ends);
+  return ordered;
+}
+
+// Regions do not lead from one problem to another, and outside is the same for all; so a search through the forest
+// is one through each problem, and the order of triangles and half edges within each is what it would be alone.
+void select_by_problem(ForestRun& run, OrderedMesh& ordered) {
+  const SelectedDomain selected = run.select(ordered);
+  const Buffer<cl_uint> first_of_hull = std::move(run.first_triangle);
+  run.first_triangle = begins(run, "first triangles", ordered.triangles, 3, ordered.corners);
+  run.runtime.launch("forest", "forest_local_regions", over(ordered.triangles), cl_uint{ordered.triangles},
+                     run.vertices.n(), run.vertices.points, ordered.corners, first_of_hull, selected.region_of_hull,
+                     run.result.regions.region);
+}
+
+void number_by_problem(ForestRun& run, OrderedMesh ordered) {
+  runtime::Runtime& runtime = run.runtime;
+  const Vertices& vertices = run.vertices;
+  const Buffer<cl_uint>& first_input = run.ranges.first_input_buffer;
+  Pieces& pieces = run.pieces;
+  const cl_uint n = vertices.n(), inputs = static_cast<cl_uint>(run.n);
+  runtime.launch("forest", "forest_local_triangles", over(ordered.triangles), cl_uint{ordered.triangles}, n,
+                 vertices.points, vertices.vertex_input, first_input, run.first_triangle, ordered.corners,
+                 ordered.neighbours);
+  run.result.representatives = runtime.allocate<cl_uint>("output representatives", inputs);
+  runtime.launch("forest", "forest_representatives", over(inputs), inputs, n, vertices.points, vertices.vertex_input,
+                 vertices.input_vertex, first_input, run.result.representatives);
+  runtime.launch("forest", "forest_local_sources", over(pieces.source_count), cl_uint{pieces.source_count},
+                 run.ranges.count(), run.ranges.first_constraint_buffer, pieces.sources);
+  runtime.launch("forest", "forest_local_pieces", over(pieces.count), cl_uint{pieces.count}, n, vertices.points,
+                 vertices.vertex_input, first_input, pieces.ends);
+  if (pieces.count == 0) runtime.fill<cl_uint>(pieces.source_offsets, 0, 1);
+  run.result.mesh = std::move(ordered);
+}
+
+/// The sequence of solve/triangulate.cpp, for many problems.
+DeviceTriangulation run_steps(ForestRun& run, runtime::UploadChunks& chunks) {
+  auto& ms = run.statistics.ms;
+  run.step("order", ms.order, ordered_share, [&] {
+    run.ticker.tick("order", 0);
+    DeviceInput input = gather(run.runtime, run.batch, run.numbers, run.ranges, chunks);
+    run.constraints = std::move(input.constraints);
+    order_problems(run, std::move(input.points));
+  });
+  run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
+  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
+  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
+  OrderedMesh ordered;
+  run.step("output", ms.output, 1, [&] { ordered = put_in_order(run); });
+  if (run.options.check)
+    run.step("check", ms.check, [&] {
+      check_problems(run.runtime, run.plan, ordered, run.vertices, run.pieces, run.first_triangle, run.first_piece);
+    });
+  if (run.wants_regions() && ordered.triangles > 0)
+    run.step("domain", ms.domain, [&] { select_by_problem(run, ordered); });
+  run.step("output", ms.output, [&] { number_by_problem(run, std::move(ordered)); });
+  return run.finish();
+}
 
 }  // namespace
 
@@ -185,18 +219,17 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
   ForestResult result;
   ProblemRanges ranges = ranges_of(batch, numbers);
   ForestRoom room(runtime, ranges, staging, result);
-  const InputSource source = {ranges.first_input.back(), ranges.first_constraint.back(),
-                              [&] { return gather(runtime, batch, numbers, ranges, staging.chunks); }};
   runtime.memory().begin_call();
-  ForestPipeline pipeline(runtime, primitives, source, options, batch, numbers, ranges);
-  const DeviceTriangulation made = pipeline.run();
+  runtime.use_programs(runtime::Meshes::many);
+  ForestRun run(runtime, primitives, options, batch, numbers, ranges);
+  const DeviceTriangulation made = run_steps(run, staging.chunks);
   runtime.tracer().begin_phase("copy");
   room.wait();
-  copy_forest(runtime, made, pipeline.first_triangle, pipeline.first_piece, ranges, staging, result);
+  copy_forest(runtime, made, run.first_triangle, run.first_piece, ranges, staging, result);
   runtime.tracer().end_phase();
   result.problems = std::move(numbers);
-  result.grids = std::move(pipeline.grids);
-  result.together = std::move(pipeline.together);
+  result.grids = std::move(run.grids);
+  result.together = std::move(run.together);
   result.statistics = made.statistics;
   return result;
 }

@@ -8,7 +8,7 @@
 
 #include "batch/forest_order.hpp"
 #include "device/upload.hpp"
-#include "solve/pipeline.hpp"
+#include "solve/run.hpp"
 
 namespace gcdt {
 
@@ -65,16 +65,12 @@ struct Staging {
 };
 
 /// Triangulates problems `numbers` of the batch, together at most max_vertices vertices (with 3 more per problem), in
-/// one run. `runtime` builds for forests. Throws InvalidProblems (numbers count in `numbers`), if any has an error of
+/// one run. Throws InvalidProblems (numbers count in `numbers`), if any has an error of
 /// its own or crosses under Crossing::split, and Error if something is wrong with the run.
 ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
                                 std::vector<std::uint32_t> numbers, const Options& options, Staging& staging);
 
 /// Bytes of device memory that a run of so many problems with so many vertices and constraints needs, about.
 std::uint64_t forest_bytes(std::uint64_t problems, std::uint64_t n, std::uint64_t m);
-
-/// The device's proof of a forest: check() problem by problem. `first_triangle`, `first_piece`: where each one's begin.
-void check_forest(runtime::Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces,
-                  const runtime::Buffer<cl_uint>& first_triangle, const runtime::Buffer<cl_uint>& first_piece);
 
 }  // namespace gcdt

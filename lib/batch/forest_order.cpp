@@ -7,7 +7,6 @@
 #include "mesh/grid.hpp"
 #include "mesh/phase.hpp"
 #include "order/problems.h"
-#include "phases/grow.hpp"
 
 namespace gcdt {
 
@@ -34,7 +33,11 @@ Buffer<T> upload(runtime::Runtime& runtime, const char* name, const std::vector<
 class ForestOrdering {
  public:
   ForestOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
-      : runtime_(runtime), points_(std::move(points)), ranges_(ranges), problems_(ranges.count()) {
+      : runtime_(runtime),
+        points_(std::move(points)),
+        points_count_(points_.n),
+        ranges_(ranges),
+        problems_(ranges.count()) {
     cut();
   }
 
@@ -95,9 +98,9 @@ class ForestOrdering {
   // stable. One problem is sorted by its key.
   void sort(Primitives& primitives, cl_uint n) {
     if (problems_ == 1) return primitives.sort(keys_, values_, n, morton_bits);
-    if (primitives.sorts_segments(largest()))
-      return primitives.sort_segments(keys_, values_, ranges_.first_input_buffer, problems_);
-    if (problem_by_problem(runtime_, problems_, largest(), n)) {
+    const Plan::By by = plan_of(0).sort_problems;
+    if (by == Plan::By::groups) return primitives.sort_segments(keys_, values_, ranges_.first_input_buffer, problems_);
+    if (by == Plan::By::each) {
       const auto other_keys = runtime_.allocate<cl_ulong>("other half of the keys", n);
       const auto other_values = runtime_.allocate<cl_uint>("other half of the values", n);
       runtime_.launch("arrange", "arrange_keys", runtime::over_large(problems_), problems_, ranges_.first_input_buffer,
@@ -114,7 +117,7 @@ class ForestOrdering {
     runtime_.launch("forest", "forest_key_at", over(n), n, values_, key_of_input, keys_);
   }
 
-  OrderResult number(Primitives& primitives, cl_uint n, std::uint32_t coarsest_level) {
+  OrderResult number(Primitives& primitives, cl_uint n) {
     auto before = runtime_.allocate<cl_uint>("distinct before", std::size_t{n} + 1);
     runtime_.launch("forest", "forest_mark_first", over(n), n, input_problem_, keys_, before);
     primitives.exclusive_scan(before, before, n);
@@ -124,7 +127,7 @@ class ForestOrdering {
     Vertices& vertices = result.vertices;
     vertices.roots = problems_;
     vertices.largest = largest();
-    vertices.levels = device::make_levels(distinct, coarsest(distinct, coarsest_level));
+    vertices.levels = device::make_levels(distinct, coarsest(distinct));
     vertices.levels_buffer = runtime_.allocate<device::Levels>("levels", 1);
     runtime_.write(vertices.levels_buffer, &vertices.levels, 1);
     vertices.points = runtime_.allocate<cl_int2>("points", distinct + (std::size_t{distinct} + problems_ + 4) / 2);
@@ -149,6 +152,7 @@ class ForestOrdering {
   }
 
  private:
+  Plan plan_of(cl_uint distinct) const { return make_plan(runtime_, {problems_, points_count_, distinct, largest()}); }
   cl_uint size(cl_uint p) const { return ranges_.first_input[p + 1] - ranges_.first_input[p]; }
   cl_uint largest() const {
     cl_uint most = 1;
@@ -159,10 +163,11 @@ class ForestOrdering {
   // One level where nobody needs more: numbers are ranks then, and each problem's are consecutive, as is all that they
   // bring. Else as many levels as the largest problem would have alone: the others then have their vertices in the
   // finest ones.
-  std::uint32_t coarsest(cl_uint distinct, std::uint32_t coarsest_level) const {
-    if (problem_by_problem(runtime_, problems_, largest(), distinct)) return std::max(distinct, 1u);
-    const std::uint64_t alone = std::max<cl_uint>(largest(), coarsest_level);
-    return static_cast<std::uint32_t>((std::uint64_t{distinct} * coarsest_level + alone - 1) / alone);
+  std::uint32_t coarsest(cl_uint distinct) const {
+    const Plan plan = plan_of(distinct);
+    if (plan.one_level) return std::max(distinct, 1u);
+    const std::uint64_t alone = std::max<cl_uint>(largest(), plan.coarsest_level);
+    return static_cast<std::uint32_t>((std::uint64_t{distinct} * plan.coarsest_level + alone - 1) / alone);
   }
 
   void cut() {
@@ -223,6 +228,7 @@ class ForestOrdering {
 
   runtime::Runtime& runtime_;
   InputPoints points_;
+  cl_uint points_count_;
   const ProblemRanges& ranges_;
   cl_uint problems_, chunks_ = 0;
   bool may_round_together_ = false;
@@ -235,8 +241,7 @@ class ForestOrdering {
 }  // namespace
 
 ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
-                         const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed,
-                         std::uint32_t coarsest_level) {
+                         const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed) {
   const cl_uint n = points.n;
   ForestOrdering ordering(runtime, std::move(points), ranges);
   ordering.choose_grids(fixed);
@@ -246,7 +251,7 @@ ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, Inpu
   ordering.sort(primitives, n);
   primitives.release();
   ForestOrder result;
-  result.ordered = ordering.number(primitives, n, coarsest_level);
+  result.ordered = ordering.number(primitives, n);
   result.grids = ordering.grids();
   result.together = ordering.together(result.ordered);
   result.ordered.sort_ms = sorting.end();

@@ -33,7 +33,6 @@ struct ForestOrder {
 /// As order(), problem by problem. Throws InvalidProblems (coordinate_not_finite, coordinate_outside_grid: indices
 /// {vertex, axis} in the problem), and invalid_argument for a bad fixed grid.
 ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
-                         const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed,
-                         std::uint32_t coarsest_level);
+                         const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed);
 
 }  // namespace gcdt

@@ -9,21 +9,23 @@
 
 namespace gcdt::runtime {
 
-std::string Runtime::build_options() const {
+Meshes Runtime::meshes_of(const char* program) const {
+  return info_of(program).differs_for_many ? meshes_ : Meshes::one;
+}
+
+std::string Runtime::build_options(const char* program) const {
   std::string options = "-cl-std=CL1.2";
-  // A GPU has more edges than work-items to flip them, and a work-item that flips on makes its group wait:
-  // no propagation is fastest there (bench/NOTES.md). A CPU wins by the rounds that propagation saves.
-  if (kind_ == DeviceKind::gpu) options += " -DGCDT_FLIP_CHAIN=1";
+  if (kind_ == DeviceKind::gpu) options += " -DGCDT_GPU";
   if (contiguous()) options += " -DGCDT_CONTIGUOUS";
-  if (for_forests_) options += " -DGCDT_FOREST";
+  if (meshes_of(program) == Meshes::many) options += " -DGCDT_FOREST";
   if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
   if (!hook_.options.empty()) options += " " + hook_.options;
   return options;
 }
 
 std::vector<std::string> Runtime::cache_parts(const char* program) const {
-  return {source(program), build_options(), info_.name,     info_.vendor,
-          info_.driver,    info_.version,   info_.platform, GCDT_VERSION};
+  return {source(program), build_options(program), info_.name,     info_.vendor,
+          info_.driver,    info_.version,          info_.platform, GCDT_VERSION};
 }
 
 // PoCL compiles kernels as they are launched, and keeps them in a cache of its own. Its binary of a program would have
@@ -51,7 +53,7 @@ cl::Program build_source(Runtime& runtime, const char* name) {
   });
   try {
     runtime.call("clBuildProgram", name,
-                 [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+                 [&] { return program.build({runtime.device()}, runtime.build_options(name).c_str()); });
   } catch (const Error& error) {
     std::string log;
     program.getBuildInfo(runtime.device(), CL_PROGRAM_BUILD_LOG, &log);
@@ -73,7 +75,7 @@ std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, cons
   });
   if (made != CL_SUCCESS) return std::nullopt;
   const cl_int built = runtime.attempt(
-      "clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options().c_str()); });
+      "clBuildProgram", name, [&] { return program.build({runtime.device()}, runtime.build_options(name).c_str()); });
   if (built != CL_SUCCESS) return std::nullopt;
   return program;
 }

@@ -46,13 +46,6 @@ bool loads_code_by_width(const DeviceInfo& info) {
 }
 std::atomic<int> loaded_by_width{0};  // runtimes
 
-// The program to build for the kernels of `program` where shares are contiguous: one for all that every call needs.
-const char* bundle_of(const char* program) {
-  for (const char* part :
-       {"selftest", "order", "primitives", "sort64_serial", "sort_finish", "mesh", "grow", "output", "check", "few"})
-    if (std::strcmp(part, program) == 0) return "core";
-  return program;
-}
 }  // namespace
 
 Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
@@ -133,10 +126,10 @@ void Runtime::fail(const char* name, const char* detail, cl_int code) const {
 const cl::Program& Runtime::find_program(const char* program) {
   const auto start = std::chrono::steady_clock::now();
   const std::lock_guard<std::mutex> lock(programs_->mutex);
-  auto& programs = programs_->built[for_forests_];
-  auto found = programs.find(program);
-  if (found == programs.end()) {
-    found = programs.emplace(program, build_program(*this, program)).first;
+  const auto key = std::make_pair(std::string(program), meshes_of(program));
+  auto found = programs_->built.find(key);
+  if (found == programs_->built.end()) {
+    found = programs_->built.emplace(key, build_program(*this, program)).first;
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     log(GCDT_LOG_INFORMATION, "built " + std::string(program) + " in " + std::to_string(ms) + " ms");
   }
@@ -145,11 +138,11 @@ const cl::Program& Runtime::find_program(const char* program) {
 }
 
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
-  const auto key = std::make_pair(std::string(program), std::string(kernel));
-  auto& kernels = kernels_[for_forests_];
-  auto found = kernels.find(key);
-  if (found != kernels.end()) return found->second;
-  const cl::Program& built = find_program(contiguous() ? bundle_of(program) : program);
+  const char* const whole = contiguous() ? info_of(program).bundle : program;
+  const auto key = std::make_tuple(std::string(whole), std::string(kernel), meshes_of(whole));
+  auto found = kernels_.find(key);
+  if (found != kernels_.end()) return found->second;
+  const cl::Program& built = find_program(whole);
   Kernel k;
   k.name = kernel;
   call("clCreateKernel", kernel, [&] {
@@ -160,7 +153,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   call("clGetKernelInfo", kernel, [&] { return k.handle.getInfo(CL_KERNEL_NUM_ARGS, &k.arguments); });
   call("clGetKernelWorkGroupInfo", kernel,
        [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
-  return kernels.emplace(key, std::move(k)).first->second;
+  return kernels_.emplace(key, std::move(k)).first->second;
 }
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {

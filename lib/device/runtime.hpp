@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include <gcdt/types.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "device/programs.hpp"
 #include "device/trace.hpp"
 #include "device/tuning.hpp"
 
@@ -103,10 +105,10 @@ using Log = std::function<void(int level, const char* message)>;
 
 class Download;
 
-/// What has been built in a context for a device, by name; for one triangulation, and for many.
+/// What has been built in a context for a device, by name and kind of mesh.
 struct Programs {
   std::mutex mutex;
-  std::map<std::string, cl::Program> built[2];
+  std::map<std::pair<std::string, Meshes>, cl::Program> built;
 };
 
 class Runtime {
@@ -143,6 +145,22 @@ class Runtime {
     if (buffer.allocated() && buffer.size() >= count) return;
     buffer = Buffer<T>();
     buffer = allocate<T>(name, count);
+  }
+
+  /// A new buffer that holds these.
+  template <class T>
+  Buffer<T> upload(const char* name, const T* from, std::size_t count) {
+    Buffer<T> buffer = allocate<T>(name, count);
+    write(buffer, from, count);
+    return buffer;
+  }
+  template <class T>
+  Buffer<T> upload(const char* name, const std::vector<T>& values) {
+    return upload(name, values.data(), values.size());
+  }
+  template <class T>
+  Buffer<T> upload_one(const char* name, const T& value) {
+    return upload(name, &value, 1);
   }
 
   /// Writes from host memory; the host memory may be reused on return. count 0 is fine.
@@ -249,13 +267,13 @@ class Runtime {
   DeviceKind kind() const { return kind_; }
   /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/common/loops.h).
   bool contiguous() const { return kind_ == DeviceKind::threads; }
-  /// From now on programs are those for meshes of many triangulations (kernels/common/forest.h), or of one, as at
-  /// first. Those of both kinds that have been built are kept.
-  void build_for_forests(bool forests = true) { for_forests_ = forests; }
+  /// What the meshes are from now on whose kernels are launched; at first of one triangulation. Each run says it once.
+  /// Programs of both kinds that have been built are kept.
+  void use_programs(Meshes meshes) { meshes_ = meshes; }
   /// Whether built programs go into the library's cache.
   bool keeps_programs() const;
-  /// Options that every program is built with; part of the cache key.
-  std::string build_options() const;
+  /// Options that a program is built with (device/program_table.cpp); part of the cache key.
+  std::string build_options(const char* program) const;
 
   /// The text of the embedded program. Throws device_failed if there is none of that name.
   std::string source(const char* program) const;
@@ -289,6 +307,7 @@ class Runtime {
     bool launched = false;
   };
 
+  Meshes meshes_of(const char* program) const;
   void self_test();
   void waited();
   cl_int ask_until_done(cl_event event);
@@ -326,16 +345,16 @@ class Runtime {
   std::shared_ptr<void> present_;                      ///< among the runtimes that need it
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
   std::shared_ptr<Programs> programs_;
-  std::map<std::pair<std::string, std::string>, Kernel> kernels_[2];  ///< for one triangulation, for many
+  std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
-  bool for_forests_ = false;
+  Meshes meshes_ = Meshes::one;
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;         ///< the device's own is wrong
   std::unique_ptr<Download> download_;  ///< if the context is shared: then it asks, and does not wait in the driver
 };
 
-/// Builds the embedded program `name` for the runtime's device (lib/device/programs.cpp).
+/// Builds the embedded program `name` for the runtime's device (device/programs.cpp).
 cl::Program build_program(Runtime& runtime, const char* name);
 
 /// What `device` is and has.

@@ -110,8 +110,8 @@ void Runtime::self_test() {
   if (wrong == mul_hi) {
     log(GCDT_LOG_WARNING, info_.name + " computes mul_hi wrongly: emulated");
     emulate_mul_hi_ = true;
-    programs_->built[for_forests_].clear();
-    kernels_[for_forests_].clear();
+    programs_->built.clear();
+    kernels_.clear();
     wrong = first_wrong_word(*this);
   }
   if (wrong.empty()) wrong = first_wrong_atomic(*this);

@@ -5,14 +5,6 @@
 
 namespace gcdt {
 
-namespace {
-// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before. Loops of
-// lanes end early.
-constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_of_lanes = 256;
-// Vertices of a launch of many problems: 12 ms on an H200.
-constexpr std::uint32_t most_of_a_launch = 1u << 24;
-}  // namespace
-
 Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
   Mesh mesh;
   mesh.n = n;
@@ -23,7 +15,7 @@ Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) 
   return mesh;
 }
 
-void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t faces) {
+void clear_claims(runtime::Runtime& runtime, Mesh& mesh, std::uint32_t faces) {
   runtime.launch("mesh", "mesh_clear_claims", runtime::over(faces), faces, mesh.face_data);
   mesh.claims_below = 1;
 }
@@ -31,17 +23,6 @@ void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t fac
 WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
   const std::size_t edges = device::gcdt_forest_edges(n, roots);
   return {runtime.allocate<cl_uint>("work list", edges), runtime.allocate<cl_uint>("second work list", edges)};
-}
-
-bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices) {
-  return !runtime.contiguous() && vertices.roots > 1 &&
-         vertices.largest <= (runtime.kind() == DeviceKind::lanes ? most_of_a_group_of_lanes : most_of_a_group);
-}
-
-std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices) {
-  const auto groups = static_cast<std::uint32_t>(runtime.geometry().max_groups);
-  return runtime.kind() == DeviceKind::lanes ? groups
-                                             : std::max(groups, most_of_a_launch / std::max(1u, vertices.largest));
 }
 
 unsigned bit_width(std::uint64_t value) {

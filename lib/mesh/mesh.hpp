@@ -17,8 +17,7 @@ struct Mesh {
   std::uint32_t n = 0, roots = 1;
   runtime::Buffer<cl_uint4> face_data;  ///< 2 (2n+1): corners and sides of each face
   runtime::Buffer<cl_uint> edge_faces;  ///< 2 (3n+3) face references
-  /// All claim words are below this: what the host knows of device memory, as changeable as that is.
-  mutable std::uint64_t claims_below = 0;
+  std::uint64_t claims_below = 0;       ///< all claim words are
   runtime::Buffer<cl_uint> edge_marks;  ///< 3n+3 words of mark bits
 
   std::uint32_t faces() const { return faces(n); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mesh/mesh.hpp"
+#include "mesh/plan.hpp"
 
 namespace gcdt {
 
@@ -10,7 +11,7 @@ namespace gcdt {
 Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots = 1);
 
 /// Sets the claim words of the first `faces` faces to 0.
-void clear_claims(runtime::Runtime& runtime, const Mesh& mesh, std::uint32_t faces);
+void clear_claims(runtime::Runtime& runtime, Mesh& mesh, std::uint32_t faces);
 
 /// Two lists of one word per edge of the complete mesh, used by one phase at a time.
 struct WorkLists {
@@ -18,17 +19,10 @@ struct WorkLists {
 };
 WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots = 1);
 
-/// Whether each problem of a forest is one work-group's business, which then needs no launch and no read between its
-/// rounds: where work-items are not threads' loops, and no problem is large.
-bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices);
-
-/// So many of them are one launch, which must not last for seconds on a slow device.
-std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices);
-
-/// Calls launch(begin, end) for the problems of each launch.
+/// Calls launch(begin, end) for the problems of each launch, which must not last for seconds on a slow device.
 template <class Launch>
-void for_launches(const runtime::Runtime& runtime, const Vertices& vertices, Launch&& launch) {
-  const cl_uint problems = vertices.roots, most = problems_of_launch(runtime, vertices);
+void for_launches(const Plan& plan, cl_uint problems, Launch&& launch) {
+  const cl_uint most = plan.problems_of_launch;
   for (cl_uint begin = 0; begin < problems; begin += most) launch(begin, std::min(begin + most, problems));
 }
 

@@ -162,8 +162,6 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
   if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }
 
-bool Primitives::sorts_segments(std::size_t longest) const { return walk_ == Walk::group && longest <= few_keys; }
-
 void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,
                                const Buffer<cl_uint>& first, std::size_t segments) {
   runtime_.launch("sort_finish", "sort_segments", runtime_.over_groups(segments), static_cast<cl_uint>(segments), first,

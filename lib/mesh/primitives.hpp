@@ -46,9 +46,8 @@ class Primitives {
   void sort_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                        std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
 
-  /// Whether segments of pairs, none longer than `longest`, can be sorted by sort_segments: by groups, in local memory.
-  bool sorts_segments(std::size_t longest) const;
-  /// Sorts each segment [first[s], first[s + 1]) where it stands, ascending by the whole key and stable.
+  /// Sorts each segment [first[s], first[s + 1]), of at most GCDT_SORT_SMALL pairs, where it stands, ascending by the
+  /// whole key and stable: by groups, in local memory.
   void sort_segments(const runtime::Buffer<cl_ulong>& keys, const runtime::Buffer<cl_uint>& values,
                      const runtime::Buffer<cl_uint>& first, std::size_t segments);
 

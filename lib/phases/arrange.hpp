@@ -11,8 +11,8 @@ struct ArrangedForest {
   runtime::Buffer<cl_uint> first_triangle;  ///< of each problem; P + 1
 };
 
-/// As order_triangles(), where enforces_by_problem() holds and constraints, if any, were enforced so: all at once would
-/// exchange faces between problems. Blocks once. Beside the result it needs 12 bytes a face and 8 a vertex.
+/// As order_triangles(), where Plan::output is By::each: constraints, if any, were enforced problem by problem; all at
+/// once would exchange faces between problems. Blocks once. Beside the result it needs 12 bytes a face and 8 a vertex.
 ArrangedForest arrange_problems(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
                                 const Vertices& vertices);
 

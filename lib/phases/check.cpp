@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "batch/forest.hpp"
 #include "check/check.h"
-#include "phases/few.hpp"
 
 namespace gcdt {
 
@@ -46,8 +44,10 @@ static_assert(sizeof kinds / sizeof kinds[0] == GCDT_CHECK_KINDS, "one sentence 
 
 class Checker {
  public:
-  Checker(Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces)
+  Checker(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
+          const Pieces& pieces)
       : runtime_(runtime),
+        plan_(plan),
         ordered_(ordered),
         vertices_(vertices),
         pieces_(pieces),
@@ -73,8 +73,8 @@ class Checker {
     });
   }
 
-  /// What holds for the whole holds for each problem. Numbers in messages count through the run.
-  void check_forest(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
+  /// What holds for the whole holds for each problem.
+  void check_problems(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
     check_parts([&](const Buffer<cl_uint>& next, const Buffer<cl_uint>& previous) {
       const cl_uint n = vertices_.n(), problems = vertices_.roots;
       auto hull = runtime_.allocate<cl_uint>("check hulls", problems),
@@ -104,9 +104,9 @@ class Checker {
     const cl_uint n = vertices_.n(), count = ordered_.triangles;
     auto next = runtime_.allocate<cl_uint>("check boundary", n),
          previous = runtime_.allocate<cl_uint>("check boundary", n);
-    const bool lists = runtime_.contiguous() && pieces_.count > 0;
+    const bool lists = plan_.lists_pieces && pieces_.count > 0;
     auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
-    if (are_few(runtime_, n)) {
+    if (plan_.check == Plan::By::one) {
       runtime_.launch("few", "check_few", runtime::one_group(), count, n, vertices_.levels_buffer, vertices_.points,
                       ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
                       pieces_.ends, next, previous, report_);
@@ -214,6 +214,7 @@ class Checker {
   }
 
   Runtime& runtime_;
+  const Plan& plan_;
   const OrderedMesh& ordered_;
   const Vertices& vertices_;
   const Pieces& pieces_;
@@ -225,17 +226,18 @@ class Checker {
 
 }  // namespace
 
-void check(Runtime& runtime, Primitives&, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces) {
-  Checker checker(runtime, ordered, vertices, pieces);
+void check(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
+           const Pieces& pieces) {
+  Checker checker(runtime, plan, ordered, vertices, pieces);
   if (ordered.triangles == 0)
     checker.check_empty();
   else
     checker.check_mesh();
 }
 
-void check_forest(Runtime& runtime, const OrderedMesh& ordered, const Vertices& vertices, const Pieces& pieces,
-                  const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
-  Checker(runtime, ordered, vertices, pieces).check_forest(first_triangle, first_piece);
+void check_problems(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
+                    const Pieces& pieces, const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
+  Checker(runtime, plan, ordered, vertices, pieces).check_problems(first_triangle, first_piece);
 }
 
 }  // namespace gcdt

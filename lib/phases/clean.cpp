@@ -44,7 +44,7 @@ Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertic
       count_(cl_uint(constraints.size())),
       constraints_(constraints) {}
 
-Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
+Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted) {
   const cl_uint all = wanted.empty();
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
   // Behind the flags their sum, and the first end that is no input point.
@@ -64,7 +64,7 @@ Cleaner::Kept Cleaner::keep(const std::vector<cl_uint>& wanted) {
   result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
   primitives_.compact_indices(kept, result.list, count_);
   runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, result.ends);
-  result.along_curve = runtime_.tuning().walk_along_curve.value_or(runtime_.contiguous());
+  result.along_curve = plan.along_curve;
   if (result.along_curve) put_along_curve(result);
   return result;
 }
@@ -97,14 +97,14 @@ void Cleaner::place_pieces(const Kept& kept, const Parts& parts, const runtime::
 }
 
 CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
-  const Kept kept = keep(wanted);
+  const Kept kept = keep(walked.plan, wanted);
   const std::uint64_t selected =
       wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
   CleanResult result;
   result.zero_length = selected - kept.count;
   runtime_.end_step();
   Step walking(runtime_, "walk");
-  const Parts parts = parts_by_length(runtime_, primitives_, vertices_, kept.ends, kept.count);
+  const Parts parts = parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count);
   auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
   auto crossed = runtime_.allocate<cl_uint>("faces crossed by constraints", count_);
   auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);

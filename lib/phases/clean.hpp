@@ -44,7 +44,7 @@ class Cleaner {
     runtime::Buffer<cl_uint> places;  ///< along the curve: their places if they were ascending
     bool along_curve = false;
   };
-  Kept keep(const std::vector<cl_uint>& wanted);
+  Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);
   void put_along_curve(Kept& kept);
   void place_pieces(const Kept& kept, const Parts& parts, const runtime::Buffer<cl_uint>& offsets,
                     runtime::Buffer<cl_uint>& firsts);

@@ -14,12 +14,13 @@ constexpr cl_uint chunk_length = 8;
 
 class Constraining {
  public:
-  Constraining(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
-               PhaseCounters& counters)
+  Constraining(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
+               Mesh& mesh, History& history, const Pieces& pieces, PhaseCounters& counters)
       : runtime_(runtime),
         primitives_(primitives),
-        walked_(walked),
-        mesh_(walked.mesh),
+        walked_{plan, vertices, mesh, history},
+        mesh_(mesh),
+        history_(history),
         pieces_(pieces),
         counters_(counters) {}
 
@@ -63,7 +64,7 @@ class Constraining {
     take_claims();
     near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
     runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
-    parts_ = parts_by_crossings(runtime_, primitives_, pieces_);
+    parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
     find_first_faces();
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_near", over(parts_.capacity), pieces_.count, parts_.capacity, mesh_.n,
@@ -128,7 +129,7 @@ class Constraining {
 
   // The mesh will change, so nobody needs the history any more.
   void find_holes() {
-    walked_.history = {};
+    history_ = {};
     left_total_ = counters_.last().owned_left, right_total_ = counters_.last().owned_right;
     right_begin_ = left_total_ + 2 * pieces_.count;
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
@@ -214,8 +215,9 @@ class Constraining {
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;
-  const WalkedMesh& walked_;
-  const Mesh& mesh_;
+  const WalkedMesh walked_;
+  Mesh& mesh_;
+  History& history_;
   const Pieces& pieces_;
   PhaseCounters& counters_;
   Parts parts_;
@@ -235,11 +237,11 @@ class Constraining {
 
 }  // namespace
 
-ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
-                          const Pieces& pieces, PhaseCounters& counters) {
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
+                          Mesh& mesh, History& history, const Pieces& pieces, PhaseCounters& counters) {
   counters.zero();
   if (pieces.count == 0) return {};
-  return Constraining(runtime, primitives, walked, pieces, counters).run();
+  return Constraining(runtime, primitives, plan, vertices, mesh, history, pieces, counters).run();
 }
 
 }  // namespace gcdt

@@ -20,11 +20,11 @@ struct ConstrainResult {
   std::array<std::uint32_t, 4> pairs_of_two = {};  ///< by intersection_case() of constrain.cl
 };
 
-/// Makes every piece an edge of the mesh and marks it. `walked` is the mesh with all vertices, not flipped
-/// since; afterwards it is proved to be a valid triangulation with every piece as an edge (stitch_prove,
-/// stitch_mark), or `failed` is not 0; so pieces that cross never pass. The
-/// history is released after the last walk (before `mesh_changed` is set).
-ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
-                          const Pieces& pieces, PhaseCounters& counters);
+/// Makes every piece an edge of the mesh and marks it. The mesh has all vertices, and has not been flipped since
+/// `history` was made; afterwards it is proved to be a valid triangulation with every piece as an edge (stitch_prove,
+/// stitch_mark), or `failed` is not 0; so pieces that cross never pass. The history is released after the last walk
+/// (before `mesh_changed` is set).
+ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
+                          Mesh& mesh, History& history, const Pieces& pieces, PhaseCounters& counters);
 
 }  // namespace gcdt

@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::size_t pairs_in_message = 10;
 
-// Testing all pieces with all others is one loop of a work-item over the pieces; it takes several, and loops of lanes
-// end early (docs/devices.md).
-constexpr cl_uint most_for_all = 1u << 16, most_for_all_of_lanes = 1u << 11;
-
 }  // namespace
 
 CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
@@ -37,7 +33,7 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
 // Records by face, unless testing all pairs of pieces takes fewer tests.
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
-  const Parts parts = parts_by_crossings(runtime_, primitives_, pieces_);
+  const Parts parts = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
   starts_ = runtime_.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
   auto filled = runtime_.allocate<cl_uint>("records filled", faces);
   runtime_.fill<cl_uint>(starts_, 0, std::size_t(faces) + 1);
@@ -51,10 +47,7 @@ void CrossingPieces::find_records() {
   runtime_.launch("crossings", "crossings_work", over(faces), faces, starts_, counters_.buffer());
   if (counters_.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
   const std::uint64_t by_faces = wide(counters_.last().pairs_low, counters_.last().pairs_high);
-  // In a forest, pieces of different problems must not meet: their grids are different.
-  const cl_uint most = runtime_.kind() == DeviceKind::lanes ? most_for_all_of_lanes : most_for_all;
-  all_ = walked_.vertices.roots == 1 && pieces_.count <= most &&
-         std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
+  all_ = pieces_.count <= walked_.plan.all_pairs && std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
   rows_ = pieces_.count;
   if (all_) return;
   primitives_.exclusive_scan(starts_, starts_, faces);

@@ -2,26 +2,16 @@
 #include "phases/enforce.hpp"
 
 #include "phases/clean.hpp"
-#include "phases/grow.hpp"
 
 namespace gcdt {
 
 using runtime::over;
 using runtime::over_large;
 
-namespace {
-constexpr std::uint32_t largest_problem = 1u << 14;
-}  // namespace
-
-bool enforces_by_problem(const runtime::Runtime& runtime, const Vertices& vertices) {
-  return vertices.largest <= largest_problem &&
-         problem_by_problem(runtime, vertices.roots, vertices.largest, vertices.n());
-}
-
-EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
-                               const Mesh& mesh, const ProblemRanges& ranges,
+EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Mesh& mesh,
+                               const runtime::Buffer<cl_uint>& first_constraint,
                                const runtime::Buffer<cl_uint2>& constraints, PhaseCounters& counters) {
-  const cl_uint problems = ranges.count(), given = cl_uint(constraints.size());
+  const cl_uint problems = vertices.roots, given = cl_uint(constraints.size());
   counters.zero();
   EnforceResult result;
   auto vertex_face = runtime.allocate<cl_uint>("faces of vertices", mesh.n);
@@ -30,7 +20,7 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
     auto crossed = runtime.allocate<cl_uint4>("crossed faces", mesh.faces());
     auto stack = runtime.allocate<cl_uint4>("stacks of chains", mesh.faces());
     runtime.launch("enforce", "enforce_problems", over_large(problems), problems, mesh.n, vertices.points,
-                   mesh.face_data, mesh.edge_faces, ranges.first_constraint_buffer, constraints, vertices.input_vertex,
+                   mesh.face_data, mesh.edge_faces, first_constraint, constraints, vertices.input_vertex,
                    mesh.edge_marks, vertex_face, crossed, stack, offsets, counters.buffer());
   }
   const device::Counters c = counters.read();
@@ -52,8 +42,8 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
     auto unsorted_keys = runtime.allocate<cl_ulong>("unsorted keys of pieces", count);
     auto unsorted_sources = runtime.allocate<cl_uint>("unsorted sources of pieces", count);
     runtime.launch("enforce", "enforce_pieces", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
-                   mesh.edge_faces, ranges.first_constraint_buffer, constraints, vertices.input_vertex, vertex_face,
-                   offsets, places, unsorted_keys, unsorted_sources, keys, sources);
+                   mesh.edge_faces, first_constraint, constraints, vertices.input_vertex, vertex_face, offsets, places,
+                   unsorted_keys, unsorted_sources, keys, sources);
   }
   auto firsts = runtime.allocate<cl_uint>("first pieces", std::size_t{count} + 1);
   runtime.launch("order", "mark_first", over(count), count, keys, firsts);

@@ -7,17 +7,16 @@ namespace gcdt {
 
 namespace {
 
-// The group's loops end within what lanes allow: 16 rounds of 4 tiles, each with 32 flips of a chain and their edges.
-constexpr std::uint32_t edges_of_lanes = 256, rounds_of_lanes = 16;
 // Edges that a work-item of a sweep looks at.
 constexpr std::uint32_t sweep_items = 4;
 
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
  public:
-  Flipping(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+  Flipping(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh, const WorkLists& lists,
            PhaseCounters& counters, std::uint32_t vertices_in_mesh)
       : runtime_(runtime),
+        plan_(plan),
         vertices_(vertices),
         mesh_(mesh),
         lists_(lists),
@@ -34,7 +33,7 @@ class Flipping {
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
-    const bool swept = edges_ >= runtime_.tuning().least_sweep;
+    const bool swept = edges_ >= plan_.least_sweep;
     if (swept) sweep(ticker);
     runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!swept), edges_, round_, mesh_.edge_marks,
                     lists_.first, counters_.buffer());
@@ -50,8 +49,8 @@ class Flipping {
     FlipResult result;
     for (;; counters_.zero()) {
       renew_stamps();
-      const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), rounds_of_group());
-      for_launches(runtime_, vertices_, [&](cl_uint begin, cl_uint end) {
+      const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), plan_.group_flip_rounds);
+      for_launches(plan_, vertices_.roots, [&](cl_uint begin, cl_uint end) {
         runtime_.launch("flip", "flip_problems", runtime_.over_groups(end - begin), begin, end, stamp, stamps_.bits(),
                         most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
                         lists_.first, lists_.second, lengths, counters_.buffer());
@@ -72,7 +71,7 @@ class Flipping {
     std::uint64_t total = round_;
     while (pending > 0) {
       const std::uint32_t rounds_before = counters_.last().rounds;
-      const std::uint32_t launched = pending <= edges_of_group() ? rounds_in_one_group() : rounds_wide(pending);
+      const std::uint32_t launched = pending <= plan_.group_edges ? rounds_in_one_group() : rounds_wide(pending);
       const device::Counters& c = counters_.read();
       const std::uint32_t in_group = c.rounds - rounds_before;
       round_ += in_group;
@@ -88,8 +87,8 @@ class Flipping {
  private:
   // Rounds by sweeps. The first takes all edges. Ends: see run().
   void sweep(Ticker& ticker) {
-    for (std::uint32_t illegal = edges_; illegal > edges_ / runtime_.tuning().sweep_share;) {
-      for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
+    for (std::uint32_t illegal = edges_; illegal > edges_ / plan_.sweep_share;) {
+      for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
         launch("flip_sweep", edges_ / sweep_items, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
@@ -99,15 +98,6 @@ class Flipping {
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
       check(round_, ticker);
     }
-  }
-
-  std::uint32_t edges_of_group() const {
-    const std::uint32_t most = runtime_.tuning().one_group_edges;
-    return runtime_.kind() == DeviceKind::lanes ? std::min(most, edges_of_lanes) : most;
-  }
-  std::uint32_t rounds_of_group() const {
-    const std::uint32_t most = runtime_.tuning().rounds_of_group;
-    return runtime_.kind() == DeviceKind::lanes ? std::min(most, rounds_of_lanes) : most;
   }
 
   void check(std::uint64_t rounds, Ticker& ticker) const {
@@ -129,19 +119,19 @@ class Flipping {
 
   // Launches are as wide as the list was when last read; lists shrink, and a longer one is only slower.
   std::uint32_t rounds_wide(std::uint32_t pending) {
-    for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
+    for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
       launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
       launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
     }
-    return runtime_.tuning().rounds_per_read;
+    return plan_.rounds_per_read;
   }
 
   // How many rounds were done stands in the counters.
   std::uint32_t rounds_in_one_group() {
     renew_stamps();
-    const cl_uint most = std::min(stamps_.left(), rounds_of_group());
+    const cl_uint most = std::min(stamps_.left(), plan_.group_flip_rounds);
     runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
                     most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
                     lists_.second, counters_.buffer());
@@ -155,8 +145,9 @@ class Flipping {
   }
 
   runtime::Runtime& runtime_;
+  const Plan& plan_;
   const Vertices& vertices_;
-  const Mesh& mesh_;
+  Mesh& mesh_;
   const WorkLists& lists_;
   PhaseCounters& counters_;
   cl_uint faces_, edges_;
@@ -167,16 +158,17 @@ class Flipping {
 
 }  // namespace
 
-FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
+FlipResult flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
   counters.zero();
-  Flipping flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh);
-  return one_group_each(runtime, vertices) ? flipping.by_problem(ticker) : flipping.run(ticker);
+  Flipping flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh);
+  return plan.problems == Plan::By::groups ? flipping.by_problem(ticker) : flipping.run(ticker);
 }
 
-FlipResult flip_queued(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                       PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
-  return Flipping(runtime, vertices, mesh, lists, counters, vertices_in_mesh)
+FlipResult flip_queued(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                       const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh,
+                       Ticker& ticker) {
+  return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh)
       .finish(counters.last().list_test[0], ticker);
 }
 

@@ -13,12 +13,12 @@ struct FlipResult {
 
 /// Makes the mesh of the first `vertices_in_mesh` finite vertices (constrained) Delaunay with the tie rule.
 /// The mesh must be valid. Throws round_limit.
-FlipResult flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
+FlipResult flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
 
 /// The same where only the edges of the list `lists.first` may be illegal, all of them marked as queued: as many as
 /// the counters that were just read say in list_test[0]. What the mesh knows of claims is right, and stays so.
-FlipResult flip_queued(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                       PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
+FlipResult flip_queued(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                       const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
 
 }  // namespace gcdt

@@ -10,8 +10,8 @@ namespace {
 // Levels up to so many vertices are inserted by one work-item, one after the other: less than a thread's share of
 // them is worth a launch.
 constexpr std::uint32_t alone = 4096;
-// Vertices of a share at least, and shares for each unit: every border between shares is inserted again.
-constexpr std::uint32_t least_vertices = 1024, shares_per_unit = 4;
+// Vertices of a share at least: every border between shares is inserted again.
+constexpr std::uint32_t least_vertices = 1024;
 // What shares leave lies along the borders between them: the next round joins so many, four cells of the curve to one.
 constexpr std::uint32_t joined = 4;
 constexpr std::uint32_t walk_beside_others = 4096;
@@ -24,18 +24,21 @@ Stamps stamps_of(const runtime::Runtime& runtime, const Mesh& mesh) {
 /// The insertion of consecutive vertices, round by round.
 class Growth {
  public:
-  Growth(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
+  Growth(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh, const WorkLists& lists,
          PhaseCounters& counters, Ticker& ticker)
-      : runtime_(runtime), vertices_(vertices), mesh_(mesh), lists_(lists), counters_(counters), ticker_(ticker) {
-    const std::uint32_t units = std::max(1u, runtime_.info().compute_units);
-    most_shares_ = units * shares_per_unit;
-    left_ = runtime.allocate<cl_uint>("vertices left", mesh.n);
-    left_of_ = runtime.allocate<cl_uint>("vertices left of shares", most_shares_);
-  }
+      : runtime_(runtime),
+        plan_(plan),
+        vertices_(vertices),
+        mesh_(mesh),
+        lists_(lists),
+        counters_(counters),
+        ticker_(ticker),
+        left_(runtime.allocate<cl_uint>("vertices left", mesh.n)),
+        left_of_(runtime.allocate<cl_uint>("vertices left of shares", plan.grown_shares)) {}
 
   /// Ends: a round of one work-item leaves nothing, and each has fewer than the one before.
   void insert(std::uint32_t begin, std::uint32_t end, std::uint32_t level) {
-    const cl_uint segments = begin == 0 ? 1 : std::clamp((end - begin) / least_vertices, 1u, most_shares_);
+    const cl_uint segments = begin == 0 ? 1 : std::clamp((end - begin) / least_vertices, 1u, plan_.grown_shares);
     std::uint32_t left = end - begin;
     for (cl_uint step = 1, step_before = 1; left > 0; step_before = step, step *= joined) {
       if (left < least_vertices) step = std::max(step, segments);
@@ -89,7 +92,7 @@ class Growth {
     ++result.rounds;
     add(c);
     if (c.list_test[0] > 0) {
-      const FlipResult flipped = flip_queued(runtime_, vertices_, mesh_, lists_, counters_, end, ticker_);
+      const FlipResult flipped = flip_queued(runtime_, plan_, vertices_, mesh_, lists_, counters_, end, ticker_);
       result.flips.rounds += flipped.rounds;
       result.flips.flips += flipped.flips;
     }
@@ -98,27 +101,22 @@ class Growth {
   }
 
   runtime::Runtime& runtime_;
+  const Plan& plan_;
   const Vertices& vertices_;
-  const Mesh& mesh_;
+  Mesh& mesh_;
   const WorkLists& lists_;
   PhaseCounters& counters_;
   Ticker& ticker_;
-  std::uint32_t most_shares_;
   runtime::Buffer<cl_uint> left_, left_of_;
 };
 
 }  // namespace
 
-bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
-                        std::uint32_t n) {
-  return runtime.contiguous() && problems > 1 && std::uint64_t{largest} * runtime.info().compute_units <= n;
-}
-
-GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                PhaseCounters& counters, std::uint32_t end, Ticker& ticker) {
-  Growth growth(runtime, vertices, mesh, lists, counters, ticker);
+GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                const WorkLists& lists, PhaseCounters& counters, std::uint32_t end, Ticker& ticker) {
+  Growth growth(runtime, plan, vertices, mesh, lists, counters, ticker);
   mesh.claims_below = 1;
-  if (problem_by_problem(runtime, vertices.roots, vertices.largest, mesh.n)) {
+  if (plan.problems == Plan::By::each) {
     growth.insert_problems();
     return growth.result;
   }
@@ -136,8 +134,8 @@ GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh&
   return growth.result;
 }
 
-FlipResult grow_flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                     PhaseCounters& counters, Ticker& ticker) {
+FlipResult grow_flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                     const WorkLists& lists, PhaseCounters& counters, Ticker& ticker) {
   counters.zero();
   Stamps stamps = stamps_of(runtime, mesh);
   stamps.go_on_above(mesh.claims_below);
@@ -152,7 +150,7 @@ FlipResult grow_flip(runtime::Runtime& runtime, const Vertices& vertices, const 
   const device::Counters c = counters.read();
   FlipResult result{1, wide(c.flips_low, c.flips_high)};
   if (c.list_test[0] > 0) {
-    const FlipResult rest = flip_queued(runtime, vertices, mesh, lists, counters, mesh.n, ticker);
+    const FlipResult rest = flip_queued(runtime, plan, vertices, mesh, lists, counters, mesh.n, ticker);
     result.rounds += rest.rounds;
     result.flips += rest.flips;
   }

@@ -13,18 +13,13 @@ struct GrowResult {
   FlipResult flips;
 };
 
-/// Whether each problem of a forest is one work-item's business: work-items are threads' loops, and problems enough to
-/// share out. `largest`: vertices of the largest; n: of all.
-bool problem_by_problem(const runtime::Runtime& runtime, std::uint32_t problems, std::uint32_t largest,
-                        std::uint32_t n);
-
 /// Makes the mesh, whatever it holds, that of the symbolic triangles and of all vertices below `end`, the first of a
 /// level, if there are any. After: the mesh is Delaunay, and no edge is constrained. Throws round_limit.
-GrowResult grow(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                PhaseCounters& counters, std::uint32_t end, Ticker& ticker);
+GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                const WorkLists& lists, PhaseCounters& counters, std::uint32_t end, Ticker& ticker);
 
 /// As flip(): makes a valid mesh of all vertices (constrained) Delaunay.
-FlipResult grow_flip(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const WorkLists& lists,
-                     PhaseCounters& counters, Ticker& ticker);
+FlipResult grow_flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                     const WorkLists& lists, PhaseCounters& counters, Ticker& ticker);
 
 }  // namespace gcdt

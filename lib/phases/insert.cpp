@@ -15,9 +15,10 @@ constexpr std::uint32_t round_limit = 1u << 20;
 /// One level's rounds. Round `round_` has its votes cast whenever a member function is entered.
 class LevelInsertion {
  public:
-  LevelInsertion(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, const History& history,
-                 const WorkLists& lists, PhaseCounters& counters, std::uint32_t candidates)
+  LevelInsertion(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                 const History& history, const WorkLists& lists, PhaseCounters& counters, std::uint32_t candidates)
       : runtime_(runtime),
+        plan_(plan),
         vertices_(vertices),
         mesh_(mesh),
         history_(history),
@@ -39,10 +40,10 @@ class LevelInsertion {
     freeze();
     const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
     for (std::uint32_t left_before = 0; remaining_ > 0;) {
-      for_launches(runtime_, vertices_, [&](cl_uint begin, cl_uint end) {
+      for_launches(plan_, vertices_.roots, [&](cl_uint begin, cl_uint end) {
         launch("insert_problems", runtime_.over_groups(end - begin),
-               std::forward_as_tuple(begin, end, history_.level, round_, stamps_.bits(),
-                                     runtime_.tuning().rounds_of_group, vertices_.levels_buffer),
+               std::forward_as_tuple(begin, end, history_.level, round_, stamps_.bits(), plan_.group_rounds,
+                                     vertices_.levels_buffer),
                list(0), list(1), lengths, counters_.buffer());
       });
       const device::Counters& c = counters_.read();
@@ -58,10 +59,10 @@ class LevelInsertion {
   /// Ends: see round_limit.
   std::uint64_t finish(Ticker& ticker) {
     while (remaining_ > 0) {
-      if (remaining_ <= runtime_.tuning().one_group_vertices)
+      if (remaining_ <= plan_.group_vertices)
         rounds_in_one_group();
       else
-        for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i) round();
+        for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i) round();
       const device::Counters& c = counters_.read();
       round_ += c.rounds - rounds_seen_;
       stamps_.take(c.rounds - rounds_seen_);
@@ -96,7 +97,7 @@ class LevelInsertion {
 
   void rounds_in_one_group() {
     renew_stamps(1);
-    const cl_uint most = std::min(stamps_.left(), runtime_.tuning().rounds_of_group);
+    const cl_uint most = std::min(stamps_.left(), plan_.group_rounds);
     launch("insert_rounds", runtime::one_group(), std::make_tuple(round_, stamps_.current(), stamps_.bits(), most),
            list(0), list(1), counters_.buffer());
   }
@@ -128,8 +129,9 @@ class LevelInsertion {
   const runtime::Buffer<cl_uint>& list(cl_uint round) const { return round & 1 ? lists_.second : lists_.first; }
 
   runtime::Runtime& runtime_;
+  const Plan& plan_;
   const Vertices& vertices_;
-  const Mesh& mesh_;
+  Mesh& mesh_;
   const History& history_;
   const WorkLists& lists_;
   PhaseCounters& counters_;
@@ -154,7 +156,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
   return history;
 }
 
-History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
+History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh) {
   History history;
   history.level = vertices.levels.count;
   history.begin = history.end = mesh.n;
@@ -171,21 +173,22 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, const Me
   return history;
 }
 
-void insert_root(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh) {
+void insert_root(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh) {
   runtime.fill<cl_uint>(mesh.edge_marks, 0, mesh.edges());
   runtime.launch("mesh", "mesh_root", runtime::over(mesh.roots), mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces);
 }
 
-std::uint64_t insert_level(runtime::Runtime& runtime, const Vertices& vertices, const Mesh& mesh, History& history,
-                           const WorkLists& lists, PhaseCounters& counters, unsigned level, Ticker& ticker) {
+std::uint64_t insert_level(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                           History& history, const WorkLists& lists, PhaseCounters& counters, unsigned level,
+                           Ticker& ticker) {
   history.level = level;
   history.begin = vertices.levels.begin[level];
   history.end = vertices.levels.begin[level + 1];
   counters.zero();
-  if (one_group_each(runtime, vertices))
-    return LevelInsertion(runtime, vertices, mesh, history, lists, counters, vertices.largest).by_problem(ticker);
-  LevelInsertion insertion(runtime, vertices, mesh, history, lists, counters, history.end - history.begin);
+  if (plan.problems == Plan::By::groups)
+    return LevelInsertion(runtime, plan, vertices, mesh, history, lists, counters, vertices.largest).by_problem(ticker);
+  LevelInsertion insertion(runtime, plan, vertices, mesh, history, lists, counters, history.end - history.begin);
   insertion.locate();
   return insertion.finish(ticker);
 }

@@ -8,7 +8,6 @@
 #include "mesh/grid.hpp"
 #include "mesh/phase.hpp"
 #include "order/few.h"
-#include "phases/few.hpp"
 
 namespace gcdt {
 
@@ -235,11 +234,12 @@ InputPoints stage(runtime::Runtime& runtime, Points points) {
   return staged;
 }
 
-OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
-                  const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level) {
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
+                  const std::optional<FixedGrid>& fixed) {
+  const std::uint32_t coarsest_level = plan.coarsest_level;
   const cl_uint n = points.n;
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
-  if (are_few(runtime, n)) return order_few(runtime, std::move(points), fixed, coarsest_level);
+  if (plan.order == Plan::By::one) return order_few(runtime, std::move(points), fixed, coarsest_level);
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
   if (!may_round_together(keys.grid)) points = {};
   runtime.end_step();

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "mesh/mesh.hpp"
+#include "mesh/plan.hpp"
 #include "mesh/primitives.hpp"
 #include "phases/given.hpp"
 
@@ -35,16 +36,16 @@ struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives
   RoundedTogether together;  ///< of these, those that were given elsewhere; of a forest not set
-  /// Wall time of sorting and numbering, which `core` of the statistics includes; with few.hpp, of surveying and
+  /// Wall time of sorting and numbering, which `core` of the statistics includes; with Plan::By::one, of surveying and
   /// quantising, too.
   double sort_ms = 0;
 };
 
 /// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level
-/// (make_levels(n, coarsest_level)). Throws invalid_argument (a bad fixed grid), coordinate_not_finite and
+/// (make_levels(n, plan.coarsest_level)). Throws invalid_argument (a bad fixed grid), coordinate_not_finite and
 /// coordinate_outside_grid (indices {vertex, axis}, the least such vertex). `points`, at most max_vertices, are
 /// released as soon as their keys are made, unless rounding may have made some one: then these are counted.
-OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
-                  const std::optional<FixedGrid>& fixed, std::uint32_t coarsest_level);
+OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
+                  const std::optional<FixedGrid>& fixed);
 
 }  // namespace gcdt

@@ -3,7 +3,6 @@
 
 #include "device/step.hpp"
 #include "mesh/phase.hpp"
-#include "phases/few.hpp"
 
 namespace gcdt {
 
@@ -79,9 +78,9 @@ OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertic
 
 }  // namespace
 
-OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
-                            bool canonical) {
-  if (canonical && mesh.n >= 3 && are_few(runtime, mesh.n)) {
+OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
+                            const Vertices& vertices, bool canonical) {
+  if (canonical && mesh.n >= 3 && plan.output == Plan::By::one) {
     primitives.release();
     return order_few(runtime, mesh, vertices);
   }
@@ -103,11 +102,12 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Mesh
   return ordered;
 }
 
-Buffer<cl_uint> number_by_input(Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered, Pieces& pieces) {
+Buffer<cl_uint> number_by_input(Runtime& runtime, const Plan& plan, const Vertices& vertices, OrderedMesh& ordered,
+                                Pieces& pieces) {
   const auto inputs = static_cast<cl_uint>(vertices.input_vertex.size());
   const cl_uint ends = 2 * pieces.count;
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
-  if (inputs != 0 && are_few(runtime, inputs)) {
+  if (inputs != 0 && plan.number == Plan::By::one) {
     runtime.launch("few", "number_few", runtime::one_group(), inputs, cl_uint{3 * ordered.triangles}, ends,
                    vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners, pieces.ends,
                    pieces.source_offsets);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mesh/mesh.hpp"
+#include "mesh/plan.hpp"
 #include "mesh/primitives.hpp"
 
 namespace gcdt {
@@ -15,21 +16,21 @@ struct OrderedMesh {
   runtime::Buffer<cl_int> neighbours;     ///< 3T: [3t + k] is across from corner k; -1: none
   runtime::Buffer<cl_uchar> constrained;  ///< T: bit k tells of the edge across from corner k
   /// Wall time of finding the finite faces and of writing all this from them, which `core` of the statistics includes;
-  /// sorting is not in it, but where one work-item, or one a problem, does all of it (few.hpp, arrange.hpp).
+  /// sorting is not in it, but where one work-item, or one a problem, does all of it (Plan::output).
   double gather_ms = 0;
 };
 
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it
 /// needs 24 bytes a face while sorting, then 8; the scratch of `primitives` is released.
 /// Not `canonical`: in any order, with any corner first; cheaper, 12 bytes a face.
-OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
+OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
                             const Vertices& vertices, bool canonical = true);
 
 /// Replaces the corners of `ordered` and the ends of pieces, so far vertices, by input numbers, and returns the
 /// representative of each input point. vertices.input_vertex has exactly one element per input point. Afterwards
 /// `ordered` no longer holds vertices, as check() wants them. Without pieces it writes the one source offset, 0.
-runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered,
-                                         Pieces& pieces);
+runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices,
+                                         OrderedMesh& ordered, Pieces& pieces);
 
 /// Replaces the corners of `ordered`, so far vertices, by input numbers.
 void number_corners(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);

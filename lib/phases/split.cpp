@@ -103,7 +103,7 @@ void Splitter::keep_distinct(Buffer<cl_ulong> keys, Buffer<cl_uint> numbers, con
   runtime_.launch("split", "split_least_second", over(count), count, numbers, firsts, named, least_);
 }
 
-Vertices Splitter::add(Vertices vertices, std::uint32_t coarsest_level) {
+Vertices Splitter::add(Vertices vertices) {
   auto fresh = runtime_.allocate<cl_uint>("new pixels", std::size_t(distinct_) + 1);
   runtime_.launch("split", "split_is_new", over(distinct_), distinct_, vertices.levels_buffer, vertices.points, keys_,
                   fresh);
@@ -125,13 +125,14 @@ Vertices Splitter::add(Vertices vertices, std::uint32_t coarsest_level) {
   vertices = {};
   keys_ = {};
   least_ = {};
-  Vertices all = order(runtime_, primitives_, std::move(joined), FixedGrid{}, coarsest_level).vertices;
+  const Plan plan = make_plan(runtime_, {1, joined.n, joined.n});
+  Vertices all = order(runtime_, primitives_, plan, std::move(joined), FixedGrid{}).vertices;
   all.grid = grid;
   all.decimals = decimals;
   return all;
 }
 
-const Buffer<cl_uint2>& Splitter::route(const Vertices& vertices) {
+const Buffer<cl_uint2>& Splitter::route(const Plan& plan, const Vertices& vertices) {
   const cl_uint n = vertices.n();
   auto offsets_of_marked = runtime_.allocate<cl_uint>("marked before", std::size_t(count_) + 1);
   primitives_.exclusive_scan(touched_, offsets_of_marked, count_);
@@ -143,7 +144,7 @@ const Buffer<cl_uint2>& Splitter::route(const Vertices& vertices) {
   auto codes = runtime_.allocate<cl_ulong>("codes by rank", n);
   runtime_.launch("split", "split_codes", over(n), n, vertices.levels_buffer, vertices.points, codes);
 
-  const Parts parts = parts_by_length(runtime_, primitives_, vertices, ends, marked_);
+  const Parts parts = parts_by_length(runtime_, primitives_, plan, vertices, ends, marked_);
   auto offsets = runtime_.allocate<cl_uint>("vertices of parts", std::size_t(parts.capacity) + 1);
   auto areas = runtime_.allocate<cl_ulong>("areas of parts", parts.capacity);
   auto total = runtime_.allocate<cl_uint>("vertices of all parts", 2);

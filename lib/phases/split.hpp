@@ -26,11 +26,11 @@ class Splitter {
 
   /// Once, after find: `vertices` and the added ones, ordered anew; their grid is kept. Input numbers of added vertices
   /// follow those of the input. Throws too_many_vertices.
-  Vertices add(Vertices vertices, std::uint32_t coarsest_level);
+  Vertices add(Vertices vertices);
 
   /// The links into which the marked constraints are routed, and the other constraints as they are: pairs of
   /// input numbers, by constraint, in order along each.
-  const runtime::Buffer<cl_uint2>& route(const Vertices& vertices);
+  const runtime::Buffer<cl_uint2>& route(const Plan& plan, const Vertices& vertices);
 
   /// Marks the constraints that own crossing pieces of links. Returns how many were not marked before.
   std::uint32_t mark(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters);

@@ -4,18 +4,11 @@
 namespace gcdt {
 
 namespace {
-// A GPU wants some hundred thousand work-items; a CPU only enough to even out its threads' load.
-constexpr cl_uint gpu_pool = 1u << 17, cpu_pool_per_unit = 512;
-// Parts that even the shortest total length gets: keeps a few long pieces on many work-items.
-constexpr cl_uint gpu_least = 4096, cpu_least = 64;
-
 // Crossed faces are about (total weight >> shift) * factor. `walked` is not read unless `again`.
-Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
-                 cl_uint pieces, cl_uint shift, cl_uint factor, cl_uint again,
+Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                 const runtime::Buffer<cl_uint>& weights, cl_uint pieces, cl_uint shift, cl_uint factor, cl_uint again,
                  const runtime::Buffer<cl_uint2>& walked) {
-  const bool gpu = runtime.kind() == DeviceKind::gpu;
-  const cl_uint pool = gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, runtime.info().compute_units),
-                most = runtime.tuning().part_pool.value_or(pool), least = std::min(most, gpu ? gpu_least : cpu_least);
+  const cl_uint least = plan.least_parts, most = plan.most_parts;
   Parts parts;
   parts.capacity = pieces + (again ? 2 * most : most);
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
@@ -23,24 +16,24 @@ Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtim
   runtime.fill<cl_uint>(total, 0, 2);
   runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
   runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor,
-                 cl_uint{runtime.tuning().crossings_per_part}, weights, total, again, walked, parts.begins);
+                 cl_uint{plan.crossings_per_part}, weights, total, again, walked, parts.begins);
   primitives.exclusive_scan(parts.begins, parts.begins, pieces);
   return parts;
 }
 
 }  // namespace
 
-Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
                       const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
   cl_uint root = 1;
   while (std::uint64_t(root) * root < device::gcdt_face_count(vertices.n())) ++root;
   auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
   runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
-  return make_parts(runtime, primitives, lengths, pieces, 31, root, 0, ends);
+  return make_parts(runtime, primitives, plan, lengths, pieces, 31, root, 0, ends);
 }
 
-Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Pieces& pieces) {
-  return make_parts(runtime, primitives, pieces.walked.weights, pieces.count, 0, 1, 1, pieces.walked.parts);
+Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Pieces& pieces) {
+  return make_parts(runtime, primitives, plan, pieces.walked.weights, pieces.count, 0, 1, 1, pieces.walked.parts);
 }
 
 }  // namespace gcdt

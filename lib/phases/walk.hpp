@@ -12,9 +12,10 @@ namespace gcdt {
 
 /// The mesh as it is after its last insertion and before any flip, with what locates points in it.
 struct WalkedMesh {
+  const Plan& plan;
   const Vertices& vertices;
   const Mesh& mesh;
-  History& history;
+  const History& history;
 
   /// Launches a kernel whose arguments are `first`, then GCDT_WALK_PARAMETERS, then `last`.
   template <class First, class... Last>
@@ -35,10 +36,10 @@ struct Parts {
   cl_uint capacity = 0;             ///< parts at most; how many there are stands in begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
-Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
                       const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
 /// With the weights of the pieces: what was counted when their constraints were cleaned. A mesh is seldom filled
 /// evenly.
-Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Pieces& pieces);
+Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Pieces& pieces);
 
 }  // namespace gcdt

@@ -2,7 +2,7 @@
 // A result made of a mesh that is there already (kernels/query/adopt.cl).
 #pragma once
 
-#include "solve/pipeline.hpp"
+#include "phases/triangulation.hpp"
 
 namespace gcdt {
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "phases/locate.hpp"
-#include "solve/pipeline.hpp"
+#include "phases/triangulation.hpp"
 
 namespace gcdt {
 

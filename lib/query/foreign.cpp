@@ -47,8 +47,9 @@ Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& ve
 
 void check_foreign(Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
                    const MeshView& mesh, const std::optional<FixedGrid>& grid) {
+  const auto n = static_cast<std::uint32_t>(points.size());
   const Vertices vertices =
-      order(runtime, primitives, stage(runtime, points), grid, runtime.tuning().coarsest_level).vertices;
+      order(runtime, primitives, make_plan(runtime, {1, n, n}), stage(runtime, points), grid).vertices;
   const Pieces pieces = order_pieces(runtime, primitives, vertices, constraints);
   primitives.release();
   OrderedMesh ordered;
@@ -65,7 +66,7 @@ void check_foreign(Runtime& runtime, Primitives& primitives, Points points, Cons
                    static_cast<cl_uint>(vertices.input_vertex.size()), vertices.input_vertex, vertices.vertex_input,
                    ordered.corners);
   }
-  check(runtime, primitives, ordered, vertices, pieces);
+  check(runtime, make_plan(runtime, vertices), ordered, vertices, pieces);
 }
 
 }  // namespace gcdt

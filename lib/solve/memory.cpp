@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mesh/mesh.hpp"
+#include "solve/memory.hpp"
 
 namespace gcdt {
 

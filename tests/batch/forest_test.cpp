@@ -8,6 +8,7 @@
 #include "batch_cases.hpp"
 #include "device_list.hpp"
 #include "opencl_app.hpp"
+#include "solve/triangulate.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -21,12 +22,8 @@ struct Device {
   runtime::Runtime runtime;
   Primitives primitives;
   explicit Device(const cl::Device& device, const runtime::CallHook& hook = {})
-      : runtime(device, hook), primitives(runtime) {
-    runtime.build_for_forests();
-  }
-  Device(const cl::Device& device, Primitives::Walk walk) : runtime(device), primitives(runtime, walk) {
-    runtime.build_for_forests();
-  }
+      : runtime(device, hook), primitives(runtime) {}
+  Device(const cl::Device& device, Primitives::Walk walk) : runtime(device), primitives(runtime, walk) {}
 };
 
 Device* other_device = nullptr;
@@ -257,8 +254,7 @@ TEST_CASE("programs that were built for one problem are built anew for forests")
   const InputSource source = {points.size(), constraints.size, [&] {
                                 return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                               }};
-  Pipeline(runtime, primitives, source, {}).run();
-  runtime.build_for_forests();
+  gcdt::triangulate(runtime, primitives, source, Options());
   const RaggedBatch batch({problem, problem, problem});
   Staging staging(runtime);
   const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1, 2}, {}, staging);
@@ -270,7 +266,6 @@ TEST_CASE("results are the same in room that was made beforehand, whether it is 
   runtime::CallHook hook;
   hook.tuning.prepares_host_memory = true;
   runtime::Runtime runtime(app_device(), hook);
-  runtime.build_for_forests();
   Primitives primitives(runtime);
   Staging staging(runtime);
   // Triangles nearly as many as room for them; on a line, none; and more pieces than constraints.

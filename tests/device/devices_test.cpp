@@ -10,7 +10,7 @@
 
 #include "cache_folder.hpp"
 #include "device_list.hpp"
-#include "solve/pipeline.hpp"
+#include "solve/triangulate.hpp"
 
 using namespace gcdt;
 
@@ -146,7 +146,7 @@ void triangulate_few(runtime::Runtime& runtime, Primitives& primitives) {
         return DeviceInput{stage(runtime, points), runtime.allocate<cl_uint2>("constraints", 0)};
       }};
   const Options options;
-  const DeviceTriangulation made = Pipeline(runtime, primitives, source, options).run();
+  const DeviceTriangulation made = gcdt::triangulate(runtime, primitives, source, options);
   CHECK(made.mesh.triangles == 4);
 }
 

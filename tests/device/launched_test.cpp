@@ -52,7 +52,7 @@ Launched launched() {
     for (std::string line; std::getline(in, line);) {
       const std::string name = line.substr(0, line.find(' '));
       found.by_any.insert(name);
-      if (line.find("-DGCDT_FLIP_CHAIN=1") != std::string::npos) found.by_gpus.insert(name);
+      if (line.find("-DGCDT_GPU") != std::string::npos) found.by_gpus.insert(name);
     }
   }
   return found;

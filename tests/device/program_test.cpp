@@ -109,9 +109,30 @@ TEST_CASE("every embedded program builds without a warning on every device, mul_
       for (std::size_t i = 0; i < runtime::kernel_source_count; ++i) {
         CAPTURE(runtime.info().name);
         CAPTURE(runtime::kernel_sources[i].program);
-        CHECK_NOTHROW(runtime::build_program(runtime, runtime::kernel_sources[i].program));
+        const char* const program = runtime::kernel_sources[i].program;
+        runtime.use_programs(runtime::Meshes::one);
+        CHECK_NOTHROW(runtime::build_program(runtime, program));
+        runtime.use_programs(runtime::Meshes::many);
+        if (runtime::info_of(program).differs_for_many) CHECK_NOTHROW(runtime::build_program(runtime, program));
       }
     }
+}
+
+TEST_CASE("the table of programs has those that are embedded, and what their texts say of them") {
+  std::map<std::string, std::string> texts;
+  for (std::size_t i = 0; i < runtime::kernel_source_count; ++i)
+    texts[runtime::kernel_sources[i].program] = runtime::kernel_sources[i].text;
+  for (const auto& [name, text] : texts) {
+    CAPTURE(name);
+    const runtime::ProgramInfo& info = runtime::info_of(name.c_str());
+    const auto has = [&text = text](const char* words) { return text.find(words) != std::string::npos; };
+    CHECK(info.differs_for_many == (has("#ifdef GCDT_FOREST") && !has("#define GCDT_FOREST\n")));
+    REQUIRE(texts.count(info.bundle) == 1);
+    // A bundle has the kernels of its programs.
+    for (std::size_t at = text.find("kernel void "); at != std::string::npos; at = text.find("kernel void ", at + 1))
+      CHECK(texts[info.bundle].find(text.substr(at, text.find('(', at) - at + 1)) != std::string::npos);
+  }
+  CHECK_THROWS_AS(runtime::info_of("no_such_program"), Error);
 }
 
 TEST_CASE("a program that does not build is an error with the compiler's words") {
@@ -285,11 +306,11 @@ TEST_CASE("a device whose mul_hi is wrong works with the emulation, and is remem
                                              {"((wide)a * b) >> 64", "((wide)a * b) >> 63"}});
   for (int run = 0; run < 2; ++run) {
     runtime::Runtime runtime(default_device(), hook);
-    CHECK(runtime.build_options().find("-DGCDT_EMULATE_MUL_HI") != std::string::npos);
+    CHECK(runtime.build_options("order").find("-DGCDT_EMULATE_MUL_HI") != std::string::npos);
     CHECK(runtime.launches() == 0);
     CHECK(runtime.meter().peak == 0);
   }
   CHECK(files(cache.path(), "selftest-").size() == 1);
   runtime::Runtime sound(default_device());
-  CHECK(sound.build_options().find("-DGCDT_EMULATE_MUL_HI") == std::string::npos);
+  CHECK(sound.build_options("order").find("-DGCDT_EMULATE_MUL_HI") == std::string::npos);
 }

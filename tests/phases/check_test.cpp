@@ -17,7 +17,8 @@ namespace {
 HostResult result_of(runtime::Runtime& runtime, const Sample& sample) {
   Primitives primitives(runtime);
   const Vertices vertices = upload_vertices(runtime, sample);
-  const OrderedMesh ordered = order_triangles(runtime, primitives, upload_mesh(runtime, sample, 1), vertices);
+  const OrderedMesh ordered =
+      order_triangles(runtime, primitives, make_plan(runtime, vertices), upload_mesh(runtime, sample, 1), vertices);
   HostResult result;
   result.corners.resize(3 * ordered.triangles), result.neighbours.resize(3 * ordered.triangles),
       result.constrained.resize(ordered.triangles);
@@ -40,9 +41,8 @@ std::string verdict(runtime::Runtime& runtime, const Sample& sample, const HostR
   runtime.write(ordered.constrained, result.constrained.data(), result.constrained.size());
   const Vertices vertices = upload_vertices(runtime, sample);
   const Pieces pieces = upload_pieces(runtime, sample);
-  Primitives primitives(runtime);
   try {
-    check(runtime, primitives, ordered, vertices, pieces);
+    check(runtime, make_plan(runtime, vertices), ordered, vertices, pieces);
   } catch (const Error& error) {
     CHECK(error.status() == Status::check_failed);
     if (indices) *indices = error.indices();
@@ -374,9 +374,10 @@ TEST_CASE("the check reads back once and leaves nothing in device memory") {
   Primitives primitives(runtime);
   const Vertices vertices = upload_vertices(runtime, f.sample);
   const Pieces pieces = upload_pieces(runtime, f.sample);
-  const OrderedMesh ordered = order_triangles(runtime, primitives, upload_mesh(runtime, f.sample, 1), vertices);
+  const OrderedMesh ordered =
+      order_triangles(runtime, primitives, make_plan(runtime, vertices), upload_mesh(runtime, f.sample, 1), vertices);
   const std::uint64_t before = runtime.meter().now, reads = runtime.read_backs();
-  check(runtime, primitives, ordered, vertices, pieces);
+  check(runtime, make_plan(runtime, vertices), ordered, vertices, pieces);
   CHECK(runtime.meter().now == before);
   CHECK(runtime.read_backs() == reads + 1);
 }

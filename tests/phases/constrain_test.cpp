@@ -110,7 +110,7 @@ std::set<Constraint> expected_pieces(const std::vector<Point>& points, const std
 }
 
 // As after so many rounds that no claim is left: all words are cleared before any is given out.
-void use_up_claims(runtime::Runtime& runtime, const Mesh& mesh) {
+void use_up_claims(runtime::Runtime& runtime, Mesh& mesh) {
   std::vector<cl_uint4> records(2 * std::size_t{mesh.faces()});
   runtime.read(mesh.face_data, records.data(), records.size());
   for (std::uint32_t face = 0; face < mesh.faces(); ++face) records[GCDT_CORNERS(face)].s[3] = 0xFFFFFFF0u;
@@ -129,7 +129,8 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   vertices.input_vertex = runtime.allocate<cl_uint>("map", n);
   runtime.write(vertices.input_vertex, identity.data(), n);
 
-  const Mesh mesh = make_mesh(runtime, n);
+  const Plan plan = make_plan(runtime, vertices);
+  Mesh mesh = make_mesh(runtime, n);
   const WorkLists lists = make_work_lists(runtime, n);
   History history = make_history(runtime, vertices.levels);
   PhaseCounters counters(runtime);
@@ -137,12 +138,12 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   Primitives primitives(runtime);
   insert_root(runtime, vertices, mesh);
   for (unsigned level = 0; level < vertices.levels.count; ++level) {
-    insert_level(runtime, vertices, mesh, history, lists, counters, level, ticker);
+    insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
     if (level + 1 < vertices.levels.count || flipped_before)
-      flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
+      flip(runtime, plan, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
   }
   if (flipped_before) history = freeze_all(runtime, vertices, mesh);
-  const WalkedMesh walked{vertices, mesh, history};
+  const WalkedMesh walked{plan, vertices, mesh, history};
   counters.zero();
   const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
   Cleaner cleaner(runtime, primitives, vertices, staged, n);
@@ -156,7 +157,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
 
   const Met met = met_by(download(runtime, mesh, points, n), expected);
   if (seed % 3 == 0) use_up_claims(runtime, mesh);
-  const ConstrainResult result = constrain(runtime, primitives, walked, clean.pieces, counters);
+  const ConstrainResult result = constrain(runtime, primitives, plan, vertices, mesh, history, clean.pieces, counters);
   REQUIRE(result.failed == 0);
   if (flipped_before) {
     CHECK(result.crossed_pairs == met.pairs);
@@ -165,7 +166,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   const HostMesh after = download(runtime, mesh, points, n);
   CHECK(invalid_reason(after, n) == "");
   CHECK(marked_edges(after) == expected);
-  flip(runtime, vertices, mesh, lists, counters, n, ticker);
+  flip(runtime, plan, vertices, mesh, lists, counters, n, ticker);
   const HostMesh flipped = download(runtime, mesh, points, n);
   CHECK(invalid_reason(flipped, n) == "");
   CHECK(illegal_edges(flipped) == 0);

@@ -113,13 +113,13 @@ struct Unflipped {
     History history = make_history(runtime, vertices.levels);
     Ticker ticker;
     insert_root(runtime, vertices, mesh);
-    insert_level(runtime, vertices, mesh, history, lists, counters, 0, ticker);
+    insert_level(runtime, make_plan(runtime, vertices), vertices, mesh, history, lists, counters, 0, ticker);
   }
   HostMesh now() const { return download(runtime, mesh, points, vertices.n()); }
   void mark(const HostMesh& m) const { runtime.write(mesh.edge_marks, m.marks.data(), m.marks.size()); }
   FlipResult flip(const Progress& progress = {}) {
     Ticker ticker(progress);
-    return gcdt::flip(runtime, vertices, mesh, lists, counters, vertices.n(), ticker);
+    return gcdt::flip(runtime, make_plan(runtime, vertices), vertices, mesh, lists, counters, vertices.n(), ticker);
   }
 };
 

@@ -28,7 +28,8 @@ std::set<std::array<std::uint32_t, 3>> expected_faces(const std::vector<Point>& 
 // Inserts and flips level by level, proving the mesh after every step; at the end it is what CGAL makes.
 Run triangulate(runtime::Runtime& runtime, std::vector<Point> points, std::uint32_t coarsest) {
   const Vertices vertices = upload(runtime, points, coarsest);
-  const Mesh mesh = make_mesh(runtime, vertices.n());
+  const Plan plan = make_plan(runtime, vertices);
+  Mesh mesh = make_mesh(runtime, vertices.n());
   const WorkLists lists = make_work_lists(runtime, vertices.n());
   History history = make_history(runtime, vertices.levels);
   PhaseCounters counters(runtime);
@@ -37,9 +38,9 @@ Run triangulate(runtime::Runtime& runtime, std::vector<Point> points, std::uint3
   Run run;
   for (unsigned level = 0; level < vertices.levels.count; ++level) {
     const std::uint32_t now = vertices.levels.begin[level + 1];
-    run.insert_rounds += insert_level(runtime, vertices, mesh, history, lists, counters, level, ticker);
+    run.insert_rounds += insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
     CHECK(invalid_reason(download(runtime, mesh, points, now), now) == "");
-    const FlipResult flipped = flip(runtime, vertices, mesh, lists, counters, now, ticker);
+    const FlipResult flipped = flip(runtime, plan, vertices, mesh, lists, counters, now, ticker);
     run.flip_rounds += flipped.rounds;
     run.flips += flipped.flips;
     const HostMesh after = download(runtime, mesh, points, now);
@@ -95,11 +96,11 @@ TEST_CASE("work-items beyond the edges of a small mesh claim with words that lat
       CAPTURE(n);
       std::vector<Point> points = make_points("uniform", n, 7);
       const Vertices vertices = upload(runtime, points, 64);
-      const Mesh mesh = make_mesh(runtime, vertices.n());
+      Mesh mesh = make_mesh(runtime, vertices.n());
       const WorkLists lists = make_work_lists(runtime, vertices.n());
       PhaseCounters counters(runtime);
       Ticker ticker;
-      grow(runtime, vertices, mesh, lists, counters, vertices.n(), ticker);
+      grow(runtime, make_plan(runtime, vertices), vertices, mesh, lists, counters, vertices.n(), ticker);
       const HostMesh grown = download(runtime, mesh, points, vertices.n());
       CHECK(invalid_reason(grown, vertices.n()) == "");
       CHECK(illegal_edges(grown) == 0);

@@ -81,7 +81,8 @@ TEST_CASE("a walk that meets more than its loop may have rounds fails where loop
     for (std::uint32_t v = 0; v < vertices.n(); ++v) identity[v] = v;
     vertices.input_vertex = runtime.allocate<cl_uint>("map", vertices.n());
     runtime.write(vertices.input_vertex, identity.data(), vertices.n());
-    const Mesh mesh = make_mesh(runtime, vertices.n());
+    const Plan plan = make_plan(runtime, vertices);
+    Mesh mesh = make_mesh(runtime, vertices.n());
     const WorkLists lists = make_work_lists(runtime, vertices.n());
     History history = make_history(runtime, vertices.levels);
     PhaseCounters counters(runtime);
@@ -89,15 +90,17 @@ TEST_CASE("a walk that meets more than its loop may have rounds fails where loop
     Primitives primitives(runtime);
     insert_root(runtime, vertices, mesh);
     for (unsigned level = 0; level < vertices.levels.count; ++level) {
-      insert_level(runtime, vertices, mesh, history, lists, counters, level, ticker);
-      flip(runtime, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
+      insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
+      flip(runtime, plan, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
     }
     history = freeze_all(runtime, vertices, mesh);
     counters.zero();
     const std::vector<Constraint> constraint = {{end(all.front()), end(all.back())}};
     const runtime::Buffer<cl_uint2> staged = stage(runtime, constraint);
     Cleaner cleaner(runtime, primitives, vertices, staged, vertices.n());
-    const auto clean = [&] { return cleaner.clean(WalkedMesh{vertices, mesh, history}, {}, counters).pieces.count; };
+    const auto clean = [&] {
+      return cleaner.clean(WalkedMesh{plan, vertices, mesh, history}, {}, counters).pieces.count;
+    };
     if (runtime.kind() == DeviceKind::lanes)
       CHECK_THROWS_WITH_AS(clean(), "clean: a walk along a constraint left the mesh", Error);
     else

@@ -44,6 +44,13 @@ std::vector<std::unique_ptr<Device>>& devices_under_test() {
 
 constexpr std::uint32_t coarsest = 16;
 
+Plan plan_for(const runtime::Runtime& runtime, const Points& points, std::uint32_t coarsest_level) {
+  const auto n = static_cast<std::uint32_t>(points.size());
+  Plan plan = make_plan(runtime, {1, n, n});
+  plan.coarsest_level = coarsest_level;
+  return plan;
+}
+
 /// What the order phase left on the device.
 struct Read {
   Grid grid;
@@ -54,7 +61,8 @@ struct Read {
 };
 
 Read run(Device& device, Points points, const std::optional<FixedGrid>& fixed = {}) {
-  const OrderResult result = order(device.runtime, device.primitives, stage(device.runtime, points), fixed, coarsest);
+  const OrderResult result = order(device.runtime, device.primitives, plan_for(device.runtime, points, coarsest),
+                                   stage(device.runtime, points), fixed);
   const Vertices& v = result.vertices;
   Read read{v.grid, v.levels, result.merged, {}, {}, {}};
   read.points.resize(v.n());
@@ -405,7 +413,8 @@ TEST_CASE("nothing stays allocated but the vertices") {
   device.primitives.release();
   const std::uint64_t before = device.runtime.meter().now;
   {
-    const OrderResult result = order(device.runtime, device.primitives, stage(device.runtime, points), {}, coarsest);
+    const OrderResult result = order(device.runtime, device.primitives, plan_for(device.runtime, points, coarsest),
+                                     stage(device.runtime, points), {});
     const Vertices& v = result.vertices;
     device.primitives.release();  // the scan's
     CHECK(device.runtime.meter().now - before ==

@@ -2,7 +2,6 @@
 // The canonical order against a plain sequential one, on every device.
 #include <doctest/doctest.h>
 
-#include "phases/few.hpp"
 #include "phases/output.hpp"
 #include "sample.hpp"
 
@@ -55,12 +54,12 @@ Triangulation ordered_on(runtime::Runtime& runtime, const Sample& sample, std::u
   Primitives primitives(runtime);
   const Vertices vertices = upload_vertices(runtime, sample);
   const Mesh mesh = upload_mesh(runtime, sample, seed);
-  OrderedMesh ordered = order_triangles(runtime, primitives, mesh, vertices);
+  OrderedMesh ordered = order_triangles(runtime, primitives, make_plan(runtime, vertices), mesh, vertices);
   Triangulation result;
   Pieces no_pieces;
   no_pieces.ends = runtime.allocate<cl_uint2>("pieces", 0);
   no_pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", 1);
-  const auto representatives = number_by_input(runtime, vertices, ordered, no_pieces);
+  const auto representatives = number_by_input(runtime, make_plan(runtime, vertices), vertices, ordered, no_pieces);
   CHECK(runtime.read_one(no_pieces.source_offsets) == 0);
   result.representative.resize(representatives.size());
   result.triangles.resize(ordered.triangles);
@@ -129,15 +128,16 @@ TEST_CASE("ordering leaves nothing in device memory beside its result, and holds
     Primitives primitives(*runtime);
     const Vertices vertices = upload_vertices(*runtime, sample);
     const Mesh mesh = upload_mesh(*runtime, sample, 1);
+    const Plan plan = make_plan(*runtime, vertices);
     const std::uint64_t before = runtime->meter().now;
     runtime->meter().peak = before;
     {
-      const OrderedMesh ordered = order_triangles(*runtime, primitives, mesh, vertices);
+      const OrderedMesh ordered = order_triangles(*runtime, primitives, plan, mesh, vertices);
       const std::uint64_t held = runtime->meter().now - before;
       const std::uint64_t result = ordered.corners.bytes() + ordered.neighbours.bytes() + ordered.constrained.bytes();
       CHECK(held >= result);
       // Of few vertices there is room for a triangle a face before triangles are counted.
-      CHECK(held <= (are_few(*runtime, mesh.n) ? 25 * mesh.faces() : result));
+      CHECK(held <= (plan.output == Plan::By::one ? 25 * mesh.faces() : result));
       CHECK(runtime->meter().peak - before <= std::uint64_t{66} * mesh.faces());
     }
     CHECK(runtime->meter().now == before);

@@ -136,7 +136,6 @@ TEST_CASE("a problem too large for a work-group beside small ones, on a device t
   runtime::CallHook hook;
   hook.tuning.kind = DeviceKind::gpu;
   runtime::Runtime runtime(app_device(), hook);
-  runtime.build_for_forests();
   Primitives primitives(runtime);
   Staging staging(runtime);
   const std::vector<Workload> problems = {workload("uniform", 60), workload("letters", 3000), workload("grid", 64)};

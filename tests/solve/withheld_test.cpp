@@ -87,9 +87,7 @@ Answer on_host(Solver& solver, const WithheldCase& one, const Options& options) 
 class Lane {
  public:
   Lane(const runtime::CallHook& hook, std::size_t copies)
-      : runtime_(app_device(), hook), primitives_(runtime_), staging_(runtime_), copies_(copies) {
-    runtime_.build_for_forests();
-  }
+      : runtime_(app_device(), hook), primitives_(runtime_), staging_(runtime_), copies_(copies) {}
 
   Answer operator()(const WithheldCase& one, const Options& options) {
     const RaggedBatch batch(std::vector<Workload>(copies_, one.work));

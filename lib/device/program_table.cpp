@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+#include <string>
+
+#include <gcdt/types.hpp>
+
+#include "device/programs.hpp"
+
+namespace gcdt::runtime {
+
+namespace {
+
+const ProgramInfo programs[] = {
+    {"adopt", "adopt", false},
+    {"arrange", "arrange", false},
+    {"check", "core", false},
+    {"check_forest", "check_forest", false},
+    {"clean", "clean", true},
+    {"constrain", "constrain", true},
+    {"core", "core", true},
+    {"crossings", "crossings", true},
+    {"domain", "domain", false},
+    {"enforce", "enforce", false},
+    {"few", "core", false},
+    {"flip", "flip", true},
+    {"foreign", "foreign", false},
+    {"forest", "forest", false},
+    {"given", "given", false},
+    {"grow", "core", true},
+    {"hull", "hull", false},
+    {"insert", "insert", true},
+    {"locate", "locate", false},
+    {"mesh", "core", true},
+    {"order", "core", false},
+    {"output", "core", false},
+    {"parts", "parts", true},
+    {"predicates", "predicates", false},
+    {"primitives", "core", false},
+    {"primitives_group", "primitives_group", false},
+    {"quality", "quality", false},
+    {"regions", "regions", false},
+    {"retriangulate", "retriangulate", true},
+    {"route", "route", true},
+    {"select", "select", true},
+    {"selftest", "core", false},
+    {"sort32_group", "sort32_group", false},
+    {"sort32_serial", "sort32_serial", false},
+    {"sort64_group", "sort64_group", false},
+    {"sort64_serial", "core", false},
+    {"sort_finish", "core", false},
+    {"split", "split", true},
+    {"stitch", "stitch", true},
+};
+
+}  // namespace
+
+const ProgramInfo& info_of(const char* program) {
+  for (const ProgramInfo& info : programs)
+    if (std::strcmp(info.name, program) == 0) return info;
+  throw Error(Status::device_failed, std::string("no program is named ") + program);
+}
+
+}  // namespace gcdt::runtime

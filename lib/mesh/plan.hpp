@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which way an input goes: every choice between two ways of doing the same, made in one place before the phases begin.
+// No result depends on it (docs/devices.md has the ways, docs/testing.md how tests take each of them).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "device/runtime.hpp"
+
+namespace gcdt {
+
+struct Vertices;
+
+/// What a plan knows of the device.
+struct PlannedDevice {
+  DeviceKind kind = DeviceKind::threads;
+  std::uint32_t units = 1;   ///< compute units
+  std::uint32_t groups = 1;  ///< of a launch at most
+};
+
+/// What a plan knows of the input. Of several problems, sums, but for `largest`.
+struct PlannedSizes {
+  std::uint32_t problems = 1;  ///< triangulations in one mesh
+  std::uint32_t inputs = 0;    ///< vertices as given
+  std::uint32_t vertices = 0;  ///< distinct ones on the grid; before they are known, as many as are given
+  std::uint32_t largest = 0;   ///< inputs of the largest of several problems
+  bool crossing = false;       ///< constraints of some problem were found to cross
+};
+
+struct Plan {
+  /// Who does a step that work-items can share.
+  enum class By {
+    all,     ///< work-items of a launch share it
+    one,     ///< one work-item does all of it (kernels/order/few.cl)
+    each,    ///< one work-item does all of a problem: threads, problems enough to share out
+    groups,  ///< one work-group does all of a problem, without launches and reads in between
+  };
+
+  // Order.
+  By order = By::all;          ///< all or one
+  By sort_problems = By::all;  ///< each problem's keys: all, each, or groups
+  bool one_level = false;      ///< of problems; else levels as the largest problem would have alone
+  std::uint32_t coarsest_level = 0;
+
+  // Insert and flip. Growing inserts vertices one after the other with their flips; else rounds go level by level.
+  bool grows = false;
+  By problems = By::all;  ///< insertion and flips of problems: all, each (growing), or groups (rounds)
+  std::uint32_t problems_of_launch = 0;
+  std::uint32_t group_vertices = 0;  ///< so many are inserted by one work-group
+  std::uint32_t group_edges = 0;     ///< so many are flipped by one work-group
+  std::uint32_t group_rounds = 0;    ///< of insertion by one group in one launch at most
+  std::uint32_t group_flip_rounds = 0;
+  std::uint32_t rounds_per_read = 0;
+  std::uint32_t least_sweep = 0;   ///< edges from which on flips sweep
+  std::uint32_t sweep_share = 0;   ///< and for as long as one in so many is illegal
+  std::uint32_t grown_shares = 0;  ///< sequences of insertions side by side, at most
+
+  // Constrain.
+  By constraints = By::all;  ///< all, or each: one work-item enforces a problem's, one after the other
+  bool along_curve = false;  ///< constraints are walked in the order of the curve
+  std::uint32_t least_parts = 0, most_parts = 0;  ///< of constraints, beyond one each
+  std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
+  std::uint32_t all_pairs = 0;                    ///< pieces up to which all pairs may be tested for crossings
+
+  // Output and check.
+  By output = By::all;        ///< triangles in canonical order: all, one, or each
+  By number = By::all;        ///< input numbers: all or one
+  By check = By::all;         ///< all or one
+  bool lists_pieces = false;  ///< the check looks for pieces by their first vertex, not by bisection
+
+  /// In words, for the trace and --stats.
+  std::string text() const;
+};
+
+Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes);
+
+/// Of a runtime's device as its geometry is now.
+PlannedDevice planned_device(const runtime::Runtime& runtime);
+Plan make_plan(const runtime::Runtime& runtime, const PlannedSizes& sizes);
+PlannedSizes sizes_of(const Vertices& vertices);
+/// For a mesh of these vertices.
+inline Plan make_plan(const runtime::Runtime& runtime, const Vertices& vertices) {
+  return make_plan(runtime, sizes_of(vertices));
+}
+
+}  // namespace gcdt

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes into a run of the phases, and what it leaves, both in device memory.
+#pragma once
+
+#include <functional>
+
+#include "phases/clean.hpp"
+#include "phases/domain.hpp"
+#include "phases/order.hpp"
+#include "phases/split.hpp"
+
+namespace gcdt {
+
+/// The input, where the phases find all of it.
+struct DeviceInput {
+  InputPoints points;
+  runtime::Buffer<cl_uint2> constraints;  ///< pairs of input points
+};
+
+/// Where the input comes from. `load` is called as part of the order step; and once more at the end for a note, where
+/// rounding may have put all vertices on one line. What it reads must last as long as the call.
+struct InputSource {
+  std::uint64_t n = 0, m = 0;  ///< vertices and constraints
+  std::function<DeviceInput()> load;
+};
+
+/// The result; all numbers are input numbers.
+struct DeviceTriangulation {
+  OrderedMesh mesh;
+  runtime::Buffer<cl_uint> representatives;  ///< one per input vertex, then per added one
+  Pieces pieces;
+  runtime::Buffer<cl_uint> dropped;  ///< constraints, ascending
+  Regions regions;                   ///< empty unless asked for
+  Vertices vertices;
+  OrderedMesh hull;              ///< all triangles, where a domain has left some out
+  runtime::Buffer<cl_int> kept;  ///< the place of each of them in `mesh`, or -1
+  AddedVertices added;
+  Statistics statistics;
+};
+
+}  // namespace gcdt

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "solve/run.hpp"
+
+#include "phases/grow.hpp"
+#include "solve/memory.hpp"
+
+namespace gcdt {
+
+Run::Run(runtime::Runtime& device, Primitives& all, const Options& wanted, std::uint64_t inputs, std::uint64_t given)
+    : runtime(device),
+      primitives(all),
+      options(wanted),
+      n(inputs),
+      m(given),
+      in_use_before(device.meter().now),
+      ticker(wanted.progress),
+      counters(device),
+      built_(device.build_ms()),
+      launches_(device.launches()),
+      read_backs_(device.read_backs()) {
+  check_vertex_count(n);
+  if (m > GCDT_MAX_CONSTRAINTS)
+    throw Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(m));
+  runtime.meter().restart_peaks();
+}
+
+void Run::take(OrderResult ordered) {
+  vertices = std::move(ordered.vertices);
+  statistics.vertices_merged = ordered.merged;
+  statistics.vertices_rounded_together = ordered.together.count;
+  statistics.rounded_pair = ordered.together.first;
+  if (options.distinct && ordered.together.count > 0) throw together_error(ordered.together);
+  sort_ms_ = ordered.sort_ms;
+  primitives.release();
+  plan = make_plan(runtime, vertices);
+}
+
+void Run::insert() {
+  if (!mesh.face_data.allocated()) mesh = make_mesh(runtime, vertices.n(), vertices.roots);
+  need_lists();
+  plan.grows ? grow_all() : insert_levels();
+}
+
+void Run::insert_levels() {
+  const auto& levels = vertices.levels;
+  insert_root(runtime, vertices, mesh);
+  if (!history.nodes.allocated()) history = make_history(runtime, levels, vertices.roots);
+  for (unsigned level = 0; level < levels.count; ++level) {
+    statistics.rounds.insert += insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
+    const device::Counters& c = counters.last();
+    statistics.cases.edge_splits += c.edge_splits;
+    statistics.history_depth = c.history_depth;
+    statistics.location_steps += wide(c.steps_low, c.steps_high);
+    if (level + 1 < levels.count)
+      count(gcdt::flip(runtime, plan, vertices, mesh, lists, counters, levels.begin[level + 1], ticker));
+  }
+}
+
+void Run::grow_all() {
+  const GrowResult grown = grow(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker);
+  statistics.rounds.insert += grown.rounds;
+  statistics.cases.edge_splits += grown.edge_splits;
+  statistics.location_steps += grown.steps;
+  count(grown.flips);
+  if (m > 0 && plan.constraints == Plan::By::all) history = freeze_all(runtime, vertices, mesh);
+}
+
+void Run::need_lists() {
+  if (!lists.first.allocated()) lists = make_work_lists(runtime, vertices.n(), vertices.roots);
+}
+
+void Run::count(const FlipResult& flipped) {
+  statistics.rounds.flip += flipped.rounds;
+  statistics.flips += flipped.flips;
+}
+
+void Run::no_pieces() {
+  pieces.ends = runtime.allocate<cl_uint2>("pieces", 0);
+  pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", 1);
+  pieces.sources = runtime.allocate<cl_uint>("sources of pieces", 0);
+  turns = runtime.allocate<cl_int>("turns of pieces", 0);
+}
+
+void Run::clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, const std::vector<cl_uint>& wanted) {
+  step("clean", statistics.ms.clean, [&] {
+    pieces = {};
+    counters.zero();
+    Cleaner cleaner(runtime, primitives, vertices, given, static_cast<std::uint32_t>(inputs));
+    CleanResult cleaned = cleaner.clean(walked(), wanted, counters);
+    pieces = std::move(cleaned.pieces);
+    statistics.ms.walk += cleaned.walk_ms;
+    const device::Counters& c = counters.last();
+    statistics.location_steps += wide(c.steps_low, c.steps_high);
+    if (!wanted.empty()) return;
+    statistics.constraints_zero = cleaned.zero_length;
+    statistics.cases.constraint_hits = cleaned.hits;
+  });
+}
+
+ConstrainResult Run::enforce() {
+  lists = {};
+  const ConstrainResult r = constrain(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
+  auto& cases = statistics.cases;
+  cases.existing_edges = r.existing_edges;
+  cases.pieces_walked = r.walked;
+  cases.chain_vertices = r.chain_vertices;
+  cases.holes = r.holes;
+  cases.symbolic_chain_vertices = r.symbolic_chain_vertices;
+  cases.pairs_cut_one_corner = r.pairs_of_two[0], cases.pairs_from_one_corner = r.pairs_of_two[1];
+  cases.pairs_cut_two_corners = r.pairs_of_two[2], cases.pairs_cut_and_from = r.pairs_of_two[3];
+  statistics.crossed_pairs = r.crossed_pairs;
+  statistics.location_steps += r.steps;
+  return r;
+}
+
+void Run::count_turns() {
+  if (wants_regions()) turns = gcdt::count_turns(runtime, vertices, pieces, constraints);
+  constraints = {};
+}
+
+void Run::flip() {
+  // Grown Delaunay, and unchanged, or kept so.
+  if (plan.grows && (m == 0 || plan.constraints == Plan::By::each)) return;
+  need_lists();
+  count(plan.grows ? grow_flip(runtime, plan, vertices, mesh, lists, counters, ticker)
+                   : gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker));
+}
+
+SelectedDomain Run::select(OrderedMesh& ordered) {
+  SelectedDomain selected = select_domain(runtime, primitives, ordered, vertices, pieces, turns, options);
+  turns = {};
+  result.regions = std::move(selected.regions);
+  if (options.domain != Domain::hull) std::swap(ordered, selected.mesh);
+  return selected;
+}
+
+DeviceTriangulation Run::finish() {
+  Statistics& s = statistics;
+  auto& ms = s.ms;
+  ms.core = sort_ms_ + ms.insert + ms.constrain - (ms.clean - ms.walk) + ms.flip + ms.gather;
+  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain;
+  ms.build = runtime.build_ms() - built_;
+  s.launches = runtime.launches() - launches_;
+  s.read_backs = runtime.read_backs() - read_backs_;
+  s.n = n;
+  s.m = m;
+  s.constraints_pieces = pieces.count;
+  s.constraints_overlapping = pieces.source_count - pieces.count;
+  s.triangles = result.mesh.triangles;
+  s.grid = vertices.grid;
+  s.peak_device_bytes = runtime.meter().peak - in_use_before;
+  s.held_device_bytes = runtime.meter().held_peak;
+  s.device = runtime.info().name;
+  s.driver = runtime.info().driver;
+  s.platform = runtime.info().platform;
+  s.version = GCDT_VERSION;
+  if (!result.dropped.allocated()) result.dropped = runtime.allocate<cl_uint>("dropped constraints", 0);
+  result.pieces = std::move(pieces);
+  result.vertices = std::move(vertices);
+  return std::move(result);
+}
+
+// What was missing may not be all that is: the formula knows the later steps, once the pairs are counted.
+Error Run::with_bytes_needed(const Error& error) const {
+  const device::Counters& c = counters.last();
+  const std::uint64_t pairs = std::max(statistics.crossed_pairs, wide(c.pairs_low, c.pairs_high));
+  const std::uint64_t needed = std::max(error.indices().at(0), device_bytes_needed(n, m, pairs));
+  return Error(Status::workspace_too_small, std::string(error.what()) + ", and should have " + std::to_string(needed),
+               {needed});
+}
+
+}  // namespace gcdt

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "solve/triangulate.hpp"
+
+#include "phases/check.hpp"
+#include "solve/crossing_policy.hpp"
+#include "solve/run.hpp"
+
+namespace gcdt {
+
+namespace {
+
+void constrain(Run& run) {
+  run.pieces = {};
+  if (run.m == 0) return run.no_pieces();
+  run.ticker.tick("constrain", 0);
+  run.clean(run.constraints, run.n);
+  run.ticker.tick("constrain", 0.3);
+  const ConstrainResult enforced = run.enforce();
+  if (enforced.failed) follow_crossing_policy(run, enforced);
+  run.pieces.walked = {};
+  run.count_turns();
+}
+
+// Regions that are open to the outside are all at depth 0.
+std::string empty_note(const Run& run) {
+  const bool by_outer = run.options.domain == Domain::outer || run.options.domain == Domain::outer_holes;
+  if (!by_outer || run.statistics.deepest > 0) return "the domain is empty: no triangles";
+  return "the domain is empty: all of the hull is open to the outside across edges of it that are no constraints, as "
+         "with Triangle's -p, which closes the hull with -c; the domain of holes alone takes nothing away there";
+}
+
+void select_domain(Run& run, OrderedMesh& ordered) {
+  if (ordered.triangles == 0) return;
+  run.ticker.tick("domain", 0.5);
+  const std::uint32_t all = ordered.triangles;
+  SelectedDomain selected = run.select(ordered);
+  Statistics& s = run.statistics;
+  s.regions = run.result.regions.count;
+  s.deepest = run.result.regions.deepest;
+  s.open_parity = run.result.regions.open_parity;
+  s.open_winding = run.result.regions.open_winding;
+  const Domain domain = run.options.domain;
+  const std::uint64_t open = domain == Domain::even_odd  ? s.open_parity
+                             : domain == Domain::nonzero ? s.open_winding
+                                                         : 0;
+  if (open != 0)
+    s.notes.push_back(std::to_string(open) +
+                      " constrained edges are not part of closed borders: regions are taken as seen along the shortest "
+                      "way from outside");
+  if (domain == Domain::hull) return;
+  s.triangles_removed = all - ordered.triangles;
+  if (ordered.triangles == 0) s.notes.push_back(empty_note(run));
+  run.result.hull = std::move(selected.mesh);
+  run.result.kept = std::move(selected.kept);
+}
+
+void number(Run& run, OrderedMesh ordered) {
+  DeviceTriangulation& result = run.result;
+  result.representatives = number_by_input(run.runtime, run.plan, run.vertices, ordered, run.pieces);
+  if (result.kept.allocated()) number_corners(run.runtime, run.vertices, result.hull);
+  if (!result.added.points.allocated()) {
+    result.added.points = run.runtime.allocate<cl_int2>("added vertices", 0);
+    result.added.crossing = run.runtime.allocate<cl_uint2>("constraints of added vertices", 0);
+  }
+  result.mesh = std::move(ordered);
+}
+
+// Fewer than three vertices, or all on one line.
+std::string flat_note(runtime::Runtime& runtime, const Vertices& vertices, const InputSource& source) {
+  const bool few = vertices.n() < 3;
+  if (may_round_together(vertices.grid) && !given_on_one_line(runtime, source.load().points))
+    return few ? "fewer than three distinct vertices are left by rounding to the grid, of more that are not on one "
+                 "line as given: no triangles"
+               : "all vertices lie on one line after rounding to the grid, but not as given: no triangles";
+  return few ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles";
+}
+
+DeviceTriangulation run_steps(Run& run, const InputSource& source) {
+  runtime::Runtime& runtime = run.runtime;
+  const Options& options = run.options;
+  auto& ms = run.statistics.ms;
+  run.step("order", ms.order, ordered_share, [&] {
+    run.ticker.tick("order", 0);
+    DeviceInput input = source.load();
+    run.constraints = std::move(input.constraints);
+    run.plan = make_plan(runtime, {1, input.points.n, input.points.n});
+    run.take(order(runtime, run.primitives, run.plan, std::move(input.points), options.grid));
+  });
+  run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
+  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
+  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
+  OrderedMesh ordered;
+  run.step("output", ms.output, 1, [&] {
+    run.ticker.tick("output", 0);
+    run.history = {};
+    run.lists = {};
+    ordered = order_triangles(runtime, run.primitives, run.plan, run.mesh, run.vertices, options.canonical);
+    ms.gather = ordered.gather_ms;
+    run.mesh = {};
+  });
+  if (options.check) run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
+  if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
+  run.step("output", ms.output, [&] { number(run, std::move(ordered)); });
+  DeviceTriangulation made = run.finish();
+  Statistics& s = made.statistics;
+  if (s.triangles + s.triangles_removed == 0) s.notes.push_back(flat_note(runtime, made.vertices, source));
+  return made;
+}
+
+}  // namespace
+
+DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitives, const InputSource& source,
+                                const Options& options) {
+  runtime.use_programs(runtime::Meshes::one);
+  Run run(runtime, primitives, options, source.n, source.m);
+  try {
+    return run_steps(run, source);
+  } catch (const Error& error) {
+    if (error.status() == Status::workspace_too_small) throw run.with_bytes_needed(error);
+    throw;
+  }
+}
+
+}  // namespace gcdt

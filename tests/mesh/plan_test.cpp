@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which way inputs go: the plan as a table of devices and sizes.
+#include "mesh/plan.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace gcdt;
+using By = Plan::By;
+
+namespace {
+
+const PlannedDevice gpu{DeviceKind::gpu, 132, 4224}, threads{DeviceKind::threads, 8, 128},
+    lanes{DeviceKind::lanes, 4, 256}, accelerator{DeviceKind::accelerator, 2, 128};
+
+PlannedSizes one(std::uint32_t n) { return {1, n, n, 0}; }
+PlannedSizes many(std::uint32_t problems, std::uint32_t n, std::uint32_t largest) { return {problems, n, n, largest}; }
+
+}  // namespace
+
+TEST_CASE("who does what, by device and sizes") {
+  struct Row {
+    const char* name;
+    PlannedDevice device;
+    PlannedSizes sizes;
+    By order, sort_problems, problems, constraints, output, number, check;
+    bool grows, one_level;
+  };
+  const By all = By::all, single = By::one, each = By::each, groups = By::groups;
+  const Row rows[] = {
+      {"GPU, one", gpu, one(1000000), all, groups, all, all, all, all, all, false, false},
+      {"GPU, few", gpu, one(100), all, groups, all, all, all, all, all, false, false},
+      {"GPU, small problems", gpu, many(100, 10000, 2048), all, groups, groups, all, all, all, all, false, false},
+      {"GPU, a larger one", gpu, many(100, 10000, 2049), all, all, all, all, all, all, all, false, false},
+      {"threads, one", threads, one(1000000), all, all, all, all, all, all, all, true, false},
+      {"threads, few", threads, one(2048), single, all, all, all, single, single, single, true, false},
+      {"threads, more", threads, one(2049), all, all, all, all, all, all, all, true, false},
+      {"threads, problems", threads, many(100, 10000, 1250), all, each, each, each, each, all, all, true, true},
+      {"threads, a large one", threads, many(100, 10000, 1251), all, all, all, all, all, all, all, true, false},
+      {"threads, few of small ones", threads, many(8, 80, 10), single, each, each, each, each, single, single, true,
+       true},
+      {"threads, too large to be enforced by one", threads, many(100, 200000, 16385), all, each, each, all, all, all,
+       all, true, true},
+      {"lanes, one", lanes, one(100), all, all, all, all, all, all, all, false, false},
+      {"lanes, small problems", lanes, many(10, 1000, 256), all, all, groups, all, all, all, all, false, false},
+      {"lanes, a larger one", lanes, many(10, 1000, 257), all, all, all, all, all, all, all, false, false},
+      {"accelerator, small problems", accelerator, many(10, 1000, 2048), all, groups, groups, all, all, all, all, false,
+       false},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.name);
+    const Plan plan = make_plan(row.device, {}, row.sizes);
+    CHECK(plan.order == row.order);
+    CHECK(plan.sort_problems == row.sort_problems);
+    CHECK(plan.problems == row.problems);
+    CHECK(plan.constraints == row.constraints);
+    CHECK(plan.output == row.output);
+    CHECK(plan.number == row.number);
+    CHECK(plan.check == row.check);
+    CHECK(plan.grows == row.grows);
+    CHECK(plan.one_level == row.one_level);
+    // Problems are put out one by one only as they were enforced; work-groups have no vertices to grow.
+    CHECK((plan.output == each) == (plan.constraints == each));
+    CHECK((plan.constraints != each || plan.problems == each));
+    CHECK((plan.problems != each || plan.grows));
+    CHECK((plan.problems != groups || !plan.grows));
+  }
+}
+
+TEST_CASE("distinct vertices are counted where given ones are not") {
+  PlannedSizes sizes = many(100, 10000, 1250);
+  sizes.vertices = 9999;  // less than 8 times the largest
+  const Plan plan = make_plan(threads, {}, sizes);
+  CHECK(plan.sort_problems == By::each);
+  CHECK(plan.problems == By::all);
+  CHECK(!plan.one_level);
+  CHECK(make_plan(threads, {}, {1, 3000, 2000}).order == By::all);
+  CHECK(make_plan(threads, {}, {1, 3000, 2000}).number == By::all);
+  CHECK(make_plan(threads, {}, {1, 3000, 2000}).output == By::one);
+  CHECK(make_plan(threads, {}, {1, 3000, 2000}).check == By::one);
+}
+
+TEST_CASE("where constraints of some problem cross, all are enforced together") {
+  PlannedSizes sizes = many(100, 10000, 100);
+  REQUIRE(make_plan(threads, {}, sizes).constraints == By::each);
+  sizes.crossing = true;
+  const Plan plan = make_plan(threads, {}, sizes);
+  CHECK(plan.constraints == By::all);
+  CHECK(plan.output == By::all);
+  CHECK(plan.problems == By::each);
+}
+
+TEST_CASE("limits by device") {
+  const Tuning usual;
+  for (const PlannedDevice& device : {gpu, threads, lanes, accelerator}) {
+    const Plan plan = make_plan(device, usual, one(1000));
+    const bool few = device.kind == DeviceKind::lanes;
+    CHECK(plan.group_edges == (few ? 256 : usual.one_group_edges));
+    CHECK(plan.group_flip_rounds == (few ? 16 : usual.rounds_of_group));
+    CHECK(plan.group_rounds == usual.rounds_of_group);
+    CHECK(plan.group_vertices == usual.one_group_vertices);
+    CHECK(plan.all_pairs == (few ? 2048 : 65536));
+    CHECK(plan.along_curve == (device.kind == DeviceKind::threads));
+    CHECK(plan.lists_pieces == (device.kind == DeviceKind::threads));
+    CHECK(plan.most_parts == (device.kind == DeviceKind::gpu ? 1u << 17 : 512 * device.units));
+    CHECK(plan.least_parts == (device.kind == DeviceKind::gpu ? 4096 : 64));
+    CHECK(plan.grown_shares == 4 * device.units);
+    // A launch of many problems is as long as one of 2^24 vertices, or has a group for each.
+    CHECK(make_plan(device, usual, many(10, 100, 10)).problems_of_launch ==
+          (few ? device.groups : std::max<std::uint32_t>(device.groups, (1u << 24) / 10)));
+    CHECK(make_plan(device, usual, many(10, 100, 10)).all_pairs == 0);
+  }
+  Tuning none;
+  none.part_pool = 0;
+  none.walk_along_curve = true;
+  CHECK(make_plan(gpu, none, one(10)).most_parts == 0);
+  CHECK(make_plan(gpu, none, one(10)).least_parts == 0);
+  CHECK(make_plan(gpu, none, one(10)).along_curve);
+}
+
+TEST_CASE("a plan in words names its ways") {
+  const auto text = [](const PlannedDevice& device, const PlannedSizes& sizes) {
+    return make_plan(device, {}, sizes).text();
+  };
+  const auto has = [](const std::string& all, const char* words) { return all.find(words) != std::string::npos; };
+  CHECK(has(text(gpu, one(1000000)), "vertices in rounds, level by level"));
+  CHECK(has(text(gpu, one(1000000)), "flips swept from 131072 edges on"));
+  CHECK(has(text(threads, one(1000)), "order by one work-item"));
+  CHECK(has(text(threads, many(100, 10000, 100)), "constraints by one work-item a problem, along the curve"));
+  CHECK(has(text(gpu, many(100, 10000, 100)), "inserted by one work-group a problem"));
+}
