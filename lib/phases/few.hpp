@@ -6,7 +6,7 @@
 
 namespace gcdt {
 
-/// Whether one work-item is to order, put out and check so many vertices by itself (kernels/order/few.cl).
+/// Whether one work-item is to order, put out and check so many vertices by itself (kernels/programs/few.cl).
 inline bool are_few(const runtime::Runtime& runtime, std::uint32_t n) {
   return runtime.contiguous() && n <= runtime.tuning().few_vertices;
 }

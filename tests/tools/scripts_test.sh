@@ -36,6 +36,57 @@ expect fails "" "a source that is not formatted" env PATH="$work/format" "$root/
 play "$work/format" clang-format-14 'echo "clang-format version 14.0.6"'
 expect 0 "files" "all sources formatted" env PATH="$work/format" "$root/scripts/format.sh"
 
+# layers.sh: a small tree of rooms, and one fault after the other in it.
+rooms=$work/rooms
+mkdir -p "$rooms"/{scripts,include/gcdt,lib/{device,mesh,batch,api,proof},kernels/{common,flip,insert,programs}}
+cp "$root/scripts/layers.sh" "$rooms/scripts/"
+include() { # FILE HEADER: FILE becomes one that includes HEADER, and nothing else
+  printf '#include "%s"\n' "$2" >"$rooms/$1"
+}
+touch "$rooms"/{include/gcdt/gcdt.h,lib/device/runtime.hpp,lib/proof/verify.hpp,kernels/{common/shared.h,flip/flip.h}}
+touch "$rooms/kernels/flip/flip.cl"
+sound() {
+  include lib/mesh/mesh.hpp device/runtime.hpp
+  include lib/mesh/mesh.cpp flip/flip.h
+  include lib/batch/forest.hpp mesh/mesh.hpp
+  include lib/proof/verify.cpp common/shared.h
+  include lib/api/verify.cpp proof/verify.hpp
+  include kernels/insert/insert.cl flip/flip.h
+  include kernels/programs/core.cl insert/insert.cl
+}
+layers() { "$rooms/scripts/layers.sh"; }
+sound
+expect 0 "layers: 7 includes" "rooms in order" layers
+while read -r file header word; do
+  include "$file" "$header"
+  expect 1 "$file:1: #include \"$header\": $word" "$file that includes $header" layers
+  rm "$rooms/$file"
+  sound
+done <<'END'
+lib/device/runtime.cpp mesh/mesh.hpp lib/mesh comes after lib/device
+lib/mesh/grid.cpp batch/forest.hpp lib/batch comes after lib/mesh
+lib/mesh/grid.cpp flip/flip.cl the host includes headers
+lib/mesh/grid.cpp mesh.hpp no room has this file
+lib/proof/grid.cpp mesh/mesh.hpp the proof shares
+lib/proof/grid.cpp flip/flip.h the proof shares
+lib/batch/pool.cpp proof/verify.hpp the proof shares
+kernels/flip/rounds.cl device/runtime.hpp kernels know nothing
+kernels/common/mesh.h flip/flip.h kernels/flip comes after kernels/common
+kernels/insert/grow.cl flip/flip.cl only kernels/programs
+include/gcdt/types.hpp gcdt/gcdt.h a public header
+END
+for twin in kernels/insert/flip.cl kernels/insert/shared.h; do
+  touch "$rooms/$twin"
+  expect 1 "$twin: two kernel files of one base name" "a second $twin" layers
+  rm "$rooms/$twin"
+done
+mkdir "$rooms/lib/attic"
+touch "$rooms/lib/attic/old.cpp" "$rooms/lib/loose.hpp"
+expect 1 "lib/attic/old.cpp: its folder is no room" "a folder that is not in the order" layers
+expect 1 "lib/loose.hpp: its folder is no room" "a file beside the rooms" layers
+rm -r "$rooms/lib/attic" "$rooms/lib/loose.hpp"
+expect 0 "layers: 7 includes" "rooms in order again" layers
+
 # consumers.sh: nothing is built; the consumers are programs that end with a status. One that fails, whichever it is,
 # is an error.
 consumers() { # FAILING: the name of the consumer that fails, or none
@@ -66,12 +117,13 @@ mkdir -p "$tree/scripts"
 cp "$root/scripts/test.sh" "$tree/scripts/"
 play "$tree/scripts" setup.sh 'exit 0'
 play "$tree/scripts" format.sh '[[ ! -e $(dirname "$0")/../unformatted ]]'
+play "$tree/scripts" layers.sh '[[ ! -e $(dirname "$0")/../disordered ]]'
 play "$tree/programs" cmake 'echo "cmake $*"; [[ $1 != --build || ! -e $(dirname "$0")/../broken ]]'
 play "$tree/programs" ctest 'echo "ctest $*"; [[ ! -e $(dirname "$0")/../failing ]]'
 suite() { env PATH="$tree/programs:$PATH" "$tree/scripts/test.sh" "$@"; }
 expect 0 "-DGCDT_TESTS=ON -DGCDT_BENCH=ON" "the suite" suite
 expect 0 "-LE ^slow" "the quick suite" suite --quick
-for fault in unformatted broken failing; do
+for fault in unformatted disordered broken failing; do
   touch "$tree/$fault"
   expect fails "" "the suite with something $fault" suite
   rm "$tree/$fault"
