@@ -138,7 +138,8 @@ expect 0 "its examples" "the README as it is" "$work/tree/scripts/readme.sh"
 : >"$work/tree/README.md"
 expect fails "no example in c" "a README without examples" "$work/tree/scripts/readme.sh"
 
-# slow.sh and mutants.sh: what is not there.
+# pictures.sh, slow.sh and mutants.sh: what is not there.
+expect fails "there is no" "no command that draws" "$root/scripts/pictures.sh" "$work/none"
 expect fails "cannot read" "a map that is missing" "$root/scripts/slow.sh" maps "$work/none.poly"
 expect fails "Usage" "no map" "$root/scripts/slow.sh" maps
 expect fails "there is no" "a mutant that is missing" "$root/scripts/mutants.sh" no-such-mutant
