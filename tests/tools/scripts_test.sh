@@ -129,14 +129,28 @@ for fault in unformatted disordered broken failing; do
   rm "$tree/$fault"
 done
 
-# readme.sh: an example that README does not show as it is.
-mkdir -p "$work/tree/scripts" "$work/tree/examples"
-cp "$root/scripts/readme.sh" "$work/tree/scripts/"
-cp "$root"/examples/triangulate.c* "$work/tree/examples/"
-cp "$root/README.md" "$work/tree/"
-expect 0 "its examples" "the README as it is" "$work/tree/scripts/readme.sh"
+# readme.sh: an example that a page does not show as it is, a long README, a link and a name that lead nowhere.
+mkdir "$work/tree"
+for entry in "$root"/*; do ln -s "$entry" "$work/tree/"; done
+rm "$work/tree"/{scripts,docs,README.md}
+cp -r "$root"/{scripts,docs,README.md} "$work/tree/"
+readme() { "$work/tree/scripts/readme.sh"; }
+again() { cp "$root/README.md" "$work/tree/" && cp "$root/docs/using.md" "$work/tree/docs/"; }
+expect 0 "its examples" "the README as it is" readme
 : >"$work/tree/README.md"
-expect fails "no example in c" "a README without examples" "$work/tree/scripts/readme.sh"
+expect fails "no example in cpp in README.md" "a README without examples" readme
+again
+sed -i 's/gcdt_solver_release(solver);//' "$work/tree/docs/using.md"
+expect fails "gcdt_solver_release" "a page that shows another example" readme
+again
+seq 150 >>"$work/tree/README.md"
+expect fails "more than 150" "a long README" readme
+again
+echo '[a page](docs/none.md)' >>"$work/tree/README.md"
+expect fails "README.md names ./docs/none.md" "a link that leads nowhere" readme
+again
+echo 'The text of `lib/mesh/none.cpp` is short.' >>"$work/tree/docs/using.md"
+expect fails "docs/using.md names lib/mesh/none.cpp" "a file that is not there" readme
 
 # pictures.sh, slow.sh and mutants.sh: what is not there.
 expect fails "there is no" "no command that draws" "$root/scripts/pictures.sh" "$work/none"
