@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cleaning constraints on the mesh (kernels/constrain/clean.cl; contract, section 3).
+// Cleaning constraints on the mesh (kernels/constrain/clean.cl; docs/contract.md, 3).
 #pragma once
 
 #include "phases/walk.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which constraints cross (kernels/constrain/crossings.cl), and which are kept (contract, section 3).
+// Which constraints cross (kernels/constrain/crossings.cl), and which are kept (docs/contract.md, 3).
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Regions and domains (kernels/domain/regions.cl, domain.cl; contract 4): labels, depth, winding, removal.
+// Regions and domains (kernels/domain/regions.cl, domain.cl; docs/domains.md): labels, depth, winding, removal.
 #pragma once
 
 #include "phases/output.hpp"
