@@ -4,8 +4,8 @@
 namespace gcdt {
 
 // Like water that finds its level: sort the lanes by when they are free. If the first k share the weight, they end at
-// the time given by sum speed_i (end - busy_i) = weight. Each further lane that is free before that moves the end
-// forward. So the right k is the first one whose next lane is free no sooner than the end.
+// the time given by sum speed_i (end - busy_i) = weight. Each further lane that is free before that makes the end
+// earlier. So the right k is the first one whose next lane is free no sooner than the end.
 double common_end(std::vector<BusyLane> lanes, double weight) {
   std::sort(lanes.begin(), lanes.end(),
             [](const BusyLane& a, const BusyLane& b) { return a.milliseconds < b.milliseconds; });
