@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proves that a result is the constrained Delaunay triangulation (contract, section 6), in O(n).
+// Proves that a result is the constrained Delaunay triangulation (docs/contract.md, 6), in O(n).
 //
 // Lemma. If no kernel notes anything, the boundary has exactly one least corner and T = 2n - 2 - h,
 // then the triangles cover the convex hull of the n vertices exactly once, edge to edge, and every
@@ -27,7 +27,7 @@
 //     So the triangles meet edge to edge; by Euler V - E + T = 1, and 3T = 2E - h, so T = 2V - 2 - h
 //     for V corner vertices. T = 2n - 2 - h then says V = n, and the polygon is the hull of all.
 // Further: flagged edges that are all pieces, distinct as the edges of a triangulation are, and as many
-// as the pieces, are all pieces. The Delaunay condition of contract 4 is tested edge by edge.
+// as the pieces, are all pieces. The Delaunay condition of docs/contract.md, 4, is tested edge by edge.
 //
 // A kernel returns at once if an earlier one noted what it relies on: corners before points are read,
 // pairs of boundary edges before they are measured. The host reports the first kind with an offence,
@@ -90,7 +90,8 @@ GCDT_INLINE uint check_link(uint h, uint u, uint a, uint b, uint flagged, global
   return j;
 }
 
-// Checks contract 4 on half edge h, the diagonal from a to b between its corner p and vertex q across.
+// Checks the Delaunay condition of docs/contract.md, 4, on half edge h, the diagonal from a to b between its corner p
+// and vertex q across.
 GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint a, uint q, uint b,
                                 global CheckReport* report) {
   const Vertex vp = vertex_at(points, p), va = vertex_at(points, a), vq = vertex_at(points, q),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cleaning constraints (contract, section 3): end points to vertices, zero-length ones out, each split
+// Cleaning constraints (docs/contract.md, 3): end points to vertices, zero-length ones out, each split
 // at every vertex on it (found by walking), equal pieces merged with the list of their sources.
 #include "constrain/walk.h"
 

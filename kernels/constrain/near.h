@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first constraint met from each end of a crossed edge (design: the edge rule, exact and equal to
+// The first constraint met from each end of a crossed edge (kernels/README.md, L6, the edge rule: exact and equal to
 // the paper's closest constraints of section 6.4). OpenCL C only.
 #ifndef GCDT_NEAR_H
 #define GCDT_NEAR_H

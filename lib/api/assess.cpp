@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gcdt_assess: what a mesh on the grid is worth at the coordinates that were given.
+// gcdt_assess: whether a mesh that is valid on the grid is valid at the coordinates as they were given.
 //
 // If all triangles turn left and their outline is a simple polygon, they cover its inside exactly once: over
 // each point there are as many triangles as the outline winds around it. The outline of a mesh on the grid is convex
@@ -96,7 +96,7 @@ class Outline {
   bool edges_meet(const Edge& e, const Edge& f) const {
     if (e.from == f.from && e.to == f.to) return false;
     const Point &a = given_.at[e.from], &b = given_.at[e.to], &c = given_.at[f.from], &d = given_.at[f.to];
-    // Two with a common end meet elsewhere if they are on one line and on the same side of it.
+    // Two segments with a common end meet elsewhere if they are on one line, on the same side of that end.
     if (e.to == f.from) return exact::orient2d(a, b, d) == 0 && !between(a, b, d);
     if (e.from == f.to) return exact::orient2d(c, d, b) == 0 && !between(c, d, b);
     if (e.from == f.from || e.to == f.to) return true;

@@ -11,7 +11,7 @@ using namespace gcdt::api;
 
 namespace {
 
-/// A range of bytes in the caller's buffer, by the buffer that is no sub-buffer.
+/// A range of bytes in a buffer of the caller's. `root` is the buffer itself, or the parent of a sub-buffer.
 struct Range {
   cl_mem root = nullptr;
   std::size_t begin = 0, end = 0;
@@ -38,7 +38,7 @@ T queue_info(State* state, cl_command_queue queue, cl_command_queue_info what) {
   return value;
 }
 
-/// `count` elements from `offset` on, which must exist and allow the access; `forbidden`: the flag that says not.
+/// The range of `count` elements from `offset` on. They must exist, and the buffer must not have the flag `forbidden`.
 Range checked_range(State& state, const char* name, cl_mem memory, std::uint64_t offset, std::uint64_t count,
                     std::size_t element_bytes, cl_mem_flags forbidden) {
   if (!memory && count == 0) return {};
@@ -90,7 +90,7 @@ void check_input(State& state, const gcdt_cl_input& input, std::size_t vertex_by
 void wait_for_order(State& state, cl_uint wait_count, const cl_event* wait_list) {
   runtime::Runtime& runtime = state.runtime;
   const cl_command_queue queue = state.their_queue();
-  // An event that has failed by now is told by its own status; not every driver ends commands that wait for it.
+  // An event that has failed is found by its own status, because not every driver ends commands that wait for it.
   for (cl_uint i = 0; wait_list && i < wait_count; ++i) {
     cl_int status = CL_QUEUED;
     runtime.call("clGetEventInfo", "the wait list", [&] {

@@ -18,7 +18,7 @@ void succeed(const char* call, cl_int code) {
                 0, code);
 }
 
-/// The application's queue. Its first command waits for the wait list, and each waits to be complete.
+/// The application's queue. The first command waits for the wait list; every call returns when its command is complete.
 class TheirQueue {
  public:
   TheirQueue(cl_command_queue queue, cl_uint wait_count, const cl_event* wait_list) {
@@ -50,7 +50,7 @@ class TheirQueue {
     waits_.clear();
   }
 
-  /// `count` elements from `offset` on must be there, and the host may have the access that `forbidden` denies.
+  /// Throws unless there are `count` elements from `offset` on and the buffer has none of the flags `forbidden`.
   void check(const char* name, cl_mem memory, std::uint64_t offset, std::uint64_t count, std::size_t element_bytes,
              cl_mem_flags forbidden) const {
     if (!memory && count == 0) return;

@@ -7,7 +7,7 @@ using namespace gcdt::api;
 
 namespace {
 
-// Queries that are on the device at once.
+// The most queries that are on the device at once.
 constexpr std::size_t chunk = 1 << 20;
 
 /// One chunk of queries, back on the host.
@@ -77,7 +77,7 @@ int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* po
   return guarded_call(result ? result->state.get() : nullptr, [&] {
     const Points queries = read_queries(coordinate_type, points, count);
     require(triangles || count == 0, "triangles is null");
-    // The caller's are written when nothing can fail any more.
+    // The caller's arrays are written only when nothing can fail any more.
     std::vector<cl_int> all_triangles(queries.size());
     std::vector<double> all_weights(weights ? 3 * queries.size() : 0);
     locate_all(*result, queries, [&](std::size_t first, const Found& found) {

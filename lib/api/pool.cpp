@@ -60,7 +60,7 @@ struct View {
   std::uint64_t count = 0;
 };
 
-/// Of a problem without an error.
+/// For a problem without an error.
 std::pair<const ForestResult*, std::size_t> place_of(const gcdt_batch& batch, std::uint64_t problem) {
   const Schedule::Place place = batch.made.places[problem];
   return batch.made.results[place.result].at(place.place);

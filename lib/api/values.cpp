@@ -13,8 +13,8 @@ namespace {
 
 using Point = std::array<double, 2>;
 
-/// The value at the point nearest to `p` of the segment between two vertices, linear between theirs. Differences are
-/// scaled by the largest, so that squares neither overflow nor vanish.
+/// The value on the segment between two vertices, at its point nearest to `p`, linear between the values of the two.
+/// Differences are scaled by the largest one, so that their squares neither overflow nor vanish.
 double value_along(const Points& points, const Constraint& constraint, const double* values, const Point& p) {
   const auto at = [&](std::uint32_t v) { return Point{points.coordinate(v, 0), points.coordinate(v, 1)}; };
   const Point a = at(constraint[0]), b = at(constraint[1]);

@@ -13,27 +13,29 @@ namespace gcdt {
 
 namespace {
 
-// The most that a pack weighs. A CPU is fastest where a pack stays in its caches (2.0 microseconds a vertex with
-// 75,000 vertices, 4.9 with 2.2 million); a GPU where it has so many that launches do not count, and results of one
-// pack are not so many that copies of them pile up on the host.
+// The greatest weight of a pack. A CPU is fastest if a pack stays in its caches: it takes 2.0 microseconds a vertex
+// with 75,000 vertices, and 4.9 with 2.2 million. A GPU needs enough vertices to make launches cheap, but not so many
+// that the host cannot keep up with copying the results.
 constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
 
-// A GPU stands still while results go to the host, which takes longer than to make them. Lanes share a context: from
-// one context to another a GPU goes slowly, and each time that a lane waits (bench/NOTES.md).
+// Copying results to the host takes longer than making them, and the GPU would stand still meanwhile; so it has several
+// lanes. They share a context, because a GPU changes slowly from one context to another, and would do so each time that
+// a lane waits (bench/NOTES.md).
 constexpr std::uint32_t gpu_lanes = 3;
 
-// Waiting costs more than rounds that find nothing, as other lanes' work stands before that which comes afterwards.
+// A wait costs more than a few rounds that find nothing: other lanes' work goes first before this lane's next launch.
 constexpr std::uint32_t gpu_rounds_per_read = 16;
 
-// Milliseconds of some 120 launches and 20 waits (an H200 takes 3.7 for 100 sketches).
+// Milliseconds that some 120 launches and 20 waits take (an H200 takes 3.7 for 100 sketches).
 constexpr double gpu_overhead = 2;
 
-// A rehearsal runs so many problems that each is one work-item's; so few that all have less than Tuning::few_vertices;
-// one; and one beside which others count for nothing, so that they go through all phases together, small and so large
-// that no work-group sorts it by itself.
+// A rehearsal has a run of `least_rehearsed` problems or more, so that each problem is one work-item's; one of few
+// problems, which have less than Tuning::few_vertices together; one of a single problem; and two in which one problem
+// is much larger than the rest, so that all go through the phases together. One of those has `large_rehearsed`
+// vertices, too many for one work-group to sort.
 constexpr std::uint32_t least_rehearsed = 512, large_rehearsed = 20000;
 
-// Others use the device as well, and what runs need is estimated.
+// Not all of the memory, because others use the device as well, and because the need of a run is an estimate.
 std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
 
 DeviceKind kind_of(const DevicePool::Member& member) {
@@ -49,8 +51,8 @@ Error host_failed(const std::exception& error) {
   return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
 }
 
-// The threads that feed GPUs, and those that make room for what comes from them (forest_copy.hpp), need cores, which a
-// CPU of the same pool would take from them.
+// Leaves cores to the threads that feed GPUs and to those that make room for results (forest_copy.hpp). A CPU device of
+// the same pool would take those cores from them.
 void leave_cores(std::vector<DevicePool::Member>& members) {
   std::uint32_t feeding = 0;
   for (const DevicePool::Member& member : members)
@@ -135,12 +137,13 @@ void DevicePool::throw_reasons() const {
 void DevicePool::lose(std::size_t device, const Error& error) {
   const std::lock_guard<std::mutex> lock(mutex_);
   DeviceReport& report = reports_[device];
-  if (report.lost) return;  // another lane has said why
+  if (report.lost) return;  // another lane has given the reason
   report.lost = error;
   if (log_) log_(GCDT_LOG_WARNING, (report.info.name + " is taken out of the pool: " + error.what()).c_str());
 }
 
-// The lanes of a device share its memory, as long as there is enough for more than one run.
+// The lanes of a device share its memory: packs of several problems get an equal part each, a single large problem may
+// take all of it.
 std::vector<LaneShare> DevicePool::shares(bool gpus) const {
   std::vector<LaneShare> all;
   std::vector<std::uint32_t> numbers(reports_.size());
@@ -167,7 +170,7 @@ std::vector<LaneShare> DevicePool::shares(bool gpus) const {
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
   const auto start = std::chrono::steady_clock::now();
-  // What is wrong with the options is no device's fault.
+  // Checked here, so that no device is blamed for it.
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
@@ -231,7 +234,7 @@ void DevicePool::add_reports() {
   }
 }
 
-// Ends with the schedule, or with the device.
+// A lane's thread. It ends when the schedule has nothing left for the lane, or when the device is lost.
 void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
   Lane& lane = lanes_[number];
   if (lane.rehearses && !lane.sitting_out.now() && !lane.rehearsed.has(options)) rehearse(number, schedule, options);
@@ -264,14 +267,14 @@ void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& 
   schedule.end(number);
 }
 
-// The lane's device is out, and the pack, if there is one, is others'.
+// Takes the lane's device out of the pool; its pack, if there is one, goes to other devices.
 void DevicePool::give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack,
                          const Error& error) {
   lose(lanes_[number].device, error);
   schedule.lose(number, pack);
 }
 
-// Whatever has happened, nothing is left in the queue.
+// After an error: waits until nothing is left in the queue, and forgets what was under way.
 void DevicePool::settle(Lane& lane) {
   runtime::Runtime& runtime = *lane.runtime;
   runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
@@ -279,7 +282,8 @@ void DevicePool::settle(Lane& lane) {
   lane.primitives->release();
 }
 
-// Others do the work until the lane has launched what it will need. What it has no memory for, packs tell.
+// Launches all kernels that the lane may need, while other lanes do the work. Too little memory is no error here: it
+// will show when a pack needs it.
 void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options& options) {
   Lane& lane = lanes_[number];
   Options own;
@@ -291,7 +295,7 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
     const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
     std::vector<std::vector<std::uint32_t>> runs = {
         std::vector<std::uint32_t>(many, 40), std::vector<std::uint32_t>(8, 40), {40}, {60, 40}, {large_rehearsed, 40}};
-    if (options.crossing == Crossing::split) {  // large ones that cross go alone: of decimals, and to be rounded
+    if (options.crossing == Crossing::split) {  // large problems that cross, run alone: with decimals, and rounded
       runs.emplace_back(12, 40);
       runs.back()[7] = runs.back()[11] = large_rehearsed;
     }
@@ -302,7 +306,7 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
       make(lane, batch.view(), std::move(all), own);
     }
     const RehearsalBatch crossing(std::vector<std::uint32_t>(8, 40));
-    make(lane, crossing.view(), {7}, own);  // few pieces, each against each
+    make(lane, crossing.view(), {7}, own);  // few pieces: all pairs are compared
     lane.rehearsed.add(own);
   } catch (const Shortage&) {
     settle(lane);
@@ -342,8 +346,8 @@ void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_p
   report.milliseconds += ms;
 }
 
-// Problems with errors of their own, and those to be run alone, are taken out and the rest is run again, which ends:
-// there are fewer each time.
+// Takes out problems with errors of their own, and those that must run alone, and runs the rest again. That ends
+// because there are fewer each time.
 DevicePool::Made DevicePool::make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers,
                                   const Options& options) {
   Made made;

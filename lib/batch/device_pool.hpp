@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any set of OpenCL devices, of any platforms, at one batch: each with its own context or the application's, and one or
-// more lanes. Contexts cannot span platforms, so everything goes through host memory.
+// A pool of OpenCL devices of any platforms that work on one batch. Each device has a context, its own or the
+// application's, and one or more lanes. Contexts cannot span platforms, so everything goes through host memory.
 #pragma once
 
 #include "batch/rehearsal.hpp"
@@ -14,14 +14,14 @@ struct DeviceReport {
   DeviceKind kind = DeviceKind::accelerator;
   std::optional<Error> lost;  ///< why it was taken out
   std::uint64_t problems = 0, vertices = 0, runs = 0;
-  double milliseconds = 0;  ///< in runs whose results counted
+  double milliseconds = 0;  ///< the time of the runs whose results counted
 };
 
-/// A batch's results, and where each problem's are.
+/// A batch's results, and for each problem where its result is.
 struct PoolResult {
   std::vector<ForestResult> results;
   std::vector<Schedule::Place> places;
-  std::map<std::uint32_t, Error> errors;  ///< by problem; with one, the place says nothing
+  std::map<std::uint32_t, Error> errors;  ///< by problem; the place of a problem with an error means nothing
   double milliseconds = 0;
 };
 
@@ -44,8 +44,8 @@ class DevicePool {
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
 
  private:
-  /// One stream of runs on a device: a queue, memory, and in calls a thread. While one lane's results go to
-  /// the host, and the host puts its next problems together, the device works for another.
+  /// One stream of runs on a device. It has a queue, memory, and during calls a thread. While the host copies a lane's
+  /// results and gathers its next problems, the device works for another lane.
   struct Lane {
     std::size_t device = 0;
     std::unique_ptr<runtime::Runtime> runtime;
@@ -57,12 +57,12 @@ class DevicePool {
     bool rehearses = false;  ///< before it takes part in the first batch
     Rehearsed rehearsed;
   };
-  /// What a lane has made of problems.
+  /// What a run has made of its problems.
   struct Made {
     ForestResult result;
     std::vector<std::pair<std::uint32_t, Error>> errors;  ///< of those that `result` lacks
   };
-  /// There is too little memory for one problem of a pack, whatever its size says.
+  /// One problem of a pack needs more memory than there is, though its size does not say so.
   struct Shortage {
     std::uint32_t problem;
     Error error;
@@ -82,7 +82,7 @@ class DevicePool {
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
 
-  std::mutex mutex_;  ///< of callbacks and of losses
+  std::mutex mutex_;  ///< held during callbacks, and while a device is reported as lost
   runtime::Log log_;
   Trace trace_;
   std::vector<DeviceReport> reports_;

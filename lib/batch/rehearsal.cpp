@@ -7,14 +7,14 @@ RehearsalBatch::RehearsalBatch(const std::vector<std::uint32_t>& vertices) {
   constexpr std::uint32_t rings = 4;  // the first vertex of the rings
   for (std::uint32_t p = 0; p < vertices.size(); ++p) {
     const bool crosses = p % 4 == 3, only_that = p % 8 == 7;
-    // Ends, the middle between them, one end again, the rings, a line, and the others anywhere.
+    // The ends of a constraint, the middle between them, one end again, two rings, a line; then any other vertices.
     vertices_.insert(vertices_.end(), {{0, 0}, {1000, 600}, {500, 300}, {0, 0}});
     vertices_.insert(vertices_.end(), {{140, 740}, {260, 740}, {260, 860}, {140, 860}});
     vertices_.insert(vertices_.end(), {{180, 780}, {220, 780}, {220, 820}, {180, 820}});
     vertices_.insert(vertices_.end(), {{400, 900}, {600, 100}});
     for (std::uint32_t i = 14; i < vertices[p]; ++i)
       vertices_.push_back({double((i * 389 + p * 7) % 997), double((i * 571 + p * 13) % 991)});
-    // Integers, decimals, and what is to be rounded.
+    // By turns: integers, decimals, and numbers that are rounded.
     const double scales[] = {1, 0.01, 1.0 / 3};
     for (auto v = vertices_.end() - vertices[p]; v != vertices_.end(); ++v)
       for (double& x : *v) x *= scales[p % 3];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lane runs before its part of the first batch, so that a driver that compiles kernels when they are first
-// launched (PoCL: seconds) does not do so in a later one.
+// Problems that a lane runs before its part of the first batch. Some drivers compile a kernel at its first launch (PoCL
+// takes seconds); the rehearsal launches all kernels, so that no later batch waits for the compiler.
 #pragma once
 
 #include <array>
@@ -11,9 +11,10 @@
 
 namespace gcdt {
 
-/// Problems that take a lane through all that others may, on all kinds of grids: of so many vertices each, 40 or more,
-/// of which two are equal, with a constraint that crosses edges and has a vertex inside, one that overlaps it, one of
-/// length 0, and a ring within a ring; in every fourth one that crosses the first, in every eighth only these two.
+/// Problems that reach every kernel a batch may need, on all kinds of grids. `vertices`: of each problem, 40 or more,
+/// two of which are equal. Each problem has a constraint that crosses edges and has a vertex inside, one that overlaps
+/// it, one of length 0, and a ring within a ring. Every fourth problem also has a constraint that crosses the first;
+/// every eighth has only these two.
 class RehearsalBatch {
  public:
   explicit RehearsalBatch(const std::vector<std::uint32_t>& vertices);
@@ -25,7 +26,7 @@ class RehearsalBatch {
   std::vector<std::uint64_t> vertex_offsets_ = {0}, constraint_offsets_ = {0};
 };
 
-/// Which options a lane has rehearsed: of those that decide which kernels there are.
+/// The options with which a lane has rehearsed, as far as they decide which kernels are launched.
 class Rehearsed {
  public:
   bool has(const Options& options) const { return kinds_.count(kind(options)) > 0; }

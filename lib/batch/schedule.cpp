@@ -11,28 +11,30 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A lane whose speed is not known gets so much first: enough to tell, little enough to lose no time on a slow one.
+// The weight of a first pack where the speed is unknown: enough to measure it, little enough to lose no time on a slow
+// lane.
 constexpr double first_weight = 20000;
-// Of what a lane would have of the rest it takes this part at once, as far as speeds can be trusted, and all of it if
-// the end is no farther than `last`; if it would leave less than a lane does in `least_left`, it takes that as well.
-// First packs of lanes differ unless the end is nearer than `little` (bench/NOTES.md, "Batches").
+// A lane takes `part_of_rest` of its share of the rest, since speeds are not exact, and all of its share if the end is
+// at most `last` away. It takes the whole rest if it would leave less than it does in `least_left`. First packs of a
+// device's lanes differ in size unless the end is nearer than `little` (bench/NOTES.md, "Batches").
 constexpr double part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10, little_milliseconds = 40;
-// What is in a pack takes so many times as long as what a pack takes by itself, at least.
+// A pack is so large that its contents take at least so many times as long as its overhead.
 constexpr double least_overheads = 3;
-// Of what a small pack takes so much is its contents', whatever is thought of its overhead.
+// At least this part of a run's time counts as spent on the contents, because the overhead is only an estimate.
 constexpr double least_part_of_contents = 0.25;
-// A thief must be sure to win.
+// A lane steals a pack only if so many times its own run is shorter than what the owner still needs.
 constexpr double theft_margin = 1.5;
-// Stealing takes so long at least.
+// A stolen pack is expected to take at least this long.
 constexpr double least_theft_milliseconds = 5;
-// A CPU that is slower than this part of a GPU beside it would take more from the threads that feed the GPU than it
-// gives (bench/NOTES.md, "Batches").
+// A CPU that is slower than this part of the GPU beside it does harm: it takes cores from the threads that feed the GPU
+// (bench/NOTES.md, "Batches").
 constexpr double least_part_of_gpu = 0.125;
 // Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
 constexpr std::uint64_t most_vertices = max_vertices;
-// How long to wait before looking again whether a pack is worth stealing, and to tell progress.
+// `glance`: how often an idle lane looks for a pack to steal. `beat`: how often progress is reported.
 constexpr auto glance = std::chrono::milliseconds(5), beat = std::chrono::milliseconds(50);
-// The share of the work that is told while lanes are still busy: to rehearse, or to notice that they need not be.
+// The most progress that is reported while lanes are busy. They may be busy though all is settled: with a rehearsal, or
+// with a run that is no longer needed.
 constexpr double most_told = 0.99;
 
 std::chrono::nanoseconds nanoseconds(double milliseconds) {
@@ -62,8 +64,8 @@ Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batc
   sort_waiting();
 }
 
-// By digits, so that 100,000 problems, which all devices wait for, take 1 ms and not 12. Each pass keeps the order of
-// equals, which was that of numbers.
+// A radix sort: it sorts 100,000 problems in 1 ms instead of 12, and all devices wait for it. Each pass keeps the order
+// of equals, so problems of one size stay in the order of their numbers.
 void Schedule::sort_waiting() {
   constexpr unsigned digit_bits = 11, all_bits = 64;
   constexpr std::uint64_t digit_mask = (std::uint64_t{1} << digit_bits) - 1;
@@ -71,7 +73,7 @@ void Schedule::sort_waiting() {
   for (const std::uint32_t p : waiting_) any |= bytes(p), all &= bytes(p);
   std::vector<std::uint32_t> moved(waiting_.size());
   for (unsigned shift = 0; shift < all_bits; shift += digit_bits) {
-    if (((any ^ all) >> shift & digit_mask) == 0) continue;  // the same in all
+    if (((any ^ all) >> shift & digit_mask) == 0) continue;  // all have the same digit
     const auto digit = [&](std::uint32_t p) { return ~bytes(p) >> shift & digit_mask; };
     std::array<std::size_t, digit_mask + 2> begins = {};
     for (const std::uint32_t p : waiting_) ++begins[digit(p) + 1];
@@ -81,7 +83,7 @@ void Schedule::sort_waiting() {
   }
 }
 
-// Larger first, then by number: what packs hold does not depend on chance.
+// Larger first, then by number, so that the order does not depend on chance.
 bool Schedule::before(std::uint32_t p, std::uint32_t q) const {
   return bytes(p) != bytes(q) ? bytes(p) > bytes(q) : p < q;
 }
@@ -94,8 +96,8 @@ std::uint64_t Schedule::bytes(const Pack& pack) const {
 
 std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
   Lock lock(mutex_);
-  // Ends: a lane waits only while another runs or ends, and every run ends; each settles problems, shrinks a capacity,
-  // has a lane refuse a problem, or makes lanes end.
+  // The loop ends: a lane waits only while another one runs or is about to end. Every run ends, and each end settles
+  // problems, shrinks a capacity, makes a lane refuse a problem, or makes lanes end.
   for (;;) {
     if (cancelled_ || lanes_[lane].lost || unsettled_ == 0) return nullptr;
     if (!must_wait(lane)) {
@@ -111,7 +113,7 @@ std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
   }
 }
 
-// Lanes of one device are alike: the mean of those that have been measured; 0 if none has.
+// The mean over the lanes of the device that have been measured, as they are equally fast; 0 if none has.
 double Schedule::speed_of(std::size_t device) const {
   double speeds = 0, known = 0;
   for (const LaneShare& share : lanes_)
@@ -119,7 +121,8 @@ double Schedule::speed_of(std::size_t device) const {
   return known > 0 ? speeds / known : 0;
 }
 
-// When all would be done if the rest were shared out so that they end together. The lane, which has a speed, is idle.
+// In how many milliseconds all lanes would end if the rest were shared out so that they end together. `lane` is idle
+// and has a speed.
 double Schedule::milliseconds_of_rest(std::size_t lane) const {
   std::vector<BusyLane> lanes(lanes_.size());
   for (std::size_t i = 0; i < lanes_.size(); ++i)
@@ -131,7 +134,7 @@ double Schedule::milliseconds_of_rest(std::size_t lane) const {
   return common_end(std::move(lanes), static_cast<double>(waiting_weight_));
 }
 
-// Of a pack of several problems, as far as the lane alone is concerned.
+// The weight that the lane's next pack should have, before the limits for memory and weight.
 double Schedule::wanted_weight(std::size_t lane) const {
   const LaneShare& share = lanes_[lane];
   const auto rest = static_cast<double>(waiting_weight_);
@@ -149,7 +152,7 @@ double Schedule::wanted_weight(std::size_t lane) const {
   return rest - wanted < speed * least_left_milliseconds ? rest : wanted;
 }
 
-// Whether the lane is a CPU's that only disturbs a GPU which could take problem p.
+// Whether the lane should leave problem p to a GPU: the lane is a CPU's, and much slower than a GPU that can take p.
 bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
   const LaneShare& share = lanes_[lane];
   if (!share.beside_gpus || !share.speed.known()) return false;
@@ -161,14 +164,14 @@ bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
                      [&](const auto& device) { return share.speed.value() < device.second * least_part_of_gpu; });
 }
 
-// Lanes that are to end still have memory.
+// Whether lanes of the same device are about to end: they still hold memory that the lane needs.
 bool Schedule::must_wait(std::size_t lane) const {
   return std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& other) {
     return other.device == lanes_[lane].device && other.lost && !other.ended;
   });
 }
 
-// From the largest that fits on.
+// A pack from the front of the list, from the largest problem that fits on.
 std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   const LaneShare& share = lanes_[lane];
   const auto fits = std::partition_point(waiting_.begin(), waiting_.end(),
@@ -193,10 +196,10 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   return pack;
 }
 
-// How many waiting problems from `begin` on make a pack, at least one. Memory is asked for at the end, and then by
-// halves, as the formula takes longer than all else here, and no lane gets on meanwhile.
+// How many waiting problems from `begin` on make a pack, at least one. The memory formula is the slowest part, and all
+// lanes wait for it. So it is asked once, for all problems that the other limits allow, and then by bisection.
 std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double most_weight) const {
-  std::vector<std::array<std::uint64_t, 2>> sums;  // vertices and constraints of so many and one
+  std::vector<std::array<std::uint64_t, 2>> sums;  // [i]: vertices and constraints of the first i + 1 problems
   std::uint64_t n = 0, m = 0, all = 0;
   for (std::size_t i = begin; i < waiting_.size(); ++i) {
     const std::uint32_t p = waiting_[i];
@@ -210,18 +213,18 @@ std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double
     return forest_bytes(count, sums[count - 1][0], sums[count - 1][1]) <= most_bytes;
   };
   if (fits(sums.size())) return sums.size();
-  std::size_t least = 1, most = sums.size();  // the first one fits, or is alone; `most` do not
+  std::size_t least = 1, most = sums.size();  // one fits, or is taken in any case; `most` do not fit
   while (most - least > 1) (fits(least + (most - least) / 2) ? least : most) = least + (most - least) / 2;
   return least;
 }
 
-// Of a pack that is overdue nobody knows more than that it may take as long again.
+// A pack that is overdue may take as long again as it is late: nothing better is known.
 Clock::duration Schedule::remaining(const Pack& pack) {
   const auto now = Clock::now();
   return now < pack.due ? pack.due - now : now - pack.due;
 }
 
-// The pack of another device that will be done last, if this one would be done with it well before.
+// The pack of another device that will be done last, if this lane would be done with it well before.
 std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
   const LaneShare& share = lanes_[lane];
   const double speed = speed_of(share.device);
@@ -262,7 +265,7 @@ bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, Fores
     stop_running(pack);
     return false;
   }
-  // The pack is done when nothing more can throw.
+  // From here on nothing throws, so the pack is marked as done.
   const auto number = static_cast<std::uint32_t>(results.size());
   results.push_back(std::move(result));
   for (auto& [p, error] : own_errors) errors.insert_or_assign(p, std::move(error));
@@ -270,7 +273,7 @@ bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, Fores
   settled_weight_ += pack->weight;
   unsettled_ -= pack->problems.size();
   stop_running(pack);
-  lock.unlock();  // nobody else writes these, nor reads them before all lanes have ended
+  lock.unlock();  // no other lane writes these places, and nobody reads them before all lanes have ended
   for (std::uint32_t i = 0; i < problems.size(); ++i) places[problems[i]] = {number, i};
   return true;
 }
@@ -286,7 +289,7 @@ void Schedule::stop_running(const std::shared_ptr<Pack>& pack) {
   changed_.notify_all();
 }
 
-// Unless another has it or has done it, its problems wait again.
+// The pack's problems go back into the list, unless another lane has done the pack or is running it.
 void Schedule::put_back(const std::shared_ptr<Pack>& pack) {
   stop_running(pack);
   if (pack->done || pack->runners > 0) return;
@@ -312,13 +315,13 @@ void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, co
     return;
   }
   const std::uint64_t needed = bytes(*pack);
-  // Half of it, or less than its only problem.
+  // Half of what the pack needs, but enough for its largest problem; less than that if it is the only one.
   lanes_[lane].capacity = std::min(
       lanes_[lane].capacity, pack->problems.size() > 1 ? std::max(needed / 2, bytes(pack->problems[0])) : needed - 1);
   put_back(pack);
 }
 
-// Whether the lane was not the only one of its device, or is itself to end.
+// Makes the other lanes of the device end. Returns whether there were any, or the lane itself is to end.
 bool Schedule::crowd_out_others(std::size_t lane) {
   bool shared = lanes_[lane].lost;
   for (std::size_t other = 0; other < lanes_.size(); ++other)
@@ -346,7 +349,8 @@ void Schedule::lose(std::size_t lane, const std::shared_ptr<Pack>& pack) {
   changed_.notify_all();
 }
 
-// Who was not done with its pack by now is no faster than that, which is all that is known of it if this was its first.
+// A lane that was not done with its pack by now is no faster than the pack's weight over this time. If it was its first
+// pack, that bound is all that is known of its speed.
 void Schedule::drop(std::size_t lane, const std::shared_ptr<Pack>& pack) {
   const Lock lock(mutex_);
   if (pack->owner == lane && pack->done) {
@@ -364,7 +368,8 @@ void Schedule::cancel() {
   changed_.notify_all();
 }
 
-// Nobody runs, and somebody who lives has been asked: what all that live have no memory for is refused.
+// No lane runs, and one that lives has found nothing that it can take. So the problems that are too large for every
+// lane that lives get an error.
 void Schedule::refuse_what_is_too_large() {
   std::uint64_t most = 0;
   for (const LaneShare& share : lanes_)

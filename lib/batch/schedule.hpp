@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who triangulates what: a batch's problems shared out to the lanes of devices, largest first, by measured speed.
+// The schedule decides which lane triangulates which problems of a batch. It hands out the largest problems first, and
+// gives each lane as much as its measured speed says.
 #pragma once
 
 #include <algorithm>
@@ -18,85 +19,90 @@
 
 namespace gcdt {
 
-/// What a problem costs beside its vertices and constraints, in the same measure: about 0.7 microseconds on the host
-/// and on an H200, which does 70 vertices and constraints in each (bench/NOTES.md, "Batches").
+/// The fixed cost of a problem, in vertices and constraints: a problem takes about 0.7 microseconds on the host and on
+/// an H200 whatever its size, and an H200 does 70 vertices and constraints a microsecond (bench/NOTES.md, "Batches").
 constexpr std::uint64_t problem_weight = 48;
 
-/// Problems that go to a lane together.
+/// Problems that a lane triangulates together, in one run.
 struct Pack {
   std::vector<std::uint32_t> problems;
   std::uint64_t weight = 0;       ///< vertices and constraints, and `problem_weight` for each problem
   std::atomic<bool> done{false};  ///< set under the schedule's lock, but asked before every launch
   // Under the schedule's lock:
-  unsigned runners = 0;                              ///< lanes at it
-  std::size_t owner = 0;                             ///< the lane that took it first
-  std::chrono::steady_clock::time_point began, due;  ///< when the owner did, and should be done; both if nobody knows
+  unsigned runners = 0;                              ///< lanes that are running it
+  std::size_t owner = 0;                             ///< the first lane that took it
+  std::chrono::steady_clock::time_point began, due;  ///< of the owner's run; `due` is `began` if its speed is unknown
 };
 
-/// What a lane, one stream of runs on a device, is to the schedule.
+/// What the schedule knows of a lane. A lane is one stream of runs on a device.
 struct LaneShare {
-  std::size_t device = 0;         ///< lanes of one device are alike, share its memory and are lost together
-  std::uint64_t capacity = 0;     ///< bytes; a problem that needs more is not taken
-  std::uint64_t most_bytes = 0;   ///< of a pack of several problems
-  std::uint64_t most_weight = 0;  ///< likewise
-  Speed speed;                    ///< as far as it is known, beside the overhead
-  double overhead = 0;            ///< milliseconds that a pack takes whatever is in it
-  /// Its first pack is this much of what it would take: lanes of a device that begin with different ones do not stay in
-  /// step, all of them on the host or all on the device.
+  std::size_t device = 0;         ///< the lanes of a device are equally fast, share its memory and are lost together
+  std::uint64_t capacity = 0;     ///< bytes; the lane takes no problem that needs more
+  std::uint64_t most_bytes = 0;   ///< limit for a pack of several problems
+  std::uint64_t most_weight = 0;  ///< the same limit as a weight
+  Speed speed;                    ///< without the overhead
+  double overhead = 0;            ///< milliseconds that every pack takes, whatever it holds
+  /// The first pack is this part of a usual one. The lanes of a device begin with different parts, so that they do not
+  /// all work on the host, or all on the device, at the same time.
   double first_part = 1;
-  bool started = false;             ///< has taken its first pack, or sits out
-  bool beside_gpus = false;         ///< of a CPU in a pool with GPUs
-  bool left_out = false;            ///< was too slow for more than one pack
-  bool lost = false;                ///< takes nothing any more
-  bool crowded_out = false;         ///< since another lane of the device needs its memory
-  bool ended = false;               ///< is gone, and so is its memory if it was crowded out
-  std::set<std::uint32_t> refused;  ///< problems that turned out to need more
+  bool started = false;             ///< the lane has taken its first pack, or sits out
+  bool beside_gpus = false;         ///< the device is a CPU in a pool with GPUs
+  bool left_out = false;            ///< the lane was too slow to get more than one pack
+  bool lost = false;                ///< the lane takes no more packs
+  bool crowded_out = false;         ///< it is lost because another lane of the device needs its memory
+  bool ended = false;               ///< its thread is gone; if it was crowded out, its memory is free
+  std::set<std::uint32_t> refused;  ///< problems that turned out to need more memory than their sizes say
 };
 
 /// One batch on its way. All members may be called by all workers.
 ///
-/// A lane takes from the front of a list in order of size, most of what it would have of the rest if that were shared
-/// out so that all lanes end together (if it is alone, all that it can take at once), so packs shrink towards the end;
-/// when the end is near, all of that. A CPU beside a much faster GPU takes one small pack a call, to be measured again,
-/// and what the GPU has no memory for. When the list is empty a lane that would be done with a pack before the other
-/// device that has it takes it as well; the first result counts, the other run is cancelled. A pack that comes back,
-/// since its device is lost or has too little memory, goes into the list again. Every problem is settled once: by the
-/// first result of its pack, or by an error of its own.
+/// Waiting problems are in a list, the largest first. A lane takes its pack from the front. Its share of the list is
+/// what it would get if all lanes were to end together; a pack is most of that share, and all of it when the end is
+/// near. So packs become smaller towards the end. A lane that is alone takes as much as fits.
+///
+/// A CPU beside a much faster GPU takes one small pack a call, so that its speed is measured again, and problems for
+/// which the GPU has too little memory.
+///
+/// When the list is empty, an idle lane steals: it runs a pack of another device too if it would be done sooner. The
+/// first result counts, and the other run is cancelled. A pack whose device is lost, or has too little memory, goes
+/// back into the list. Every problem is settled once, by the first result of its pack or by an error of its own.
 class Schedule {
  public:
   Schedule(const BatchInput& batch, std::vector<LaneShare> lanes);
 
-  /// The next pack for the lane; null when nothing is left to do for it. Blocks while others may bring work back.
+  /// The next pack for the lane; null if there is nothing left for it. Blocks while other lanes may put a pack back.
   std::shared_ptr<Pack> take(std::size_t lane);
-  /// The lane's result for the pack, with the errors of problems (batch numbers) that it lacks. False if another was
-  /// first. `milliseconds`: what the run took.
+  /// Settles the pack with the lane's result and with the errors of the problems (batch numbers) that the result lacks.
+  /// Returns false if another lane was first. `milliseconds`: the time of the run.
   bool finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
               std::vector<std::pair<std::uint32_t, Error>> errors, double milliseconds);
-  /// The device has too little memory for it. If other lanes share that, they take nothing any more, and this one goes
-  /// on when they have ended; else it takes only smaller ones from now on.
-  /// `problem`: the one of the pack that needs so much, whatever its size says; then only that is not taken again.
+  /// The device has too little memory for the pack. If other lanes share the device, they take no more packs, and this
+  /// lane goes on when they have ended. Otherwise the lane takes only smaller packs from now on.
+  /// `problem`: the one problem that needs more memory than its size says; then the lane refuses that problem alone.
   void too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error,
                  std::optional<std::uint32_t> problem = {});
-  /// The device of the lane is lost; the lane may have a pack, and others of the device may end theirs.
+  /// The lane's device is lost. `pack`: the lane's pack, or null. Other lanes of the device may finish theirs.
   void lose(std::size_t lane, const std::shared_ptr<Pack>& pack);
-  /// Given up, since the pack is done or all is cancelled.
+  /// The lane gives the pack up, because another lane has done it or the call is cancelled.
   void drop(std::size_t lane, const std::shared_ptr<Pack>& pack);
-  /// The last that a lane calls.
+  /// Every lane calls this last.
   void end(std::size_t lane);
-  /// Whether the lane has to give its memory back before it ends.
+  /// Whether the lane must free its device memory before it ends.
   bool crowded_out(std::size_t lane);
   /// Whether a run of the pack may stop.
   bool needless(const Pack& pack) const { return cancelled() || pack.done; }
   void cancel();
   bool cancelled() const { return cancelled_; }
 
-  /// Waits for an event, but not long, and returns the share of the work that is settled; 1 when all lanes have ended.
+  /// Waits for a change, or a short time, and returns the share of the work that is settled; 1 when all lanes have
+  /// ended.
   double wait();
   Speed speed(std::size_t lane);
-  /// Whether the lane was left out of the batch, or would have been after its first pack.
+  /// Whether the lane was too slow to be of use, so that it got at most one pack.
   bool left_out(std::size_t lane);
 
-  /// By problem, when all lanes have ended: the result and its place there, unless there is an error.
+  /// Where a problem's result is: which result, and its place there. Valid when all lanes have ended, for problems
+  /// without an error.
   struct Place {
     std::uint32_t result = 0, place = 0;
   };
@@ -133,12 +139,12 @@ class Schedule {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<LaneShare> lanes_;
-  std::vector<std::uint64_t> bytes_;    ///< that each problem needs alone
-  std::set<std::uint32_t> outgrown_;    ///< those that need more than their sizes say: they go by themselves
+  std::vector<std::uint64_t> bytes_;    ///< bytes that each problem needs by itself
+  std::set<std::uint32_t> outgrown_;    ///< problems that need more than their sizes say; each gets a pack of its own
   std::vector<std::uint32_t> waiting_;  ///< largest first
   std::uint64_t waiting_weight_ = 0, weight_ = 0, settled_weight_ = 0, unsettled_ = 0;
   std::list<std::shared_ptr<Pack>> running_;
-  std::optional<Error> shortage_;  ///< the last one
+  std::optional<Error> shortage_;  ///< the last error of too little memory
   std::atomic<bool> cancelled_{false};
 };
 

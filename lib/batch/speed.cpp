@@ -3,9 +3,9 @@
 
 namespace gcdt {
 
-// As water finds its level: the lanes that are free soonest fill up to the next one, and so on. With the first k lanes,
-// Sum speed_i (end - busy_i) = weight; the end falls with every lane that is free before it, so the first k for which
-// the next lane is free no sooner is right.
+// Like water that finds its level: sort the lanes by when they are free. If the first k share the weight, they end at
+// the time given by sum speed_i (end - busy_i) = weight. Each further lane that is free before that makes the end
+// earlier. So the right k is the first one whose next lane is free no sooner than the end.
 double common_end(std::vector<BusyLane> lanes, double weight) {
   std::sort(lanes.begin(), lanes.end(),
             [](const BusyLane& a, const BusyLane& b) { return a.milliseconds < b.milliseconds; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of how fast lanes are, and when they would be done.
+// Measured speeds of lanes, and when lanes would be done.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 
 namespace gcdt {
 
-/// Weight a millisecond, as measured by runs: each counts by its weight and time, and half as much after every other
-/// one. So one small run, whose launches are most of its time, does not hide what large ones before it took.
+/// Weight a millisecond, measured by runs. Weights and times of runs are added up, and each new run halves what the
+/// ones before it count. So one small run, whose time is mostly launches, does not hide the large ones before it.
 class Speed {
  public:
   Speed() = default;
-  /// What it is believed to be until it is measured.
+  /// A speed that is assumed until one is measured.
   explicit Speed(double speed) : weight_(speed), milliseconds_(speed > 0 ? 1 : 0) {}
   void add(double weight, double milliseconds) {
     weight_ = weight_ / 2 + weight;
@@ -27,12 +27,13 @@ class Speed {
   double weight_ = 0, milliseconds_ = 0;
 };
 
-/// In which calls a lane that was too slow to be of use sits out: 1 after it was measured, then 2, 4 ... up to 64 in a
-/// row, since speeds may change in the course of a process, but not often.
+/// In which calls a lane sits out because it was too slow to be of use. It sits out 1 call, then takes part and is
+/// measured again; if it is still too slow it sits out 2, then 4, up to 64, since speeds seldom change within a
+/// process.
 class SittingOut {
  public:
   bool now() const { return calls_ > 0; }
-  /// A call is over, after which, if it took part, the lane is too slow or not.
+  /// A call is over. `too_slow`: what it has shown of the lane, if the lane took part.
   void next_call(bool too_slow) {
     if (calls_ > 0) {
       --calls_;
@@ -48,14 +49,14 @@ class SittingOut {
   std::uint32_t calls_ = 0, next_ = 1;
 };
 
-/// A lane that can do more when it is done with what it has.
+/// A lane that is busy for a time and then free.
 struct BusyLane {
-  double milliseconds = 0;  ///< until then
+  double milliseconds = 0;  ///< until it is free
   double speed = 0;
 };
 
-/// In how many milliseconds lanes would be done with `weight` more if it were shared out so that all that get some end
-/// together; lanes that are busy for longer than that get none. At least one lane has a speed.
+/// In how many milliseconds the lanes would be done with `weight` if it were shared out so that all lanes that get some
+/// of it end together. Lanes that are busy for longer get none. At least one lane has a speed.
 double common_end(std::vector<BusyLane> lanes, double weight);
 
 }  // namespace gcdt

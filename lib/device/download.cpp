@@ -12,12 +12,12 @@ namespace gcdt::runtime {
 
 namespace {
 
-// Smaller ones are not worth their start, larger ones no faster (bench/NOTES.md, "Batches").
+// Smaller chunks are not worth the start of a transfer, larger ones are no faster (bench/NOTES.md, "Batches").
 constexpr std::size_t chunk = std::size_t{1} << 20;
-// Counters and the like are read at once.
+// Shorter reads, such as counters, are copied as usual, since the host reads them at once.
 constexpr std::size_t least_streamed = std::size_t{1} << 16;
 
-// Nobody on the host reads it soon: what it replaces need not come into the caches before.
+// Copies without loading the destination into the caches: nobody on the host reads it soon.
 void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t bytes) {
 #ifdef __SSE2__
   constexpr std::size_t word = sizeof(__m128i);
@@ -42,8 +42,8 @@ std::unique_ptr<Download> Download::make(Runtime& runtime) {
 
 Download::Download(Runtime& runtime) : runtime_(runtime), memory_(runtime, 2 * chunk) {}
 
-// While one half of the memory is emptied, the other is filled. After an error a read may still come into it, but
-// before those that are queued later.
+// The host empties one half of the memory while the device fills the other. After an error a read may still be under
+// way into it; it is done before any read that is queued later.
 void Download::read(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   const std::size_t chunks = (bytes + chunk - 1) / chunk;
   cl::Event read[2];

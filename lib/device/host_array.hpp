@@ -14,8 +14,8 @@
 
 namespace gcdt {
 
-/// Bytes, not initialised. Large ones ask for huge pages: the first write to each page of 4 KiB costs more than a copy
-/// from a device takes to fill it.
+/// Bytes, not initialised. A large array asks for huge pages: the first write to each page of 4 KiB costs more time
+/// than filling it from a device.
 struct HostArray {
   struct Free {
     void operator()(unsigned char* memory) const { std::free(memory); }

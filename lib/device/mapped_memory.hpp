@@ -5,8 +5,8 @@
 
 namespace gcdt::runtime {
 
-/// Host memory of the driver's own, which devices reach without its help, for as long as the object lives. The runtime
-/// must outlive it.
+/// Host memory of the driver's own, which devices read and write without the host's help. It lives as long as the
+/// object, and the runtime must outlive it.
 class MappedMemory {
  public:
   MappedMemory(Runtime& runtime, std::size_t bytes) : runtime_(runtime), memory_(runtime.map_new(bytes, buffer_)) {}
@@ -15,7 +15,7 @@ class MappedMemory {
   ~MappedMemory() {
     if (memory_) runtime_.unmap(buffer_, memory_);
   }
-  /// Null if there is none to be had.
+  /// Null if the driver has none.
   unsigned char* get() const { return static_cast<unsigned char*>(memory_); }
 
  private:

@@ -47,7 +47,7 @@ struct Tuning {
   /// Whether constraints are cleaned in the order of the curve; none: where a work-item is a thread.
   std::optional<bool> walk_along_curve;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
-  /// (kernels/order/few.cl): in less time than the launches and blocking reads take that other threads would need to
+  /// (kernels/programs/few.cl): in less time than the launches and blocking reads take that other threads would need to
   /// help it, each of which wakes all of them (bench/NOTES.md).
   std::uint32_t few_vertices = 2048;
   /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;

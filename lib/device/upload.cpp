@@ -6,7 +6,8 @@
 namespace gcdt::runtime {
 
 namespace {
-// Large enough that a transfer (19 microseconds a MiB) is worth its start, and in the host's caches when it is read.
+// Large enough that a transfer (19 microseconds a MiB) takes longer than its start; small enough that a chunk is still
+// in the host's caches when it is read.
 constexpr std::size_t gpu_chunk = std::size_t{1} << 20, cpu_chunk = std::size_t{1} << 18;
 }  // namespace
 
@@ -37,7 +38,7 @@ void Upload::send() {
   current_ = 1 - current_;
 }
 
-// The upload before may have used the chunk last.
+// Waits until the current chunk is free. The last write from it may be that of an earlier upload.
 void Upload::take() {
   const cl::Event written = std::exchange(chunks_.chunks_[current_].written, cl::Event());
   if (written()) runtime_.wait(written);

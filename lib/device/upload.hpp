@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes put together on the host for a device, chunk by chunk.
+// Writes to a device of bytes that the host puts together chunk by chunk.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,15 @@
 
 namespace gcdt::runtime {
 
-/// See Tuning.
+/// See Tuning::prepares_host_memory.
 inline bool prepares_host_memory(const Runtime& runtime) {
   return runtime.tuning().prepares_host_memory.value_or(runtime.kind() == DeviceKind::gpu);
 }
 
-/// Two chunks of host memory that take turns: while one is on its way to the device, the other is filled. For GPUs
-/// memory of the driver's own, which it reads six times as fast as other memory and without the host
-/// (bench/NOTES.md); if there is none to be had, and for other devices, any memory. Kept from call to call.
+/// Two chunks of host memory that take turns: while one is on its way to the device, the host fills the other. For GPUs
+/// the chunks are memory of the driver's own. The driver reads it six times as fast as other memory, and without the
+/// host (bench/NOTES.md). If the driver has none, and for other devices, they are ordinary memory. They are kept from
+/// call to call.
 class UploadChunks {
  public:
   explicit UploadChunks(Runtime& runtime);
@@ -31,16 +32,17 @@ class UploadChunks {
   HostArray plain_;
   struct Chunk {
     unsigned char* memory = nullptr;
-    cl::Event written;  ///< null if it is free
+    cl::Event written;  ///< of the write under way; null if the chunk is free
   } chunks_[2];
 };
 
-/// A write to a buffer from its first byte on.
+/// One write to a buffer, from its first byte on.
 class Upload {
  public:
   Upload(Runtime& runtime, UploadChunks& chunks, cl_mem to) : runtime_(runtime), chunks_(chunks), to_(to) {}
 
-  /// Room for 1 to `wanted` more elements, to be filled before the next call. One upload has elements of one size.
+  /// Room for 1 to `wanted` more elements. The caller fills it before the next call. All elements of an upload have one
+  /// size.
   template <class T>
   std::pair<T*, std::size_t> room(std::size_t wanted) {
     if (filled_ + sizeof(T) > chunks_.bytes_) send();
@@ -51,7 +53,7 @@ class Upload {
     return {first, count};
   }
   void append(const unsigned char* from, std::size_t bytes);
-  /// Queues what is there. Chunks may still be on their way when it returns.
+  /// Queues the write of what has been filled. The chunk may still be on its way when this returns.
   void send();
 
  private:

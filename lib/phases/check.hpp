@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The device's proof that a result is what the contract promises (section 6).
+// The device's proof that a result is what docs/contract.md, 6, promises.
 #pragma once
 
 #include "mesh/mesh.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cleaning constraints on the mesh (kernels/constrain/clean.cl; contract, section 3).
+// Cleaning constraints on the mesh (kernels/constrain/clean.cl; docs/contract.md, 3).
 #pragma once
 
 #include "phases/walk.hpp"
@@ -10,7 +10,7 @@ struct CleanResult {
   Pieces pieces;
   std::uint64_t zero_length = 0;  ///< constraints whose ends are one vertex
   std::uint64_t hits = 0;         ///< vertices found inside constraints, once per constraint
-  double walk_ms = 0;  ///< wall time of cutting into parts and of the first walk, which enforcement needs, too
+  double walk_ms = 0;  ///< wall time of cutting constraints into parts and of the first walk; enforcing uses both
 };
 
 /// Copies constraints from host memory.
@@ -19,21 +19,21 @@ runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constrain
 /// Constraint `constraint` has an end (0 or 1) that is none of the `vertices`.
 Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t vertices);
 
-/// Pieces without ends: `firsts` flags the first of each run of equal ones among `count` that are sorted, and has
-/// count + 1 elements. Blocks.
+/// Makes one piece of each run of equal ones among `count` sorted pieces; the ends are not set. `firsts` has count + 1
+/// elements and flags the first of each run. Blocks.
 Pieces merge_runs(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& firsts,
                   cl_uint count);
 
 /// clean() may be called several times with different selections of the same constraints.
 class Cleaner {
  public:
-  /// `constraints`: pairs of input points, to stay where they are as long as this object.
+  /// `constraints`: pairs of input points; the buffer must outlive this object.
   Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
           const runtime::Buffer<cl_uint2>& constraints, std::uint32_t inputs);
 
-  /// The pieces of the constraints c with wanted[c] != 0 (empty: of all), split at all vertices on them.
-  /// `walked` is the mesh with all vertices, not flipped since. Adds to counters: steps.
-  /// Throws index_out_of_range for the first constraint with an end that is no input point.
+  /// Returns the pieces of the constraints c with wanted[c] != 0 (of all constraints if `wanted` is empty), split at
+  /// all vertices on them. `walked` is the mesh with all vertices, not flipped since. Adds to counters: steps. Throws
+  /// index_out_of_range for the first constraint with an end that is no input point.
   CleanResult clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters);
 
  private:
@@ -41,7 +41,7 @@ class Cleaner {
     cl_uint count = 0;
     runtime::Buffer<cl_uint> list;    ///< input constraints with a length, ascending or along the curve
     runtime::Buffer<cl_uint2> ends;   ///< their vertices
-    runtime::Buffer<cl_uint> places;  ///< along the curve: their places if they were ascending
+    runtime::Buffer<cl_uint> places;  ///< if along the curve: the place of each in ascending order
     bool along_curve = false;
   };
   Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);

@@ -10,10 +10,10 @@
 namespace gcdt {
 
 struct ConstrainResult {
-  /// Failure bits (kernels/common/shared.h). Not 0: two pieces cross, or the device computes wrongly; which of
-  /// the two, find_crossings (lib/phases/crossings.hpp) tells.
+  /// Failure bits (kernels/common/shared.h). If not 0, two pieces cross or the device computes wrongly; find_crossings
+  /// (lib/phases/crossings.hpp) says which.
   std::uint32_t failed = 0;
-  /// The mesh was changed before the failure was seen; if not, only its claim words were.
+  /// Whether the mesh was changed before the failure was seen. If not, only its claim words were.
   bool mesh_changed = false;
   std::uint64_t existing_edges = 0, walked = 0, chain_vertices = 0, holes = 0, symbolic_chain_vertices = 0;
   std::uint64_t crossed_pairs = 0, steps = 0;

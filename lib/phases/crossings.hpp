@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which constraints cross (kernels/constrain/crossings.cl), and which are kept (contract, section 3).
+// Which constraints cross (kernels/constrain/crossings.cl), and which are kept (docs/contract.md, 3).
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace gcdt {
 
-/// The pairs of pieces that cross: counted at once, and listed in windows, so that memory stays bounded.
+/// The pairs of pieces that cross. All are counted at once; they are listed in windows, so that memory stays bounded.
 class CrossingPieces {
  public:
   /// `walked` is the mesh with all vertices, not flipped since; all arguments must outlive this object.
@@ -17,8 +17,8 @@ class CrossingPieces {
   CrossingPieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
                  PhaseCounters& counters);
   cl_uint count() const { return count_; }
-  /// Writes pairs first .. first + count - 1 (piece numbers, the smaller one first) to the start of `pairs`. Which pair
-  /// has which number may differ from run to run.
+  /// Writes pairs first .. first + count - 1 (piece numbers, the smaller one first) to the start of `pairs`. The order
+  /// of the pairs may differ from run to run.
   void list(cl_uint first, cl_uint count, const runtime::Buffer<cl_uint2>& pairs) {
     test(1, first, first + count, pairs);
   }
@@ -43,8 +43,8 @@ class CrossingPieces {
 std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
                                        const Pieces& pieces, PhaseCounters& counters);
 
-/// The error that has all pairs as indices, and names the first ten in its message; `ends(c)` are the input vertices of
-/// constraint c.
+/// The error for constraints that cross. Its indices are all pairs, its message names the first ten. `ends(c)` are the
+/// input vertices of constraint c.
 Error crossings_error(const std::vector<Constraint>& crossings, const std::function<Constraint(std::uint32_t)>& ends,
                       bool rounded);
 

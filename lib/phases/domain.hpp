@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Regions and domains (kernels/domain/regions.cl, domain.cl; contract 4): labels, depth, winding, removal.
+// Regions and domains (kernels/domain/regions.cl, domain.cl; docs/domains.md): labels, depth, winding, removal.
 #pragma once
 
 #include "phases/output.hpp"
 
 namespace gcdt {
 
-/// What select_domain() found; arrays have one element a kept triangle.
+/// The regions that select_domain() found. Arrays have one element for each kept triangle.
 struct Regions {
   std::uint32_t count = 0;                          ///< regions of the whole hull, numbered by their least triangles
   std::uint32_t deepest = 0;                        ///< the largest depth
@@ -17,13 +17,13 @@ struct Regions {
 
 struct SelectedDomain {
   Regions regions;
-  OrderedMesh mesh;              ///< the kept triangles in their order; not allocated if all are kept by rule
+  OrderedMesh mesh;              ///< the kept triangles in their order; not allocated if the domain is the hull
   runtime::Buffer<cl_int> kept;  ///< by triangle of the hull: its place in `mesh`, or -1
   runtime::Buffer<cl_uint> region_of_hull;  ///< by triangle of the hull
 };
 
-/// The direction of each piece: sources that run along it from its first end to its second, less those that run
-/// back. `constraints` are pairs of input points.
+/// The direction of each piece: the number of sources that run from its first end to its second, minus the number that
+/// run back. `constraints` are pairs of input points.
 runtime::Buffer<cl_int> count_turns(runtime::Runtime& runtime, const Vertices& vertices, const Pieces& pieces,
                                     const runtime::Buffer<cl_uint2>& constraints);
 

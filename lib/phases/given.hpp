@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rounding to the grid did to the vertices as they were given.
+// What rounding to the grid did to the vertices: how far they moved, and which became one.
 #pragma once
 
 #include <vector>
@@ -11,31 +11,32 @@ namespace gcdt {
 
 struct InputPoints;
 
-/// Vertices of one input that are one on the grid with a lesser one that was given elsewhere.
+/// The vertices of one input that share their grid point with a vertex of a smaller number, but were given elsewhere.
 struct RoundedTogether {
   std::uint64_t count = 0;
-  std::array<std::uint32_t, 2> first{};  ///< the least of them, behind the one that stands for it
+  std::array<std::uint32_t, 2> first{};  ///< [1]: the least of these vertices; [0]: the vertex that stands for it
 };
 
-/// Whether rounding may have made vertices one: only then are the coordinates needed again.
+/// Whether rounding may have made vertices one. If not, nobody needs the coordinates again.
 inline bool may_round_together(const Grid& grid) {
   return (grid.kind == Grid::Kind::rounded || grid.kind == Grid::Kind::fixed) && grid.largest_move > 0;
 }
 
-/// Of each problem, whose inputs begin at first_input (one more element: their number); numbers count in the problem.
+/// For each problem; the inputs of problem p are first_input[p] to first_input[p + 1] - 1. Vertex numbers count within
+/// the problem.
 std::vector<RoundedTogether> rounded_together(runtime::Runtime& runtime, const InputPoints& points,
                                               const Vertices& vertices, const std::vector<cl_uint>& first_input);
 
-/// What is wrong with them, if vertices that differ must stay apart.
+/// The error for Options::distinct, which forbids that rounding makes vertices one.
 Error together_error(const RoundedTogether& together);
 
-/// The largest move of the coordinates of vertices first to end - 1, whose greatest key is `key` (gcdt_move_key): as
-/// move_length() of that; but where the key had no place for all of its digits, exactly, which reads the coordinates
-/// back.
+/// The largest move of a coordinate of the vertices first to end - 1. `key` is their greatest gcdt_move_key, and the
+/// result is its move_length(). If the key has no place for all digits, the coordinates are read back and the move is
+/// computed exactly.
 double largest_move(runtime::Runtime& runtime, const InputPoints& points, cl_uint first, cl_uint end, std::uint64_t key,
                     const device::Scale& scale);
 
-/// Whether all vertices, as given, are on one line. Reads them back.
+/// Whether all vertices are on one line as they were given. Reads them back.
 bool given_on_one_line(runtime::Runtime& runtime, const InputPoints& points);
 
 }  // namespace gcdt

@@ -149,7 +149,7 @@ void set_together(runtime::Runtime& runtime, const InputPoints& points, OrderRes
   result.together = rounded_together(runtime, points, result.vertices, {0, points.n})[0];
 }
 
-/// The whole phase by one work-item (kernels/order/few.cl), which reads nothing back in between.
+/// The whole phase by one work-item (kernels/programs/few.cl), which reads nothing back in between.
 OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::optional<FixedGrid>& fixed,
                       std::uint32_t coarsest_level) {
   const cl_uint n = points.n;

@@ -17,12 +17,12 @@ struct InputPoints {
   runtime::Buffer<cl_ulong> coordinates;
 };
 
-/// What is wrong with coordinate 2 * vertex + axis.
+/// The error for coordinate number 2 * vertex + axis.
 Error coordinate_error(Status status, const char* what, std::uint64_t coordinate);
-/// What is wrong with one that a survey calls not finite: for int64, that it is beyond 2^53.
+/// The error for a coordinate that the survey calls not finite. An int64 is so called if it is beyond 2^53.
 Error survey_error(cl_uint type, std::uint64_t coordinate);
 
-/// GCDT_COORDINATES_... of a type, and the words of 8 bytes that a vertex takes.
+/// The GCDT_COORDINATES_... constant of a type, and the number of 8-byte words of a vertex.
 cl_uint coordinates_type(Points::Type type);
 std::size_t words_per_vertex(Points::Type type);
 
@@ -35,9 +35,9 @@ InputPoints stage(runtime::Runtime& runtime, Points points);
 struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives
-  RoundedTogether together;  ///< of these, those that were given elsewhere; of a forest not set
-  /// Wall time of sorting and numbering, which `core` of the statistics includes; with Plan::By::one, of surveying and
-  /// quantising, too.
+  RoundedTogether together;  ///< those of them that were given elsewhere; not set for a forest
+  /// Wall time of sorting and numbering, which `core` of the statistics includes. Where one work-item does the whole
+  /// phase (few.cl), it also has surveying and quantising.
   double sort_ms = 0;
 };
 

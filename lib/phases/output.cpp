@@ -53,7 +53,7 @@ void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
   ordered.constrained = runtime.allocate<cl_uchar>("output flags", triangles);
 }
 
-/// All of it by one work-item (kernels/order/few.cl).
+/// All of it by one work-item (kernels/programs/few.cl).
 OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
   Step gathering(runtime, "gather");
   OrderedMesh ordered;

@@ -15,14 +15,14 @@ struct OrderedMesh {
   runtime::Buffer<cl_uint> corners;       ///< 3T vertices, counter-clockwise
   runtime::Buffer<cl_int> neighbours;     ///< 3T: [3t + k] is across from corner k; -1: none
   runtime::Buffer<cl_uchar> constrained;  ///< T: bit k tells of the edge across from corner k
-  /// Wall time of finding the finite faces and of writing all this from them, which `core` of the statistics includes;
-  /// sorting is not in it, but where one work-item, or one a problem, does all of it (Plan::output).
+  /// Wall time of finding the finite faces and of writing these arrays from them; `core` of the statistics includes it.
+  /// Sorting is not in it, unless one work-item does all of that, or one for each problem (few.cl, arrange.cl).
   double gather_ms = 0;
 };
 
-/// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it
-/// needs 24 bytes a face while sorting, then 8; the scratch of `primitives` is released.
-/// Not `canonical`: in any order, with any corner first; cheaper, 12 bytes a face.
+/// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it needs 24 bytes a
+/// face while it sorts, then 8. The scratch of `primitives` is released. If not `canonical`, triangles come in any
+/// order, with any corner first; that needs 12 bytes a face.
 OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
                             const Vertices& vertices, bool canonical = true);
 

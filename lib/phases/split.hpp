@@ -16,27 +16,27 @@ struct AddedVertices {
 
 class Splitter {
  public:
-  /// `constraints`, pairs of `inputs` input points, stay where they are as long as this object.
+  /// `constraints`: pairs of input points, of which there are `inputs`. The buffer must outlive this object.
   Splitter(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint2>& constraints,
            std::uint32_t inputs);
 
-  /// Once: finds all crossings of pieces, rounds them, and marks the constraints. Returns the pairs of constraints that
-  /// cross; 0: there are none. Arguments as for CrossingPieces.
+  /// Called once. Finds all crossings of pieces, rounds them, and marks their constraints. Returns how many pairs of
+  /// constraints cross. Arguments as for CrossingPieces.
   std::uint64_t find(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters);
 
-  /// Once, after find: `vertices` and the added ones, ordered anew; their grid is kept. Input numbers of added vertices
-  /// follow those of the input. Throws too_many_vertices.
+  /// Called once, after find(). Returns `vertices` and the added ones, ordered anew on the same grid. The input numbers
+  /// of added vertices follow those of the input. Throws too_many_vertices.
   Vertices add(Vertices vertices);
 
-  /// The links into which the marked constraints are routed, and the other constraints as they are: pairs of
-  /// input numbers, by constraint, in order along each.
+  /// Returns the links into which the marked constraints are routed, and the other constraints as they are: pairs of
+  /// input numbers, ordered by constraint, and along each constraint.
   const runtime::Buffer<cl_uint2>& route(const Plan& plan, const Vertices& vertices);
 
   /// Marks the constraints that own crossing pieces of links. Returns how many were not marked before.
   std::uint32_t mark(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters);
 
-  /// Instead of all the above: marks the constraints that cross, without a look at where. Returns what is marked, one
-  /// word a constraint, 0 or 1.
+  /// Used instead of all the above, where only the constraints that cross are wanted: marks them and returns the marks,
+  /// one word for each constraint, 0 or 1.
   const runtime::Buffer<cl_uint>& mark_crossing(const WalkedMesh& walked, const Pieces& pieces,
                                                 PhaseCounters& counters);
 

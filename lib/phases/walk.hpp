@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the walks along constraints share on the host: the parts of pieces, and launching a kernel with
-// the mesh and the history tree as arguments (kernels/constrain/walk.h).
+// What all walks along constraints share on the host: cutting pieces into parts, and launching a kernel with the mesh
+// and the history tree as arguments (kernels/constrain/walk.h).
 #pragma once
 
 #include <tuple>
@@ -33,13 +33,13 @@ struct WalkedMesh {
 
 /// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
 struct Parts {
-  cl_uint capacity = 0;             ///< parts at most; how many there are stands in begins[pieces]
+  cl_uint capacity = 0;             ///< the most parts there may be; their number is begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
 Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
                       const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
-/// With the weights of the pieces: what was counted when their constraints were cleaned. A mesh is seldom filled
-/// evenly.
+/// The same by the weights of the pieces, which are the crossings counted when the constraints were cleaned. They are a
+/// better measure than lengths, because vertices are seldom spread evenly.
 Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Pieces& pieces);
 
 }  // namespace gcdt

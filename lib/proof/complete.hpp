@@ -35,7 +35,7 @@ class Completion {
   bool constrained(std::uint32_t h) const { return constrained_[h] != 0; }
   std::uint32_t twin(std::uint32_t h) const { return twins_[h]; }
 
-  /// Puts the triangles into canonical order (contract 5).
+  /// Puts the triangles into canonical order (docs/contract.md, 5).
   void sort();
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proves, from the constraints of the input, which edges of the mesh are constrained (contract 3).
+// Proves, from the constraints of the input, which edges of the mesh are constrained (docs/contract.md, 3).
 //
-// A constraint is kept iff it is a chain of edges. Under Crossing::drop that is the rule of the contract, if every
+// A constraint is kept iff it is a chain of edges. Under Crossing::drop that is the rule given there, if every
 // constraint that is no chain crosses an earlier one that is. By induction over the input order: let it hold for all
 // earlier ones. If this one is a chain it crosses no kept one, since edges of one mesh do not cross, and is
 // rightly kept. If it is none, it is rightly dropped iff it crosses an earlier kept one, that is an edge of one.

@@ -18,8 +18,8 @@ bool before(Vertex a, Vertex b);
 
 /// Whether d is inside the circle of a, b, c (counter-clockwise) after the paraboloid over the plane was pushed down at
 /// each vertex by an infinitely small length, at lesser vertices by infinitely more. Then no four vertices are
-/// cocircular, and of four that were, the edge through the least is Delaunay: the rule of contract 4. False if two
-/// vertices are the same.
+/// cocircular, and of four that were, the edge through the least is Delaunay: the rule of docs/contract.md, 4. False if
+/// two vertices are the same.
 bool inside_circle(const Sites& sites, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
 
 struct DelaunayMesh {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the grid (contract 1), on the host and by code of its own.
+// Chooses the grid (docs/contract.md, 1), on the host and by code of its own.
 #include "proof/grid.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers under the grid (contract 1): doubles as integers times powers of two, decimals, cells, rounding.
+// The numbers under the grid (docs/contract.md, 1): doubles as integers times powers of two, decimals, cells, rounding.
 #pragma once
 
 #include <array>

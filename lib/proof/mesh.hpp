@@ -66,7 +66,7 @@ class Mesh {
  public:
   Mesh(const Sites& sites, const MeshView& view) : sites_(sites), view_(view) {}
 
-  /// Proves contract 4's first sentence and the links, and prepares what follows here.
+  /// Proves the first sentence of docs/contract.md, 4, and the links, and prepares what follows here.
   /// Returns the first failure, or an empty text.
   std::string prove_topology();
 
@@ -160,7 +160,7 @@ std::string check_added(const Sites& sites, std::uint32_t inputs);
 std::string prove_split(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, Constraints constraints,
                         Sources& sources);
 
-/// Proves contract 3 from the constraints of the input and fills `sources`. Returns the first failure.
+/// Proves docs/contract.md, 3, from the constraints of the input and fills `sources`. Returns the first failure.
 std::string prove_constraints(const Sites& sites, const Mesh& mesh, Constraints constraints, Crossing crossing,
                               Sources& sources);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proves that a mesh was made by splitting the crossings of its constraints (docs/splitting.md).
 //
-// A constraint is straight if it is a chain of edges under contract 3, routed if the vertices whose pixels it meets,
-// one after the other, are a chain of edges. Proved is that the added vertices are the pixels of the crossings, all of
-// them, that the constraints that cross are routed, and of the others exactly those that would cross a routed one.
+// A constraint is straight if it is a chain of edges under docs/contract.md, 3, routed if the vertices whose pixels it
+// meets, one after the other, are a chain of edges. Proved is that the added vertices are the pixels of the crossings,
+// all of them, that the constraints that cross are routed, and of the others exactly those that would cross a routed
+// one.
 //
 // All crossings are seen: two constraints that cross outside of the pixels of vertices meet the pixel of one vertex in
 // common (the motion in docs/splitting.md carries edges, which do not cross, to the constraints), and for every

@@ -43,7 +43,7 @@ std::string append_added(Span<std::array<std::int32_t, 2>> added, std::vector<Ve
 
 namespace {
 
-/// The failure of unconstrained half-edge h, which has a twin, to be the right diagonal (contract 4).
+/// The failure of unconstrained half-edge h, which has a twin, to be the right diagonal (docs/contract.md, 4).
 std::string check_diagonal(const Mesh& mesh, std::uint32_t h) {
   const Vertex a = mesh.at(mesh.from(h)), b = mesh.at(mesh.to(h)), c = mesh.at(mesh.apex(h));
   const Vertex d = mesh.at(mesh.apex(mesh.twin(h)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of constraints that could not all be enforced, because they cross: an error, the later ones dropped, or
-// all split at vertices of their own (contract, section 3).
+// all split at vertices of their own (docs/contract.md, 3).
 #pragma once
 
 #include "phases/crossings.hpp"

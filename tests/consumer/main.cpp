@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The smallest program that uses all of the library's headers; built in every way that README names.
+// The smallest program that uses all of the library's headers; built in every way that docs/using.md names.
 #include <cstdio>
 
 #include <gcdt/gcdt.hpp>

@@ -90,7 +90,7 @@ Met met_by(const HostMesh& m, const std::set<Constraint>& pieces) {
   return met;
 }
 
-// What contract 3 makes of the constraints, by brute force.
+// What docs/contract.md, 3, makes of the constraints, by brute force.
 std::set<Constraint> expected_pieces(const std::vector<Point>& points, const std::vector<Constraint>& constraints) {
   std::set<Constraint> all;
   for (const Constraint& c : constraints) {

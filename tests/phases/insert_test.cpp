@@ -15,7 +15,7 @@ struct Run {
   std::uint64_t insert_rounds = 0, flip_rounds = 0, flips = 0;
 };
 
-// CGAL's triangulation, ties by the contract.
+// CGAL's triangulation, ties by docs/contract.md, 4.
 std::set<std::array<std::uint32_t, 3>> expected_faces(const std::vector<Point>& points) {
   std::set<std::array<std::uint32_t, 3>> faces;
   for (auto t : reference::reference_cdt(points, {})) {

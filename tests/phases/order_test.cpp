@@ -147,7 +147,7 @@ void check_against_oracle(const Read& read, const Doubles& points) {
   check_move(read.grid.largest_move, expected.largest_move, oracle::cell_of(expected));
 }
 
-// The whole contract of the phase on all devices for one input.
+// All that the phase promises (lib/phases/order.hpp) on all devices for one input.
 Read check_all(const Doubles& points) {
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 8); ++i) {

@@ -10,7 +10,8 @@ using namespace gcdt::test;
 
 namespace {
 
-/// Contract 5 on the host, from Morton codes of the points themselves; corners are input numbers.
+/// The order of docs/contract.md, 5, on the host, from Morton codes of the points themselves; corners are input
+/// numbers.
 Triangulation canonical(const Sample& sample) {
   const auto& faces = sample.mesh->faces();
   auto code = [&](std::uint32_t v) { return device::gcdt_morton(sample.points[v][0], sample.points[v][1]); };

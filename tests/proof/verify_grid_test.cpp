@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host's grid against the words of contract 1, computed here with exact rationals.
+// The host's grid against the words of docs/contract.md, 1, computed here with exact rationals.
 #include "proof/grid.hpp"
 
 #include <doctest/doctest.h>
@@ -260,7 +260,7 @@ TEST_CASE("the grid is the one that exact rationals choose, and vertices stand w
   CHECK(count[int(Grid::Kind::rounded)] > 50);
 }
 
-TEST_CASE("named inputs get the kinds that the contract gives them") {
+TEST_CASE("named inputs get the kinds that docs/contract.md gives them") {
   using Kind = Grid::Kind;
   const double most = std::numeric_limits<double>::max(), denormal = std::numeric_limits<double>::denorm_min();
   CHECK(check_choice({{0, 0}}) == Kind::binary);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole results: the corpus, the metamorphic statements of contract 5, input types, errors.
+// Whole results: the corpus, the metamorphic statements of docs/contract.md, 5, input types, errors.
 #include <doctest/doctest.h>
 
 #include <filesystem>

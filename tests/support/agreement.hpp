@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole results against brute force and against CGAL: every statement of contract 2 to 5 that a small
+// Whole results against brute force and against CGAL: every statement of docs/contract.md, 2 to 5, that a small
 // input allows to be recomputed plainly.
 #pragma once
 
@@ -95,7 +95,7 @@ inline Triangles referenceTriangles(const std::vector<GridPoint>& points, std::v
 
 }  // namespace detail
 
-/// Empty if `mesh` is what the contract says for `points` (on the grid) and `constraints` under `crossing`.
+/// Empty if `mesh` is what docs/contract.md says for `points` (on the grid) and `constraints` under `crossing`.
 inline std::string disagreement(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints,
                                 const Triangulation& mesh, Crossing crossing = Crossing::reject) {
   using namespace detail;

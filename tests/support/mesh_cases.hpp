@@ -36,7 +36,7 @@ inline bool on_segment(const GridPoints& p, Constraint s, std::uint32_t v) {
   return orient(p, a, b, v) == 0 && std::min(p[a], p[b]) <= p[v] && p[v] <= std::max(p[a], p[b]);
 }
 
-/// Contract 3 by its words: the interiors meet in a point that is no vertex and not part of a common piece.
+/// docs/contract.md, 3, by its words: the interiors meet in a point that is no vertex and not part of a common piece.
 inline bool cross(const GridPoints& p, Constraint s, Constraint t) {
   auto sign = [](std::int64_t v) { return (v > 0) - (v < 0); };
   if (sign(orient(p, s[0], s[1], t[0])) * sign(orient(p, s[0], s[1], t[1])) >= 0) return false;

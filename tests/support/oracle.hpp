@@ -105,7 +105,7 @@ inline std::vector<std::uint32_t> representatives(const std::vector<GridPoint>& 
   return result;
 }
 
-/// Contract 3: whether two constraints cross, that is, properly and not at a vertex.
+/// docs/contract.md, 3: whether two constraints cross, that is, properly and not at a vertex.
 inline bool cross(const std::vector<GridPoint>& points, const Segment& s, const Segment& t) {
   const GridPoint &a = points[s[0]], &b = points[s[1]], &c = points[t[0]], &d = points[t[1]];
   if (orientation(a, b, c) * orientation(a, b, d) >= 0 || orientation(c, d, a) * orientation(c, d, b) >= 0)
@@ -124,7 +124,7 @@ inline std::vector<std::array<std::uint64_t, 2>> crossings(const std::vector<Gri
   return pairs;
 }
 
-/// Contract 3 `drop`: the constraints that cross an earlier kept one, ascending.
+/// docs/contract.md, 3, `drop`: the constraints that cross an earlier kept one, ascending.
 inline std::vector<std::uint32_t> dropped(const std::vector<GridPoint>& points,
                                           const std::vector<Segment>& constraints) {
   std::vector<std::uint32_t> kept, result;
@@ -136,7 +136,7 @@ inline std::vector<std::uint32_t> dropped(const std::vector<GridPoint>& points,
   return result;
 }
 
-/// Contract 3: every piece of the constraints (but those in `without`) with its sources, ascending.
+/// docs/contract.md, 3: every piece of the constraints (but those in `without`) with its sources, ascending.
 inline std::map<Edge, std::vector<std::uint32_t>> pieces(const std::vector<GridPoint>& points,
                                                          const std::vector<Segment>& constraints,
                                                          const std::vector<std::uint32_t>& without = {}) {
@@ -153,7 +153,7 @@ inline std::map<Edge, std::vector<std::uint32_t>> pieces(const std::vector<GridP
   return result;
 }
 
-/// 2n - 2 - h with n the distinct vertices and h those on the hull's boundary; 0 where contract 4 says so.
+/// 2n - 2 - h with n the distinct vertices and h those on the hull's boundary; 0 where docs/contract.md, 4, says so.
 inline std::size_t triangleCount(const std::vector<GridPoint>& points) {
   std::vector<GridPoint> sorted = points;
   std::sort(sorted.begin(), sorted.end());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The oracle: CGAL's constrained Delaunay triangulation, with ties and order by the contract.
+// The oracle: CGAL's constrained Delaunay triangulation, with ties and order by docs/contract.md, 4 and 5.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace gcdt::reference {
 
-/// The CDT's triangles in canonical order (contract 4 and 5): each starts with its first vertex in Z-order, and they
-/// are sorted by the Z-order of their first, then second vertex. Points: distinct, in [0, 2^31 - 1].
+/// The CDT's triangles in canonical order (docs/contract.md, 4 and 5): each starts with its first vertex in Z-order,
+/// and they are sorted by the Z-order of their first, then second vertex. Points: distinct, in [0, 2^31 - 1].
 /// Constraints may not cross; they are split at vertices on them; zero-length ones are ignored.
 /// No triangles if all points are on one line. Throws std::runtime_error if a point is a duplicate.
 std::vector<std::array<std::uint32_t, 3>> reference_cdt(const std::vector<std::array<std::int64_t, 2>>& points,

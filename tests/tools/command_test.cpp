@@ -258,7 +258,7 @@ TEST_CASE("all formats at once: verified, the same bytes in every run, and free 
   }
 }
 
-TEST_CASE("statistics have the names of the contract") {
+TEST_CASE("statistics have the names of docs/statistics.md") {
   Session session;
   session.write("in.poly", square);
   session.good("triangulate in.poly -o o.ele --stats s.json");
