@@ -145,6 +145,22 @@ class Runtime {
     buffer = allocate<T>(name, count);
   }
 
+  /// A new buffer that holds these.
+  template <class T>
+  Buffer<T> upload(const char* name, const T* from, std::size_t count) {
+    Buffer<T> buffer = allocate<T>(name, count);
+    write(buffer, from, count);
+    return buffer;
+  }
+  template <class T>
+  Buffer<T> upload(const char* name, const std::vector<T>& values) {
+    return upload(name, values.data(), values.size());
+  }
+  template <class T>
+  Buffer<T> upload_one(const char* name, const T& value) {
+    return upload(name, &value, 1);
+  }
+
   /// Writes from host memory; the host memory may be reused on return. count 0 is fine.
   template <class T>
   void write(const Buffer<T>& to, const T* from, std::size_t count, std::size_t offset = 0) {

@@ -93,7 +93,7 @@ void Splitter::keep_distinct(Buffer<cl_ulong> keys, Buffer<cl_uint> numbers, con
                              cl_uint count) {
   primitives_.sort(keys, numbers, count, key_bits);
   auto firsts = runtime_.allocate<cl_uint>("first crossings", std::size_t(count) + 1);
-  runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
+  runtime_.launch("clean", "mark_first", over(count), count, keys, firsts);
   primitives_.exclusive_scan(firsts, firsts, count);
   distinct_ = runtime_.read_one(firsts, count);
   keys_ = runtime_.allocate<cl_ulong>("distinct pixels", distinct_);
