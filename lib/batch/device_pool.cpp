@@ -13,21 +13,6 @@ namespace gcdt {
 
 namespace {
 
-// The most that a pack weighs. A CPU is fastest where a pack stays in its caches (2.0 microseconds a vertex with
-// 75,000 vertices, 4.9 with 2.2 million); a GPU where it has so many that launches do not count, and results of one
-// pack are not so many that copies of them pile up on the host.
-constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
-
-// A GPU stands still while results go to the host, which takes longer than to make them. Lanes share a context: from
-// one context to another a GPU goes slowly, and each time that a lane waits (bench/NOTES.md).
-constexpr std::uint32_t gpu_lanes = 3;
-
-// Waiting costs more than rounds that find nothing, as other lanes' work stands before that which comes afterwards.
-constexpr std::uint32_t gpu_rounds_per_read = 16;
-
-// Milliseconds of some 120 launches and 20 waits (an H200 takes 3.7 for 100 sketches).
-constexpr double gpu_overhead = 2;
-
 // A rehearsal runs so many problems that each is one work-item's; so few that all have less than Tuning::few_vertices;
 // one; and one beside which others count for nothing, so that they go through all phases together, small and so large
 // that no work-group sorts it by itself.
@@ -42,7 +27,7 @@ DeviceKind kind_of(const DevicePool::Member& member) {
 
 std::uint32_t lanes_of(const DevicePool::Member& member) {
   const bool gpu = kind_of(member) == DeviceKind::gpu;
-  return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? gpu_lanes : 1));
+  return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? Tuning::gpu_lanes : 1));
 }
 
 Error host_failed(const std::exception& error) {
@@ -97,7 +82,7 @@ void DevicePool::open(Member member, std::size_t device) {
   const std::uint32_t count = lanes_of(member);
   std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
   const bool gpu = reports_[device].kind == DeviceKind::gpu;
-  if (gpu) rounds = std::max(rounds, gpu_rounds_per_read);
+  if (gpu) rounds = std::max(rounds, Tuning::gpu_rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
   const bool shared = count > 1 && (member.context() || member.hook.tuning.shares_context.value_or(gpu));
   for (std::uint32_t number = 0; number < count; ++number) {
@@ -154,9 +139,9 @@ std::vector<LaneShare> DevicePool::shares(bool gpus) const {
     share.device = lane.device;
     share.capacity = usable_bytes(report.info);
     share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
-    share.most_weight = gpu ? gpu_weight : cpu_weight;
+    share.most_weight = gpu ? Tuning::gpu_weight : Tuning::cpu_weight;
     share.speed = lane.speed;
-    if (lane.runtime) share.overhead = lane.runtime->tuning().pack_overhead.value_or(gpu ? gpu_overhead : 0);
+    if (lane.runtime) share.overhead = lane.runtime->tuning().pack_overhead.value_or(gpu ? Tuning::gpu_overhead : 0);
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
     share.beside_gpus = gpus && !gpu;
     share.started = share.beside_gpus && lane.sitting_out.now();

@@ -16,12 +16,6 @@ using runtime::over;
 
 namespace {
 
-// Vertices that one work-item takes: few enough that a batch of small problems fills a GPU, many enough that a row of
-// maxima costs little beside them.
-constexpr std::uint32_t least_chunk = 64;
-// So many chunks of one problem are folded by one work-item.
-constexpr std::uint32_t most_chunks = 32768;
-
 class ForestOrdering {
  public:
   ForestOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
@@ -156,7 +150,7 @@ class ForestOrdering {
   }
 
   void cut() {
-    const cl_uint span = std::max(least_chunk, largest() / most_chunks + 1);
+    const cl_uint span = std::max(Tuning::least_chunk, largest() / Tuning::most_chunks + 1);
     std::vector<device::Chunk> chunks;
     std::vector<cl_uint> first_chunk;
     for (cl_uint p = 0; p < problems_; ++p) {

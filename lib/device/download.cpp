@@ -12,10 +12,7 @@ namespace gcdt::runtime {
 
 namespace {
 
-// Smaller ones are not worth their start, larger ones no faster (bench/NOTES.md, "Batches").
-constexpr std::size_t chunk = std::size_t{1} << 20;
-// Counters and the like are read at once.
-constexpr std::size_t least_streamed = std::size_t{1} << 16;
+constexpr std::size_t chunk = Tuning::download_chunk;
 
 // Nobody on the host reads it soon: what it replaces need not come into the caches before.
 void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t bytes) {
@@ -56,7 +53,7 @@ void Download::read(cl_mem from, std::size_t offset, void* to, std::size_t bytes
     runtime_.wait(std::exchange(read[ready % 2], cl::Event()));
     auto* place = static_cast<unsigned char*>(to) + ready * chunk;
     const unsigned char* there = memory_.get() + ready % 2 * chunk;
-    if (size < least_streamed)
+    if (size < Tuning::least_streamed)
       std::memcpy(place, there, size);
     else
       copy_past_caches(place, there, size);

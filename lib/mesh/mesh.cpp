@@ -5,14 +5,6 @@
 
 namespace gcdt {
 
-namespace {
-// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before. Loops of
-// lanes end early.
-constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_of_lanes = 256;
-// Vertices of a launch of many problems: 12 ms on an H200.
-constexpr std::uint32_t most_of_a_launch = 1u << 24;
-}  // namespace
-
 Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {
   Mesh mesh;
   mesh.n = n;
@@ -35,13 +27,15 @@ WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint3
 
 bool one_group_each(const runtime::Runtime& runtime, const Vertices& vertices) {
   return !runtime.contiguous() && vertices.roots > 1 &&
-         vertices.largest <= (runtime.kind() == DeviceKind::lanes ? most_of_a_group_of_lanes : most_of_a_group);
+         vertices.largest <=
+             (runtime.kind() == DeviceKind::lanes ? Tuning::most_of_a_group_of_lanes : Tuning::most_of_a_group);
 }
 
 std::uint32_t problems_of_launch(const runtime::Runtime& runtime, const Vertices& vertices) {
   const auto groups = static_cast<std::uint32_t>(runtime.geometry().max_groups);
-  return runtime.kind() == DeviceKind::lanes ? groups
-                                             : std::max(groups, most_of_a_launch / std::max(1u, vertices.largest));
+  return runtime.kind() == DeviceKind::lanes
+             ? groups
+             : std::max(groups, Tuning::most_of_a_launch / std::max(1u, vertices.largest));
 }
 
 unsigned bit_width(std::uint64_t value) {

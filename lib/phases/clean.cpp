@@ -103,9 +103,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   Step walking(runtime_, "walk");
   const Parts parts = parts_by_length(runtime_, primitives_, vertices_, kept.ends, kept.count);
   auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
-  auto crossed = runtime_.allocate<cl_uint>("faces crossed by constraints", count_);
+  auto crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
   auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);
-  runtime_.fill<cl_uint>(crossed, 0, count_);
   auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
     walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity),

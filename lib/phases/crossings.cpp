@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::size_t pairs_in_message = 10;
 
-// Testing all pieces with all others is one loop of a work-item over the pieces; it takes several, and loops of lanes
-// end early (docs/devices.md).
-constexpr cl_uint most_for_all = 1u << 16, most_for_all_of_lanes = 1u << 11;
-
 }  // namespace
 
 CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
@@ -38,10 +34,8 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
   const Parts parts = parts_by_crossings(runtime_, primitives_, pieces_);
-  starts_ = runtime_.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
-  auto filled = runtime_.allocate<cl_uint>("records filled", faces);
-  runtime_.fill<cl_uint>(starts_, 0, std::size_t(faces) + 1);
-  runtime_.fill<cl_uint>(filled, 0, faces);
+  starts_ = runtime_.filled<cl_uint>("record starts", std::size_t(faces) + 1, 0);
+  auto filled = runtime_.filled<cl_uint>("records filled", faces, 0);
   auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
     walked_.launch(runtime_, "crossings", "crossings_records", over(parts.capacity),
                    std::make_tuple(emit, pieces_.count, parts.capacity), pieces_.ends, parts.begins, starts_, filled,
@@ -52,7 +46,8 @@ void CrossingPieces::find_records() {
   if (counters_.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
   const std::uint64_t by_faces = wide(counters_.last().pairs_low, counters_.last().pairs_high);
   // In a forest, pieces of different problems must not meet: their grids are different.
-  const cl_uint most = runtime_.kind() == DeviceKind::lanes ? most_for_all_of_lanes : most_for_all;
+  const cl_uint most =
+      runtime_.kind() == DeviceKind::lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
   all_ = walked_.vertices.roots == 1 && pieces_.count <= most &&
          std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
   rows_ = pieces_.count;

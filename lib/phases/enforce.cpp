@@ -9,12 +9,8 @@ namespace gcdt {
 using runtime::over;
 using runtime::over_large;
 
-namespace {
-constexpr std::uint32_t largest_problem = 1u << 14;
-}  // namespace
-
 bool enforces_by_problem(const runtime::Runtime& runtime, const Vertices& vertices) {
-  return vertices.largest <= largest_problem &&
+  return vertices.largest <= Tuning::most_enforced_by_one &&
          problem_by_problem(runtime, vertices.roots, vertices.largest, vertices.n());
 }
 

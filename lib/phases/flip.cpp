@@ -9,8 +9,6 @@ namespace {
 
 // The group's loops end within what lanes allow: 16 rounds of 4 tiles, each with 32 flips of a chain and their edges.
 constexpr std::uint32_t edges_of_lanes = 256, rounds_of_lanes = 16;
-// Edges that a work-item of a sweep looks at.
-constexpr std::uint32_t sweep_items = 4;
 
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
@@ -92,7 +90,7 @@ class Flipping {
       for (std::uint32_t i = 0; i < runtime_.tuning().rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
-        launch("flip_sweep", edges_ / sweep_items, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
+        launch("flip_sweep", edges_ / GCDT_SWEEP_EDGES, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
                lists_.second);
         launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
       }

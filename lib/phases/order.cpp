@@ -14,11 +14,6 @@ namespace gcdt {
 
 namespace {
 
-// Rows that are read back of a table of maxima; the rest is folded on the device.
-constexpr cl_uint rows_read = 64;
-// The sort begins with as many high bits as tell n evenly spread vertices apart, and these: 16 cells a vertex.
-constexpr unsigned spare_bits = 4;
-
 /// Every vertex's Morton code and number.
 struct Keys {
   Grid grid;
@@ -40,8 +35,8 @@ struct Maxima {
   /// The maximum of each column. Blocks.
   std::vector<cl_ulong> read(runtime::Runtime& runtime) {
     // Ends: each pass leaves a 64th of the rows.
-    while (rows > rows_read) {
-      const cl_uint folded_rows = std::max<cl_uint>(rows_read, rows / rows_read);
+    while (rows > Tuning::rows_read) {
+      const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_read);
       auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
       runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
                      folded_rows, folded);
@@ -231,7 +226,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, InputPoints
   if (!may_round_together(keys.grid)) points = {};
   runtime.end_step();
   Step sorting(runtime, "sort");
-  primitives.sort_by_prefix(keys.codes, keys.numbers, n, GCDT_MORTON_BITS, bit_width(n) + spare_bits);
+  primitives.sort_by_prefix(keys.codes, keys.numbers, n, GCDT_MORTON_BITS, bit_width(n) + Tuning::spare_bits);
   primitives.release();
 
   auto before = runtime.allocate<cl_uint>("distinct before", n + 1);

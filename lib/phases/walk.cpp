@@ -4,23 +4,19 @@
 namespace gcdt {
 
 namespace {
-// A GPU wants some hundred thousand work-items; a CPU only enough to even out its threads' load.
-constexpr cl_uint gpu_pool = 1u << 17, cpu_pool_per_unit = 512;
-// Parts that even the shortest total length gets: keeps a few long pieces on many work-items.
-constexpr cl_uint gpu_least = 4096, cpu_least = 64;
-
 // Crossed faces are about (total weight >> shift) * factor. `walked` is not read unless `again`.
 Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
                  cl_uint pieces, cl_uint shift, cl_uint factor, cl_uint again,
                  const runtime::Buffer<cl_uint2>& walked) {
   const bool gpu = runtime.kind() == DeviceKind::gpu;
-  const cl_uint pool = gpu ? gpu_pool : cpu_pool_per_unit * std::max(1u, runtime.info().compute_units),
-                most = runtime.tuning().part_pool.value_or(pool), least = std::min(most, gpu ? gpu_least : cpu_least);
+  const cl_uint pool =
+                    gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * std::max(1u, runtime.info().compute_units),
+                most = runtime.tuning().part_pool.value_or(pool),
+                least = std::min(most, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   Parts parts;
   parts.capacity = pieces + (again ? 2 * most : most);
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
-  runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("weight of pieces", 2);
-  runtime.fill<cl_uint>(total, 0, 2);
+  runtime::Buffer<cl_uint> total = runtime.filled<cl_uint>("weight of pieces", 2, 0);
   runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
   runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor,
                  cl_uint{runtime.tuning().crossings_per_part}, weights, total, again, walked, parts.begins);
