@@ -20,6 +20,7 @@
 
 #include "common/levels.h"
 #include "common/mesh.h"
+#include "common/search.h"
 
 #define HISTORY_LEAF 0u   // number = face
 #define HISTORY_FACE 1u   // number = vertex: children next[0], next[1], next[2]
@@ -158,22 +159,14 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
 }
 
 // The coarser vertex of vertex a's triangulation close to a grid point: of its neighbours on the curve, found by
-// bisection, the nearer; GCDT_NONE if there is none. Ends: the range halves.
+// bisection, the nearer; GCDT_NONE if there is none.
 static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
                                     History h, uint a, int2 at) {
   const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
   const uint2 units = coarse_units(levels, level, points, n, h.begin, a);
-  uint low = units.x, high = units.y;
-  if (low == high) return GCDT_NONE;
-  while (high - low > 1u) {
-    const uint middle = low + (high - low) / 2u;
-    const int2 p = points[gcdt_vertex_of_rank(levels, level - 1u, middle)];
-    if (gcdt_morton((uint)p.x, (uint)p.y) <= code)
-      low = middle;
-    else
-      high = middle;
-  }
-  return nearer_coarse_vertex(levels, level, points, units.y, low, at);
+  if (units.x == units.y) return GCDT_NONE;
+  const uint before = last_on_curve(levels, level - 1u, points, units.x, units.y, code);
+  return nearer_coarse_vertex(levels, level, points, units.y, before, at);
 }
 
 // The same where the neighbours on the curve may be far: a vertex or a narrow strip of the domain beyond a border of

@@ -58,7 +58,8 @@ GCDT_INLINE u32 gcdt_vertices_before(u32 level, u32 unit) {
   return level == 0 ? unit : unit - (unit + GCDT_LEVEL_RATIO - 1u) / GCDT_LEVEL_RATIO;
 }
 
-// 62-bit Morton code of a grid point: bit 2i is bit i of x, bit 2i+1 is bit i of y.
+// Morton code of a grid point: bit 2i is bit i of x, bit 2i+1 is bit i of y.
+#define GCDT_MORTON_BITS 62u
 GCDT_INLINE u64 gcdt_spread_bits(u64 v) {
   v = (v | (v << 16)) & 0x0000FFFF0000FFFFul;
   v = (v | (v << 8)) & 0x00FF00FF00FF00FFul;

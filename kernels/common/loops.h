@@ -47,6 +47,19 @@ static inline uint dealt_first(uint count) {
 }
 #define FOR_EACH_DEALT(i, count) for (uint i = dealt_first(count); i < (count); i += (uint)get_global_size(0))
 
+// Items x, x + z and so on, below y.
+typedef uint3 Items;
+#define FOR_ITEMS(i, items) for (uint i = (items).x; i < (items).y; i += (items).z)
+
+// Those of FOR_SHARE.
+static inline Items items_of_share(uint count, uint share, uint shares) {
+#ifdef GCDT_CONTIGUOUS
+  return (Items)(share_begin(count, share, shares), share_begin(count, share + 1u, shares), 1u);
+#else
+  return (Items)(share, count, shares);
+#endif
+}
+
 // The items of this work-item.
 #define FOR_EACH(i, count) FOR_SHARE(i, count, (uint)get_global_id(0), (uint)get_global_size(0))
 

@@ -3,6 +3,7 @@
 #ifndef GCDT_MESH_H
 #define GCDT_MESH_H
 
+#include "common/corners.h"
 #include "common/forest.h"
 #include "common/predicates.h"
 
@@ -46,20 +47,6 @@ static inline void make_root(Mesh mesh, uint p) {
     mesh.edge_faces[2u * (e + k) + 1u] = GCDT_NONE;
   }
 }
-
-// Corner numbers are 0, 1, 2, cyclic.
-static inline uint next_corner(uint k) { return k == 2u ? 0u : k + 1u; }
-static inline uint previous_corner(uint k) { return k == 0u ? 2u : k - 1u; }
-
-static inline uint element(uint4 a, uint k) { return k == 0u ? a.x : k == 1u ? a.y : a.z; }
-
-// a with element k replaced.
-static inline uint4 with_element(uint4 a, uint k, uint value) {
-  return (uint4)(k == 0u ? value : a.x, k == 1u ? value : a.y, k == 2u ? value : a.z, a.w);
-}
-
-// (a[k], a[k+1], a[k+2]); w stays.
-static inline uint4 rotate_to(uint4 a, uint k) { return k == 0u ? a : k == 1u ? a.yzxw : a.zxyw; }
 
 // ---- Claims ---------------------------------------------------------------------------------------
 // corners[t].w is the face's claim word. In a round every candidate (a vertex to be inserted, an edge

@@ -53,7 +53,6 @@ typedef std::uint64_t u64;
 #define GCDT_SIDE_EDGE(code) ((code) >> 1)
 
 GCDT_INLINE u32 gcdt_face_count(u32 n) { return 2u * n + 1u; }
-GCDT_INLINE u32 gcdt_edge_count(u32 n) { return 3u * n + 3u; }
 
 // The same of a forest (forest.h) with so many roots. Vertex v brings faces 2v and 2v+1, edges 3v .. 3v+2 behind
 // those of the roots.
@@ -63,6 +62,9 @@ GCDT_INLINE u32 gcdt_forest_edges(u32 n, u32 roots) { return 3u * (n + roots); }
 // edge_marks
 #define GCDT_MARK_CONSTRAINED 1u  // part of a constraint: never flipped, never crossed
 #define GCDT_MARK_QUEUED 2u       // stands in the list of edges to be tested next
+
+// Edges whose marks a work-item of a sweep reads at once, as one uint4 (flip.cl).
+#define GCDT_SWEEP_EDGES 4u
 
 // ---- Failure bits (Counters.failed) ---------------------------------------------------------------
 #define GCDT_FAILED_WALK 1u      // a walk did not find what must be there

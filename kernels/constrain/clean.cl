@@ -2,6 +2,7 @@
 // Cleaning constraints (docs/contract.md, 3): end points to vertices, zero-length ones out, each split
 // at every vertex on it (found by walking), equal pieces merged with the list of their sources.
 #include "constrain/walk.h"
+#include "sort/mark_first.h"
 
 // One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in which it is
 // walked, and whether it has a length. An index out of range is reported by atomic_min: the least one wins. No other
@@ -126,12 +127,6 @@ kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_P
     crossed[list[c]] = crossed[list[c]] / (last - first + 1u);
     whole[list[c]] = last == first ? (uint2)(begins[c], begins[c + 1u] - begins[c]) : (uint2)(0u, 0u);
   }
-}
-
-// One work-item per sorted piece. Flags the first of each run of equal keys. No race: its own word.
-kernel void clean_first(uint count, global const ulong* keys, global uint* flags) {
-  FOR_EACH(i, count)
-  flags[i] = (i == 0u || keys[i] != keys[i - 1u]) ? 1u : 0u;
 }
 
 // One work-item per distinct piece. Writes its ends, lower rank first, its weight, and its source's parts if it is all

@@ -7,6 +7,7 @@
 // words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed, claim + 1 + h =
 // crossed, hexagon h.
 #include "common/append.h"
+#include "constrain/chunks.h"
 #include "constrain/near.h"
 
 // One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
@@ -181,71 +182,12 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 // All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
 // walk order, b. See left_begin; a and b have distance 0.
 //
-// How long each part's share is, is known after its walk. So the walk writes what it owns to chunks: the part's own
-// first one, then others from a pool, taken by an atomic counter (most parts need none). Each knows its place within
-// the part.
-//
 // Where the edge from a vertex of a chain to the one before it is an edge of the mesh already, not crossed, the walk
 // has it at hand: a side of the face in which it comes to the later vertex, if it left the earlier one there, and both
 // are owned. (A piece that is nearer to u on the edge where the walk leaves u behind is nearer on all edges between
 // them that end in u: it cannot cross this piece, so it crosses them all. So to own u is the same on each.) No other
 // chain finds the same side: who owns both ends there is unique. All other edges between neighbours in chains are left
 // to stitch.cl.
-#define CHUNK_LENGTH 8u
-#define CHUNK_LENGTH_BITS 4u
-
-// A chunk: its part, the vertices that the part owns left and right before it; its length, and above that a bit for
-// each of its vertices, which says right.
-typedef uint4 ChunkHead;
-
-typedef struct Chunks {
-  global ChunkHead* heads;
-  global uint2* entries;  // a vertex; the side along the chain before it, or GCDT_NONE
-  uint pool, capacity;    // the pool begins behind the parts' own
-} Chunks;
-
-// One part's stream of owned vertices.
-typedef struct Owned {
-  ChunkHead head;    // of the current chunk
-  uint chunk;        // or GCDT_NONE
-  uint left, right;  // so far
-} Owned;
-
-static Owned own_nothing(uint part) {
-  Owned o;
-  o.chunk = part;
-  o.left = 0u, o.right = 0u;
-  o.head = (ChunkHead)(part, 0u, 0u, 0u);
-  return o;
-}
-
-static void end_chunk(Chunks chunks, const private Owned* o) {
-  if (o->chunk != GCDT_NONE) chunks.heads[o->chunk] = o->head;
-}
-
-// No race: chunks taken are distinct. There are enough for as many vertices as faces are crossed, and more are owned
-// only if pieces cross.
-static void own_vertex(Chunks chunks, private Owned* o, uint v, uint right, uint before,
-                       volatile global Counters* counters) {
-  uint length = o->head.w & ((1u << CHUNK_LENGTH_BITS) - 1u);
-  if (o->chunk == GCDT_NONE || length == CHUNK_LENGTH) {
-    end_chunk(chunks, o);
-    o->chunk = chunks.pool + atomic_inc(&counters->chunks);
-    if (o->chunk >= chunks.capacity) {
-      atomic_or(&counters->failed, GCDT_FAILED_COUNT);
-      o->chunk = GCDT_NONE;
-      return;
-    }
-    o->head = (ChunkHead)(o->head.x, o->left, o->right, 0u);
-    length = 0u;
-  }
-  chunks.entries[CHUNK_LENGTH * o->chunk + length] = (uint2)(v, before);
-  o->head.w += 1u + (right << (CHUNK_LENGTH_BITS + length));
-  if (right)
-    ++o->right;
-  else
-    ++o->left;
-}
 
 // The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
 // the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
@@ -373,12 +315,13 @@ kernel void constrain_chain(uint pieces, uint taken, uint capacity, uint n, glob
   chains.distance = chain_distances;
   chains.side = chain_side;
   const uint parts = begins[pieces];
-  FOR_EACH(i, CHUNK_LENGTH * (parts + taken)) {
-    const uint j = i % CHUNK_LENGTH, own = i / CHUNK_LENGTH, chunk = own < parts ? own : capacity + (own - parts);
+  FOR_EACH(i, GCDT_CHUNK_LENGTH * (parts + taken)) {
+    const uint j = i % GCDT_CHUNK_LENGTH, own = i / GCDT_CHUNK_LENGTH,
+               chunk = own < parts ? own : capacity + (own - parts);
     const ChunkHead head = heads[chunk];
-    const uint length = head.w & ((1u << CHUNK_LENGTH_BITS) - 1u), rights = head.w >> CHUNK_LENGTH_BITS;
+    const uint length = head.w & ((1u << GCDT_CHUNK_LENGTH_BITS) - 1u), rights = head.w >> GCDT_CHUNK_LENGTH_BITS;
     if (j >= length) continue;
-    const uint2 entry = entries[CHUNK_LENGTH * chunk + j];
+    const uint2 entry = entries[GCDT_CHUNK_LENGTH * chunk + j];
     const uint v = entry.x, c = part_piece[head.x], right_before = popcount(rights & ((1u << j) - 1u));
     const uint at = (rights >> j) & 1u ? right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z + right_before
                                        : left_begin(starts, head.x, c) + 1u + head.y + (j - right_before);

@@ -8,6 +8,9 @@
 
 #include "common/predicates.h"
 
+// The key of a pixel: x above y, 31 bits each.
+#define GCDT_PIXEL_KEY_BITS 62u
+
 #ifndef __OPENCL_VERSION__
 namespace gcdt::device {
 #endif

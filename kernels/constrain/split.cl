@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Splitting constraints that cross (docs/splitting.md): the pixels of the crossings become vertices, and each
 // constraint that crosses another is routed through the centres of all pixels of vertices that it meets.
-#include "common/levels.h"
 #include "common/mesh.h"
+#include "common/search.h"
 #include "constrain/snap.h"
 
 // One work-item per crossing pair of pieces. Writes the pixel of the crossing as key (x, y), the least pair of
@@ -68,22 +68,14 @@ kernel void split_touch(uint count, uint linked, global const uint* offsets, glo
 }
 
 // One work-item per distinct pixel. Flags those whose centre is no vertex yet: vertices by rank are in the order of
-// their Morton codes. No race: each its own word. Ends: the range halves.
+// their Morton codes. No race: each its own word.
 kernel void split_is_new(uint count, GCDT_LEVELS_POINTER levels, global const int2* points, global const ulong* keys,
                          global uint* flags) {
   FOR_EACH(i, count) {
     const uint x = (uint)(keys[i] >> 31), y = (uint)(keys[i] & 0x7FFFFFFFu);
     const u64 code = gcdt_morton(x, y);
-    uint low = 0, high = levels->n;
-    while (high - low > 1u) {
-      const uint middle = low + (high - low) / 2u;
-      const int2 p = points[gcdt_vertex_of_rank(levels, levels->count - 1u, middle)];
-      if (gcdt_morton((uint)p.x, (uint)p.y) <= code)
-        low = middle;
-      else
-        high = middle;
-    }
-    const int2 p = points[gcdt_vertex_of_rank(levels, levels->count - 1u, low)];
+    const uint last = levels->count - 1u, before = last_on_curve(levels, last, points, 0u, levels->n, code);
+    const int2 p = points[gcdt_vertex_of_rank(levels, last, before)];
     flags[i] = p.x == (int)x && p.y == (int)y ? 0u : 1u;
   }
 }

@@ -200,17 +200,9 @@ static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
 
 // ---- Parts (paper, 6.2: work-items in proportion to length) -----------------------------------------
 
-// The piece to which part `part` belongs: the last c with begins[c] <= part. Ends: the range halves.
+// The piece to which part `part` belongs: the last c with begins[c] <= part.
 static inline uint piece_of_part(global const uint* begins, uint pieces, uint part) {
-  uint low = 0, high = pieces;
-  while (high - low > 1u) {
-    const uint middle = low + (high - low) / 2u;
-    if (begins[middle] <= part)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
+  return last_begin(begins, pieces, part);
 }
 
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without

@@ -12,22 +12,10 @@
 //
 // Every source of an edge counts +1 or -1 by its direction, so the winding number is odd exactly where an odd
 // number of sources was crossed: even-odd with multiplicities needs no count of its own.
-#include "common/levels.h"
+#include "common/corners.h"
 #include "common/pieces.h"
+#include "common/search.h"
 #include "domain/domain.h"
-
-// The last i in [0, count) with offsets[i] <= place. Ends: high - low shrinks.
-GCDT_INLINE uint owner_of(global const uint* offsets, uint count, uint place) {
-  uint low = 0, high = count;
-  while (high - low > 1u) {
-    const uint middle = low + (high - low) / 2u;
-    if (offsets[middle] <= place)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
 
 // One work-item per source of a piece.
 // Reads the pieces, the constraints and the points. Writes turns[piece] by atomic_add, in any order the same.
@@ -38,7 +26,7 @@ kernel void count_turns(const uint sources, const uint pieces, global const uint
                         global const uint* source_list, global const uint2* ends, global const uint2* constraints,
                         global const uint* input_vertex, global const int2* points, volatile global int* turns) {
   FOR_EACH(i, sources) {
-    const uint piece = owner_of(source_offsets, pieces, i);
+    const uint piece = last_begin(source_offsets, pieces, i);
     const uint2 c = constraints[source_list[i]], e = ends[piece];
     const int2 a = points[input_vertex[c.x]], b = points[input_vertex[c.y]], p = points[e.x], q = points[e.y];
     const i64 along = ((i64)b.x - a.x) * ((i64)q.x - p.x) + ((i64)b.y - a.y) * ((i64)q.y - p.y);
@@ -157,7 +145,7 @@ GCDT_INLINE int turn_across(uint h, global const Levels* levels, global const ui
                             global const int* neighbours, uint pieces, global const uint2* ends,
                             global const int* turns) {
   const uint t = h / 3u, k = h % 3u;
-  const uint a = corners[3u * t + (k == 2u ? 0u : k + 1u)], b = corners[3u * t + (k == 0u ? 2u : k - 1u)];
+  const uint a = corners[3u * t + next_corner(k)], b = corners[3u * t + previous_corner(k)];
   const uint piece = find_piece(levels, pieces, ends, a, b);
   if (piece == GCDT_NONE) return 0;  // the mesh was not checked, and its flags are wrong
   const int left_over_right = ends[piece].x == a ? turns[piece] : -turns[piece];

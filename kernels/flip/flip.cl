@@ -203,7 +203,7 @@ kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, 
   FOR_EACH_SWEEP(tile, edges) {
     for (uint i = get_local_id(0); i < SWEEP_TILE / 32u; i += get_local_size(0)) taken[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = 4u * get_local_id(0); i < SWEEP_TILE; i += 4u * get_local_size(0)) {
+    for (uint i = GCDT_SWEEP_EDGES * get_local_id(0); i < SWEEP_TILE; i += GCDT_SWEEP_EDGES * get_local_size(0)) {
       const uint four = take_marks(all, edge_marks, tile + i, edges);
       if (four != 0u) atomic_or(taken + i / 32u, four << (i % 32u));
     }

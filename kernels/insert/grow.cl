@@ -10,8 +10,6 @@
 #include "common/split_face.h"
 #include "flip/flip.h"
 
-// Faces that a walk visits where others may change the mesh beside it, and so might lead it in circles.
-#define GROW_WALK 4096u
 // Edges that a work-item remembers while it flips; further ones are queued.
 #define GROW_WORKLIST 64
 

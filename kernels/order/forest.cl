@@ -6,39 +6,22 @@
 #define GCDT_FOREST
 #endif
 #include "common/forest.h"
+#include "common/search.h"
 #include "order/problems.h"
+#include "order/vertices.h"
 
 // ---- Grids ------------------------------------------------------------------------------------------
 
 // One work-item per chunk.
-// Reads: coordinates. Writes: maxima[chunk][0..5], the columns that `survey` of order.cl has; the number of the
-//   coordinate that is not finite counts in the problem.
+// Reads: coordinates. Writes: maxima[chunk], the columns of survey.h, with coordinates numbered in the problem.
 // A row has one work-item.
 // After this kernel and forest_fold the table describes each problem.
 kernel void forest_survey(uint chunks, global const Chunk* chunk, global const uint* first_input, uint type,
                           global const ulong* coordinates, global ulong* maxima) {
   FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
-    const uint start = 2u * first_input[c.problem];
-    ulong least[2] = {0, 0}, most[2] = {0, 0}, trailing = 0, bad = 0;
-    for (uint at = 2u * c.first; at < 2u * c.end; ++at) {
-      const ulong bits = gcdt_coordinate(coordinates, type, at);
-      if (!gcdt_is_finite(bits)) {
-        bad = max(bad, ~(ulong)(at - start));
-        continue;
-      }
-      const ulong key = gcdt_ordered(bits);
-      least[at & 1u] = max(least[at & 1u], ~key);
-      most[at & 1u] = max(most[at & 1u], key);
-      if (bits != 0) trailing = max(trailing, ~(ulong)(gcdt_trailing_exponent(bits) - GCDT_LEAST_EXPONENT));
-    }
-    global ulong* out = maxima + (size_t)i * 6u;
-    out[0] = least[0];
-    out[1] = most[0];
-    out[2] = least[1];
-    out[3] = most[1];
-    out[4] = trailing;
-    out[5] = bad;
+    survey_items((Items)(c.first, c.end, 1u), first_input[c.problem], type, coordinates,
+                 maxima + (size_t)i * GCDT_SURVEY_COLUMNS);
   }
 }
 
@@ -51,11 +34,7 @@ kernel void forest_decimals(uint chunks, global const Chunk* chunk, uint type, g
                             global const int* limits, global ulong* maxima) {
   FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
-    const int limit = limits[c.problem];
-    int digits = 0;
-    for (uint at = 2u * c.first; at < 2u * c.end && digits <= limit; ++at)
-      digits = gcdt_decimals_needed(gcdt_coordinate(coordinates, type, at), digits, limit);
-    maxima[i] = (ulong)digits;
+    maxima[i] = (ulong)decimals_of_items((Items)(c.first, c.end, 1u), type, coordinates, limits[c.problem]);
   }
 }
 
@@ -66,18 +45,16 @@ kernel void forest_decimals(uint chunks, global const Chunk* chunk, uint type, g
 kernel void forest_fold(uint problems, uint columns, global const uint* first_chunk, global const ulong* maxima,
                         global ulong* folded) {
   FOR_EACH(i, problems * columns) {
-    const uint problem = i / columns, column = i % columns;
-    ulong most = 0;
-    for (uint c = first_chunk[problem]; c < first_chunk[problem + 1u]; ++c)
-      most = max(most, maxima[(size_t)c * columns + column]);
-    folded[i] = most;
+    const uint problem = i / columns;
+    folded[i] =
+        greatest_of_items((Items)(first_chunk[problem], first_chunk[problem + 1u], 1u), i % columns, columns, maxima);
   }
 }
 
 // One work-item per chunk.
 // Reads: coordinates, all finite; the grid of each problem. Writes: keys[v], the Morton code of v's grid point;
-//   values[v] = v; input_problem[v]; maxima[chunk][0..1]: the largest move, the complement of the least coordinate
-//   outside the grid, numbered in the problem (0: none; else the problem's keys are void).
+//   values[v] = v; input_problem[v]; maxima[chunk], the columns of survey.h, with coordinates numbered in the problem
+//   (if one is outside, the problem's keys are void).
 // A vertex and a row belong to one chunk.
 // After this kernel stable sorts by key, then by problem, give the order along each problem's curve.
 kernel void forest_quantise(uint chunks, global const Chunk* chunk, global const uint* first_input, uint type,
@@ -86,29 +63,15 @@ kernel void forest_quantise(uint chunks, global const Chunk* chunk, global const
   FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
     global const ProblemGrid* grid = grids + c.problem;
-    const uint start = first_input[c.problem];
-    ulong move = 0, outside = 0;
-    for (uint v = c.first; v < c.end; ++v) {
-      const ulong bits[2] = {gcdt_coordinate(coordinates, type, 2u * v),
-                             gcdt_coordinate(coordinates, type, 2u * v + 1u)};
-      uint place[2];
-      for (int axis = 0; axis < 2; ++axis) {
-        if (grid->is_decimal) {
-          const long numerator = gcdt_decimal_numerator(bits[axis], grid->decimals.digits);
-          place[axis] = (uint)(((ulong)numerator - (ulong)grid->decimals.least[axis]) * grid->decimals.step);
-        } else {
-          const Quantised q = gcdt_quantise(bits[axis], &grid->scale, axis);
-          place[axis] = q.value;
-          move = max(move, q.move);
-          if (q.outside) outside = max(outside, ~(ulong)(2u * (v - start) + (uint)axis));
-        }
-      }
-      keys[v] = gcdt_morton(place[0], place[1]);
-      values[v] = v;
-      input_problem[v] = c.problem;
+    global ulong* out = maxima + (size_t)i * GCDT_QUANTISE_COLUMNS;
+    if (grid->is_decimal) {
+      for (uint v = c.first; v < c.end; ++v) quantise_decimal(v, type, coordinates, &grid->decimals, keys, values);
+      out[GCDT_QUANTISE_MOVE] = out[GCDT_QUANTISE_OUTSIDE] = 0;
+    } else {
+      quantise_items((Items)(c.first, c.end, 1u), first_input[c.problem], type, coordinates, &grid->scale, keys, values,
+                     out);
     }
-    maxima[2u * (size_t)i] = move;
-    maxima[2u * (size_t)i + 1u] = outside;
+    for (uint v = c.first; v < c.end; ++v) input_problem[v] = c.problem;
   }
 }
 
@@ -146,12 +109,9 @@ kernel void forest_number(uint n, global const Levels* levels, global const uint
   global uint* words = (global uint*)(points + levels->n);
   FOR_EACH(i, n) {
     const uint rank = before[i + 1] - 1;
-    const uint v = gcdt_vertex_of_rank(levels, levels->count - 1, rank);
-    input_vertex[values[i]] = v;
-    if (before[i] != rank) continue;
-    points[v] = (int2)((int)gcdt_gather_bits(keys[i]), (int)gcdt_gather_bits(keys[i] >> 1));
-    words[2u + v] = problems[i];
-    vertex_input[v] = values[i];
+    const bool first = before[i] == rank;
+    const uint v = number_place(i, rank, first, levels, keys, values, points, vertex_input, input_vertex);
+    if (first) words[2u + v] = problems[i];
   }
 }
 
@@ -235,20 +195,13 @@ kernel void forest_representatives(uint count, uint n, global const int2* points
 
 // One work-item per source of a piece.
 // Reads: where the constraints of each problem begin. Writes: sources[i], which it replaces.
-// A word has one work-item. Ends: the range halves.
+// A word has one work-item.
 // After this kernel sources are constraint numbers of the problem.
 kernel void forest_local_sources(uint count, uint problems, global const uint* first_constraint, global uint* sources) {
   FOR_EACH(i, count) {
     const uint source = sources[i];
-    uint low = 0, high = problems;  // the last problem that begins at or before it has it: later ones begin after
-    while (high - low > 1u) {
-      const uint middle = low + (high - low) / 2u;
-      if (first_constraint[middle] <= source)
-        low = middle;
-      else
-        high = middle;
-    }
-    sources[i] = source - first_constraint[low];
+    // The last problem that begins at or before it has it: later ones begin after.
+    sources[i] = source - first_constraint[last_begin(first_constraint, problems, source)];
   }
 }
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices as they were given against vertices on the grid: which of those that rounding made one were not.
-#include "common/loops.h"
-#include "order/quantise.h"
-
-// Three words a problem: how many of its vertices were given elsewhere than the one that stands for them; the least of
-// these; the one that stands for it.
-#define GCDT_TOGETHER_WORDS 3u
+#include "common/search.h"
+#include "order/doubles.h"
+#include "order/survey.h"
 
 // One work-item per input vertex.
 // Reads: coordinates; vertex_input and input_vertex, as after number_vertices; first_input: where the inputs of each
@@ -21,16 +18,9 @@ kernel void count_together(uint n, uint problems, global const uint* first_input
         (gcdt_coordinate(coordinates, type, 2u * v) == gcdt_coordinate(coordinates, type, 2u * other) &&
          gcdt_coordinate(coordinates, type, 2u * v + 1u) == gcdt_coordinate(coordinates, type, 2u * other + 1u)))
       continue;
-    uint low = 0u, high = problems;  // v is in a problem from `low` to below `high`
-    while (high - low > 1u) {
-      const uint middle = low + (high - low) / 2u;
-      if (first_input[middle] <= v)
-        low = middle;
-      else
-        high = middle;
-    }
-    atomic_inc(found + GCDT_TOGETHER_WORDS * low);
-    atomic_min(found + GCDT_TOGETHER_WORDS * low + 1u, v);
+    global uint* own = found + GCDT_TOGETHER_WORDS * last_begin(first_input, problems, v);
+    atomic_inc(own);
+    atomic_min(own + 1, v);
   }
 }
 

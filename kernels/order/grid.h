@@ -4,6 +4,7 @@
 #ifndef GCDT_GRID_H
 #define GCDT_GRID_H
 
+#include "order/decimals.h"
 #include "order/quantise.h"
 
 #ifndef __OPENCL_VERSION__
@@ -72,6 +73,22 @@ GCDT_INLINE i32 gcdt_decimals_limit(const u64* least, const u64* most, i32 k) {
   if (gcdt_largest_exponent(least, most) > k + 28) return limit;
   while (limit >= 0 && gcdt_bit_length(gcdt_powers_of_five[limit]) > 3 - k - limit) --limit;
   return limit;
+}
+
+// The cell 2^k that an input gets before its decimals are counted.
+typedef struct Cell {
+  i32 exponent;        // k
+  u32 moves;           // nonzero: not all coordinates are multiples of the cell
+  i32 decimals_limit;  // a decimal grid goes before it if so many decimals are enough, and it fits; -1: none does
+} Cell;
+
+// `trailing`: all coordinates are multiples of 2^trailing. Leaves in *scale how coordinates get to that cell.
+GCDT_INLINE Cell gcdt_choose_cell(const u64* least, const u64* most, i32 trailing, GCDT_GLOBAL Scale* scale) {
+  Cell cell;
+  cell.exponent = gcdt_finest_exponent(least, most, scale);
+  cell.moves = !gcdt_one_point(least, most) && trailing < cell.exponent;
+  cell.decimals_limit = cell.moves ? gcdt_decimals_limit(least, most, cell.exponent) : -1;
+  return cell;
 }
 
 // Whether the decimal grid of an input that needs `digits` decimals to be written fits; then *decimals is how

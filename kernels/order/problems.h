@@ -3,6 +3,7 @@
 #ifndef GCDT_PROBLEMS_H
 #define GCDT_PROBLEMS_H
 
+#include "order/decimals.h"
 #include "order/quantise.h"
 
 #ifndef __OPENCL_VERSION__

@@ -1,110 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the bits of a double to an integer on the grid, exactly. OpenCL C and C++17.
-//
-// No floating-point operation is used: the result is the same on devices without fp64 and under any
-// compiler flags. A double is handled as its 64 bits, v = (-1)^s * m * 2^q with integers m < 2^53 and
-// q >= -1074; ulp(v) = 2^q, so m >= 2^52 unless q = -1074.
+// From the bits of a double to an integer on a grid whose cell is a power of two or given, exactly. OpenCL C and C++17.
 #ifndef GCDT_QUANTISE_H
 #define GCDT_QUANTISE_H
 
-#include "common/int128.h"
+#include "order/doubles.h"
 
-#ifdef __OPENCL_VERSION__
-#define GCDT_GLOBAL global
-#define GCDT_CONSTANT_TABLE constant
-#else
-#define GCDT_GLOBAL
-#define GCDT_CONSTANT_TABLE inline constexpr
+#ifndef __OPENCL_VERSION__
 namespace gcdt::device {
 #endif
 
-// ---- The bits of a double -------------------------------------------------------------------------
-
-#define GCDT_SIGN_BIT 0x8000000000000000ul
-#define GCDT_INFINITE_BITS 0x7FF0000000000000ul
-#define GCDT_HIDDEN_BIT 0x0010000000000000ul
-#define GCDT_LEAST_EXPONENT (-1074)
-
-// How coordinates lie in the staging buffer: the 64-bit types one per word, the 32-bit types two per word.
-#define GCDT_COORDINATES_FLOAT64 0u
-#define GCDT_COORDINATES_FLOAT32 1u
-#define GCDT_COORDINATES_INT32 2u
-#define GCDT_COORDINATES_INT64 3u
-
-GCDT_INLINE i32 gcdt_leading_zeros(u64 v) {
-#ifdef __OPENCL_VERSION__
-  return (i32)clz(v);
-#elif defined(__GNUC__)
-  return v == 0 ? 64 : __builtin_clzll(v);
-#else
-  i32 zeros = 64;
-  for (; v != 0; v >>= 1) --zeros;
-  return zeros;
-#endif
-}
-GCDT_INLINE i32 gcdt_bit_length(u64 v) { return 64 - gcdt_leading_zeros(v); }
-
-GCDT_INLINE u64 gcdt_magnitude(u64 bits) { return bits & ~GCDT_SIGN_BIT; }
-GCDT_INLINE u32 gcdt_is_finite(u64 bits) { return gcdt_magnitude(bits) < GCDT_INFINITE_BITS; }
-// -0 counts as 0.
-GCDT_INLINE u64 gcdt_without_negative_zero(u64 bits) { return bits == GCDT_SIGN_BIT ? 0 : bits; }
-
-GCDT_INLINE u64 gcdt_mantissa(u64 bits) {
-  const u64 field = gcdt_magnitude(bits) >> 52, fraction = bits & (GCDT_HIDDEN_BIT - 1);
-  return field == 0 ? fraction : fraction | GCDT_HIDDEN_BIT;
-}
-GCDT_INLINE i32 gcdt_exponent(u64 bits) {
-  const i32 field = (i32)(gcdt_magnitude(bits) >> 52);
-  return field == 0 ? GCDT_LEAST_EXPONENT : field + (GCDT_LEAST_EXPONENT - 1);
-}
-// The largest e such that the nonzero double is a multiple of 2^e.
-GCDT_INLINE i32 gcdt_trailing_exponent(u64 bits) {
-  const u64 m = gcdt_mantissa(bits);
-  return gcdt_exponent(bits) + gcdt_bit_length(m & (~m + 1)) - 1;
-}
-
-// Unsigned integers in the order of the doubles, and back.
-GCDT_INLINE u64 gcdt_ordered(u64 bits) { return (bits & GCDT_SIGN_BIT) ? ~bits : bits | GCDT_SIGN_BIT; }
-GCDT_INLINE u64 gcdt_from_ordered(u64 key) { return (key & GCDT_SIGN_BIT) ? key & ~GCDT_SIGN_BIT : ~key; }
-
-// The double of a float's bits: exact, infinities and NaNs stay so.
-GCDT_INLINE u64 gcdt_double_of_float(u32 bits) {
-  const u64 sign = (u64)(bits >> 31) << 63;
-  const u64 field = (bits >> 23) & 0xFFu, fraction = bits & 0x7FFFFFu;
-  if (field == 0xFFu) return sign | GCDT_INFINITE_BITS | (fraction << 29);
-  if (field != 0) return sign | ((field + (1023 - 127)) << 52) | (fraction << 29);
-  if (fraction == 0) return sign;
-  // Denormal: fraction * 2^-149; the leading bit becomes the hidden one.
-  const i32 length = gcdt_bit_length(fraction);
-  return sign | ((u64)(length - 1 - 149 + 1023) << 52) | ((fraction << (53 - length)) & (GCDT_HIDDEN_BIT - 1));
-}
-// The double of an integer from its sign bit and magnitude, which is at most 2^53: exact.
-GCDT_INLINE u64 gcdt_double_of_whole(u64 sign, u64 value) {
-  if (value == 0) return 0;
-  const i32 length = gcdt_bit_length(value);
-  const u64 fraction = length > 53 ? 0 : value << (53 - length);
-  return sign | ((u64)(length - 1 + 1023) << 52) | (fraction & (GCDT_HIDDEN_BIT - 1));
-}
-GCDT_INLINE u64 gcdt_double_of_int(u32 bits) {
-  return gcdt_double_of_whole((u64)(bits >> 31) << 63, (bits >> 31) ? (u32)(~bits + 1u) : bits);
-}
-// Beyond 2^53 in magnitude infinity, as some have no double.
-GCDT_INLINE u64 gcdt_double_of_long(u64 bits) {
-  const u64 sign = bits & GCDT_SIGN_BIT, value = sign ? ~bits + 1u : bits;
-  return value > 2 * GCDT_HIDDEN_BIT ? sign | GCDT_INFINITE_BITS : gcdt_double_of_whole(sign, value);
-}
-
-// Coordinate `index` = 2 * vertex + axis as the bits of a double, -0 made 0.
-GCDT_INLINE u64 gcdt_coordinate(GCDT_GLOBAL const u64* coordinates, u32 type, u32 index) {
-  if (type == GCDT_COORDINATES_FLOAT64) return gcdt_without_negative_zero(coordinates[index]);
-  if (type == GCDT_COORDINATES_INT64) return gcdt_double_of_long(coordinates[index]);
-  const u32 bits = (u32)(coordinates[index >> 1] >> (32u * (index & 1u)));
-  return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float(bits)
-                                                                     : gcdt_double_of_int(bits));
-}
-
-// ---- Grids whose cell is a power of two or given --------------------------------------------------
-//
 // Wanted: X = round_half_even((x - o) * five / (2^k * U)) for doubles x and o, five = 5^d <= 5^22 < 2^52,
 // U < 2^116: the cell is 2^k * U / five. Ties lie where (x - o) * five / 2^k is an odd multiple of U/2.
 //
@@ -146,22 +50,6 @@ typedef struct Quantised {
   u64 move;     // how far x moved, as gcdt_move_key
 } Quantised;
 
-// The 64 bits that (high, low) * 2^shift has at bits 0 .. 63.
-GCDT_INLINE u64 gcdt_limb(u64 low, u64 high, i32 shift) {
-  if (shift >= 64 || shift <= -128) return 0;
-  if (shift >= 0) return low << shift;
-  if (shift > -64) return (low >> -shift) | (high << (64 + shift));
-  return high >> (-64 - shift);
-}
-
-// Whether (high, low) * 2^shift has bits below bit 0.
-GCDT_INLINE u32 gcdt_loses_bits(u64 low, u64 high, i32 shift) {
-  if (shift >= 0) return 0;
-  if (shift <= -128) return (low | high) != 0;
-  if (shift > -64) return (low << (64 + shift)) != 0;
-  return low != 0 || (shift != -64 && (high << (128 + shift)) != 0);
-}
-
 // Writes the double times five into the window; 0 if it does not fit.
 GCDT_INLINE u32 gcdt_place(u64 bits, u64 five, i32 offset, u64* window) {
   const u64 m = gcdt_mantissa(bits);
@@ -191,10 +79,6 @@ GCDT_INLINE u64 gcdt_move_key(u64 low, u64 high) {
   if (length == 0) return 0;
   const i32 shift = 56 - length;
   return ((u64)length << 56) | gcdt_limb(low, high, shift) | gcdt_loses_bits(low, high, shift);
-}
-
-GCDT_INLINE u32 gcdt_below(u64 a_low, u64 a_high, u64 b_low, u64 b_high) {
-  return a_high < b_high || (a_high == b_high && a_low < b_low);
 }
 
 // Where the cell is a power of two, 128 bits are enough for nearly all doubles: numbers in units of 2^-64 cells, that
@@ -301,117 +185,8 @@ GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i3
   result.move = gcdt_move_key(low, high);
   return result;
 }
-
-// ---- Decimals ---------------------------------------------------------------------------------------
-
-#define GCDT_MAX_DECIMALS 22
-#define GCDT_NUMERATOR_OVERFLOW 0x8000000000000000ul
-
-GCDT_CONSTANT_TABLE u64 gcdt_powers_of_five[GCDT_MAX_DECIMALS + 1] = {1ul,
-                                                                      5ul,
-                                                                      25ul,
-                                                                      125ul,
-                                                                      625ul,
-                                                                      3125ul,
-                                                                      15625ul,
-                                                                      78125ul,
-                                                                      390625ul,
-                                                                      1953125ul,
-                                                                      9765625ul,
-                                                                      48828125ul,
-                                                                      244140625ul,
-                                                                      1220703125ul,
-                                                                      6103515625ul,
-                                                                      30517578125ul,
-                                                                      152587890625ul,
-                                                                      762939453125ul,
-                                                                      3814697265625ul,
-                                                                      19073486328125ul,
-                                                                      95367431640625ul,
-                                                                      476837158203125ul,
-                                                                      2384185791015625ul};
-
-// X = (S(x) - least) * step, S(x) = the numerator of x in units of 10^-digits.
-typedef struct Decimals {
-  i64 least[2];
-  u64 step;
-  i32 digits;
-  u32 padding;
-} Decimals;
-
-// Whether |v| is the double nearest to N / 10^d for an integer N, and that N: the nearest to |v| 10^d (half
-// to even), or the other neighbour if only that one reads as v. An N of 2^63 or more is returned as
-// GCDT_NUMERATOR_OVERFLOW. If it holds for d, it holds for d + 1 (10 N).
-//
-// |v| 10^d = M 2^-s with M = m 5^d < 2^105 and s = -(q + d). For s > 0 let R = M - N 2^s; then
-// v - N / 10^d = R 2^q / 5^d. Half the gap above v is 2^q / 2, so N / 10^d > v reads as v iff 2 |R| < 5^d
-// (5^d is odd: no tie). The same below, but 4 |R| < 5^d where the gap below is half as wide.
-// s >= 106: N = 0 has R = M >= 5^d, and N >= 1 has |R| >= 2^s - M > 2^104: neither reads as v.
-GCDT_INLINE u32 gcdt_decimal(u64 bits, i32 d, u64* numerator) {
-  const u64 m = gcdt_mantissa(bits), five = gcdt_powers_of_five[d];
-  const u64 low = m * five, high = gcdt_mul_high(m, five);
-  const i32 s = -(gcdt_exponent(bits) + d);
-  *numerator = 0;
-  if (m == 0) return 1;
-  if (s <= 0) {
-    const u32 fits = high == 0 && gcdt_bit_length(low) - s < 64;
-    *numerator = fits ? low << -s : GCDT_NUMERATOR_OVERFLOW;
-    return 1;
-  }
-  if (s >= 106) return 0;
-  // below = M mod 2^s, above = 2^s - below.
-  const u64 mask_low = s >= 64 ? ~(u64)0 : ((u64)1 << s) - 1, mask_high = s <= 64 ? 0 : ((u64)1 << (s - 64)) - 1;
-  const u64 below = low & mask_low, below_high = high & mask_high;
-  const u64 above = (~below & mask_low) + 1;  // wraps to 0 if below is 0 in this limb
-  const u64 above_high = (~below_high & mask_high) + (above == 0 ? 1 : 0);
-  const u32 narrow = m == GCDT_HIDDEN_BIT && gcdt_exponent(bits) > GCDT_LEAST_EXPONENT;
-  // five < 2^52: compare before doubling, so that nothing overflows.
-  const u32 lower = below_high == 0 && below < GCDT_HIDDEN_BIT && (below << (narrow ? 2 : 1)) < five;
-  const u32 upper = above_high == 0 && above != 0 && above < GCDT_HIDDEN_BIT && (above << 1) < five;
-  if (!lower && !upper) return 0;
-  const u64 floor_low = gcdt_limb(low, high, -s), floor_high = gcdt_limb(low, high, -s - 64);
-  const u32 nearer = gcdt_below(above, above_high, below, below_high) ||
-                     (above == below && above_high == below_high && (floor_low & 1));
-  const u32 up = upper && (nearer || !lower);
-  const u32 overflow = floor_high != 0 || floor_low >= GCDT_NUMERATOR_OVERFLOW - up;
-  *numerator = overflow ? GCDT_NUMERATOR_OVERFLOW : floor_low + up;
-  return 1;
-}
-
-// The least number of decimals >= `from` and <= `limit` with which v can be written; limit + 1 if none.
-GCDT_INLINE i32 gcdt_decimals_needed(u64 bits, i32 from, i32 limit) {
-  u64 numerator;
-  while (from <= limit && !gcdt_decimal(bits, from, &numerator)) ++from;
-  return from;
-}
-
-// S(v): the numerator of v with the fewest decimals, in units of 10^-digits; v can be written with `digits`
-// decimals. GCDT_NUMERATOR_OVERFLOW (the least i64) if it is not below 2^63.
-//
-// An N < 2^51 that reads as v with `digits` decimals is the only one that does, hence that numerator already: with
-// w = 2^q 10^digits, numbers that read as v lie at most w / 2 from |v| 10^digits. If m >= 2^52, that is at least 2^52
-// w, so w <= N / (2^52 - 1/2) < 1; if m is less, q = -1074 and w < 1. Two of them would be less than 1 apart.
-GCDT_INLINE i64 gcdt_decimal_numerator(u64 bits, i32 digits) {
-  u64 numerator, fewer;
-  gcdt_decimal(bits, digits, &numerator);
-  if (numerator < GCDT_HIDDEN_BIT / 2) return (bits & GCDT_SIGN_BIT) ? -(i64)numerator : (i64)numerator;
-  i32 d = digits;
-  while (d > 0 && gcdt_decimal(bits, d - 1, &fewer)) {
-    numerator = fewer;
-    --d;
-  }
-  // 10^(digits - d) in two factors: 5^22 and 2^22 each times a number below 2^63 stays below 2^128.
-  const u64 five = gcdt_powers_of_five[digits - d];
-  const u64 scaled = numerator * five;
-  if (gcdt_mul_high(numerator, five) != 0 || gcdt_bit_length(scaled) + (digits - d) > 63)
-    return (i64)GCDT_NUMERATOR_OVERFLOW;
-  const i64 value = (i64)(scaled << (digits - d));
-  return (bits & GCDT_SIGN_BIT) ? -value : value;
-}
-
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(Scale) == 17 * sizeof(u64) + 6 * sizeof(u32), "Scale has the same layout on host and device");
-static_assert(sizeof(Decimals) == 4 * sizeof(u64), "Decimals has the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

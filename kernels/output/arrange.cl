@@ -12,6 +12,7 @@
 #include "common/digits.h"
 #include "common/mesh.h"
 #include "common/runs.h"
+#include "output/triangle.h"
 
 // ---- Vertices ---------------------------------------------------------------------------------------
 
@@ -41,7 +42,7 @@ kernel void arrange_keys(uint problems, global const uint* first_input, global u
 static inline uint ref_of_face(Mesh mesh, uint t, private uint4* corners) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
   if (max(max(c.x, c.y), c.z) >= mesh.n) return GCDT_NONE;
-  const uint k = c.x < c.y ? (c.x < c.z ? 0u : 2u) : (c.y < c.z ? 1u : 2u);
+  const uint k = least_corner(c.x, c.y, c.z);
   *corners = rotate_to(c, k);
   return GCDT_FACE_REF(t, k);
 }
@@ -104,17 +105,8 @@ kernel void arrange_problems(uint problems, GCDT_MESH_PARAMETERS, global const u
       ordered[at] = refs[i];
       positions[t] = (int)at;
     }
-    for (uint i = first; i < last; ++i) {
-      const uint t = GCDT_REF_FACE(ordered[i]), k = GCDT_REF_CORNER(ordered[i]);
-      vstore3(rotate_to(face_data[GCDT_CORNERS(t)], k).xyz, i, out_corners);
-      const uint3 s = rotate_to(face_data[GCDT_SIDES(t)], k).xyz;
-      vstore3((int3)(positions[GCDT_REF_FACE(edge_faces[s.x ^ 1u])], positions[GCDT_REF_FACE(edge_faces[s.y ^ 1u])],
-                     positions[GCDT_REF_FACE(edge_faces[s.z ^ 1u])]),
-              i, out_neighbours);
-      const uint3 marks =
-          (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) &
-          GCDT_MARK_CONSTRAINED;
-      out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);
-    }
+    for (uint i = first; i < last; ++i)
+      gather_triangle(i, face_data, edge_faces, edge_marks, ordered, positions, out_corners, out_neighbours,
+                      out_constrained);
   }
 }

@@ -2,12 +2,7 @@
 // Canonical order: finite triangles rotated to their vertex of least rank and sorted by the ranks of
 // their first two corners. Ranks follow the Z-order curve, so the order depends on coordinates only.
 #include "common/levels.h"
-
-// The corner with the least of three distinct ranks.
-GCDT_INLINE uint least_corner(uint r0, uint r1, uint r2) { return r0 < r1 ? (r0 < r2 ? 0u : 2u) : (r1 < r2 ? 1u : 2u); }
-
-// (v[first], v[first + 1], v[first + 2]), indices modulo 3.
-GCDT_INLINE uint3 rotated(uint4 v, uint first) { return first == 0 ? v.xyz : first == 1 ? v.yzx : v.zxy; }
+#include "output/triangle.h"
 
 // Writes the key and the reference of face f. Returns whether its corners are finite.
 static bool key_face(uint f, global const Levels* levels, uint bits, global const uint4* face_data, global ulong* keys,
@@ -20,7 +15,7 @@ static bool key_face(uint f, global const Levels* levels, uint bits, global cons
     const uint4 ranks = (uint4)(gcdt_rank_of_vertex(levels, c.x), gcdt_rank_of_vertex(levels, c.y),
                                 gcdt_rank_of_vertex(levels, c.z), 0u);
     first = least_corner(ranks.x, ranks.y, ranks.z);
-    const uint3 r = rotated(ranks, first);
+    const uint4 r = rotate_to(ranks, first);
     key = ((ulong)r.x << bits) | r.y;
   }
   keys[f] = key;
@@ -50,23 +45,6 @@ kernel void key_faces(const uint count, global const Levels* levels, const uint 
 // After this kernel positions[f] is the number of face f in canonical order, -1 for symbolic faces.
 kernel void place_faces(const uint count, global const uint* refs, global int* positions) {
   FOR_EACH(i, count) positions[GCDT_REF_FACE(refs[i])] = (int)i;
-}
-
-// Triangle i, in canonical order.
-static void gather_triangle(uint i, global const uint4* face_data, global const uint* edge_faces,
-                            global const uint* edge_marks, global const uint* refs, global const int* positions,
-                            global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
-  const uint f = GCDT_REF_FACE(refs[i]), first = GCDT_REF_CORNER(refs[i]);
-  vstore3(rotated(face_data[GCDT_CORNERS(f)], first), i, out_corners);
-  const uint3 s = rotated(face_data[GCDT_SIDES(f)], first);
-  const uint3 across = (uint3)(edge_faces[s.x ^ 1u], edge_faces[s.y ^ 1u], edge_faces[s.z ^ 1u]);
-  vstore3((int3)(positions[GCDT_REF_FACE(across.x)], positions[GCDT_REF_FACE(across.y)],
-                 positions[GCDT_REF_FACE(across.z)]),
-          i, out_neighbours);
-  const uint3 marks =
-      (uint3)(edge_marks[GCDT_SIDE_EDGE(s.x)], edge_marks[GCDT_SIDE_EDGE(s.y)], edge_marks[GCDT_SIDE_EDGE(s.z)]) &
-      GCDT_MARK_CONSTRAINED;
-  out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);
 }
 
 // One work-item per triangle, in canonical order.

@@ -8,44 +8,40 @@
 #include "order/order.cl"
 #include "output/output.cl"
 
-#define GCDT_MORTON_BITS 62u
-
-// What choose_grid of lib/phases/order.cpp does, of an input that was surveyed. Leaves the grid in *report.
+// The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
+// back in between: of what it calls only the counting of decimals is not the host's, too. Leaves the grid in *report.
 static void choose_grid(uint n, uint type, global const ulong* coordinates, global OrderReport* report) {
   ulong least[2], most[2];
   for (uint axis = 0; axis < 2; ++axis) {
     least[axis] = gcdt_from_ordered(~report->surveyed[2 * axis]);
     most[axis] = gcdt_from_ordered(report->surveyed[2 * axis + 1]);
   }
-  const int k = gcdt_finest_exponent(least, most, &report->scale);
-  report->exponent = k;
-  // Nothing moves if all are multiples of the cell.
-  if (gcdt_one_point(least, most) || (int)~report->surveyed[4] + GCDT_LEAST_EXPONENT >= k) return;
-  const int limit = gcdt_decimals_limit(least, most, k);
+  const int trailing = (int)~report->surveyed[GCDT_SURVEY_TRAILING] + GCDT_LEAST_EXPONENT;
+  const int limit = gcdt_choose_cell(least, most, trailing, &report->scale).decimals_limit;
   if (limit < 0) return;
-  const int digits = decimals_of_share(n, type, coordinates, limit, 0u, 1u);
+  const int digits = decimals_of_items((Items)(0u, n, 1u), type, coordinates, limit);
   if (digits <= limit && gcdt_make_decimals(least, most, digits, &report->decimals)) report->decimal_digits = digits;
 }
 
 // The whole order phase: lib/phases/order.cpp. `given`: the grid is report->scale.
 // Reads: coordinates, report->scale if given. Writes: all else; keys, values and the other ones are void afterwards.
-// After: as after number_vertices, of make_levels(report->distinct, coarsest), and *levels is that; or, if
-// report->surveyed[5] or report->quantised[1] is not 0, an error of the input and nothing else.
+// After: as after number_vertices, of make_levels(report->distinct, coarsest), and *levels is that; or an error of the
+// input and nothing else, if surveyed[GCDT_SURVEY_BAD] or quantised[GCDT_QUANTISE_OUTSIDE] of *report is not 0.
 kernel void order_few(uint n, uint type, global const ulong* coordinates, uint given, uint coarsest,
                       global OrderReport* report, global ulong* keys, global uint* values, global ulong* other_keys,
                       global uint* other_values, global Levels* levels, global int2* points, global uint* vertex_input,
                       global uint* input_vertex) {
   if (get_local_id(0) != 0) return;
   report->decimal_digits = -1;
-  survey_share(n, type, coordinates, 0u, 1u, report->surveyed);
-  if (report->surveyed[5] != 0) return;
+  survey_items((Items)(0u, n, 1u), 0u, type, coordinates, report->surveyed);
+  if (report->surveyed[GCDT_SURVEY_BAD] != 0) return;
   if (!given) choose_grid(n, type, coordinates, report);
-  report->quantised[0] = report->quantised[1] = 0;
+  report->quantised[GCDT_QUANTISE_MOVE] = report->quantised[GCDT_QUANTISE_OUTSIDE] = 0;
   if (report->decimal_digits >= 0)
     for (uint v = 0; v < n; ++v) quantise_decimal(v, type, coordinates, &report->decimals, keys, values);
   else
-    quantise_share(n, type, coordinates, &report->scale, 0u, 1u, keys, values, report->quantised);
-  if (report->quantised[1] != 0) return;
+    quantise_items((Items)(0u, n, 1u), 0u, type, coordinates, &report->scale, keys, values, report->quantised);
+  if (report->quantised[GCDT_QUANTISE_OUTSIDE] != 0) return;
   if (sort_by_digits(n, GCDT_MORTON_BITS, keys, values, other_keys, other_values))
     keys = other_keys, values = other_values;
   uint distinct = 0;

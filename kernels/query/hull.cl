@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is derived from a finished mesh on demand: the hull in order, and the piece along each edge. Corners and
 // ends of pieces are input numbers.
+#include "common/corners.h"
 #include "common/levels.h"
 #include "common/pieces.h"
 
@@ -62,7 +63,7 @@ kernel void hull_order(const uint count, global const uint* edges, global const 
                        global const uint2* links, global uint* hull) {
   FOR_EACH(i, count) {
     const uint steps = links[i].y, k = edges[i] % 3u;
-    hull[steps == 0u ? 0u : count - steps] = corners[edges[i] - k + (k == 2u ? 0u : k + 1u)];
+    hull[steps == 0u ? 0u : count - steps] = corners[edges[i] - k + next_corner(k)];
   }
 }
 

@@ -6,8 +6,10 @@
 // place that a hash of query and step chooses. In a Delaunay triangulation every such walk ends; in a
 // constrained one a fixed choice could go in circles, a random one leaves every circle: from each triangle
 // some choice comes nearer along the segment to the query. The result does not depend on the way.
-#include "common/levels.h"
+#include "common/corners.h"
 #include "common/predicates.h"
+#include "common/search.h"
+#include "order/decimals.h"
 #include "order/quantise.h"
 #include "query/locate.h"
 
@@ -37,7 +39,7 @@ GCDT_INLINE Corners corners_of(global const uint* corners, uint t, global const 
 
 // Twice the area of the query with the edge across from corner k: negative if the query is beyond that edge.
 GCDT_INLINE i64 area_across(Corners c, uint k, Vertex query) {
-  return gcdt_orient2d_finite(c.at[k == 2u ? 0u : k + 1u], c.at[k == 0u ? 2u : k - 1u], query);
+  return gcdt_orient2d_finite(c.at[next_corner(k)], c.at[previous_corner(k)], query);
 }
 
 GCDT_INLINE Vertex query_of(u64 key) { return gcdt_finite_vertex(gcdt_gather_bits(key), gcdt_gather_bits(key >> 1)); }
@@ -108,21 +110,13 @@ kernel void place_queries(const uint count, const uint type, global const ulong*
 // Reads levels, points, keys and starts: a triangle at each vertex. Writes places[i].
 // Word i has one writer.
 // After this kernel places[i] is a triangle at the last vertex whose Morton code is not above the query's (or
-// at the first vertex), GCDT_NONE for a query off the grid. The search ends: high - low shrinks.
+// at the first vertex), GCDT_NONE for a query off the grid.
 kernel void locate_start(const uint count, global const Levels* levels, global const int2* points,
                          global const ulong* keys, global const uint* starts, global uint* places) {
   FOR_EACH(i, count) {
     const ulong key = keys[i];
-    uint low = 0, high = levels->n;
-    while (high - low > 1u) {
-      const uint middle = low + (high - low) / 2u;
-      const int2 p = points[gcdt_vertex_of_rank(levels, levels->count - 1u, middle)];
-      if (gcdt_morton((uint)p.x, (uint)p.y) <= key)
-        low = middle;
-      else
-        high = middle;
-    }
-    places[i] = key == GCDT_OFF_GRID ? GCDT_NONE : starts[gcdt_vertex_of_rank(levels, levels->count - 1u, low)];
+    const uint last = levels->count - 1u, before = last_on_curve(levels, last, points, 0u, levels->n, key);
+    places[i] = key == GCDT_OFF_GRID ? GCDT_NONE : starts[gcdt_vertex_of_rank(levels, last, before)];
   }
 }
 
@@ -136,7 +130,7 @@ GCDT_INLINE uint first_edge(uint query, uint step) {
 // The first edge from `first` on that has the query beyond it; 3: none. Not a loop: a driver that ends loops after some
 // number of rounds may end the walk, which goes on in the next launch, but not this.
 GCDT_INLINE uint edge_to_cross(Corners c, uint first, Vertex query) {
-  const uint second = first == 2u ? 0u : first + 1u, third = second == 2u ? 0u : second + 1u;
+  const uint second = next_corner(first), third = next_corner(second);
   if (area_across(c, first, query) < 0) return first;
   if (area_across(c, second, query) < 0) return second;
   return area_across(c, third, query) < 0 ? third : 3u;

@@ -3,11 +3,11 @@
 #ifndef GCDT_LOCATE_H
 #define GCDT_LOCATE_H
 
-#include "common/shared.h"
+#include "common/levels.h"
 
-// The key of a query that is not on the grid: above every Morton code, which has 62 bits.
-#define GCDT_OFF_GRID 0x4000000000000000ul
-#define GCDT_QUERY_KEY_BITS 63u
+// The key of a query that is not on the grid: above every Morton code.
+#define GCDT_OFF_GRID ((u64)1 << GCDT_MORTON_BITS)
+#define GCDT_QUERY_KEY_BITS (GCDT_MORTON_BITS + 1u)
 
 // Triangle numbers have 30 bits. A query's place is the triangle that its walk has reached, with this bit
 // once that holds the query; GCDT_NONE: outside.

@@ -9,6 +9,7 @@
 #define GCDT_SORT_H
 
 #include "common/shared.h"
+#include "sort/sizes.h"
 
 GCDT_INLINE u32 digit_of(KEY key, u32 shift, u32 mask) { return (u32)(key >> shift) & mask; }
 

@@ -3,21 +3,19 @@
 // work-group; keys of many small buckets; keys that a sort by their high bits has left nearly in order.
 #include "common/digits.h"
 #include "common/runs.h"
+#include "sort/sizes.h"
 
 // ---- In local memory ----------------------------------------------------------------------------------
-
-// Keys that one work-group sorts: 24 KiB of the 32 that every device has.
-#define SORT_SMALL 2048u
 
 GCDT_INLINE bool comes_before(u64 key, u32 index, u64 other_key, u32 other_index) {
   return key < other_key || (key == other_key && index < other_index);
 }
 
-// One work-group, all of it with the same arguments. Puts up to SORT_SMALL pairs in order of the bits `mask` of the
-// key, equal ones in the order in which they were, where they stand: a bitonic sort by (key, index), in which what is
-// missing to a power of two counts as greatest; then either array goes through local memory to its new order. In a step
-// every pair of places has one work-item, which also reads and writes the same global words throughout; barriers stand
-// between steps. Ends: `run` doubles, `step` halves.
+// One work-group, all of it with the same arguments. Puts up to GCDT_SORT_SMALL pairs in order of the bits `mask` of
+// the key, equal ones in the order in which they were, where they stand: a bitonic sort by (key, index), in which what
+// is missing to a power of two counts as greatest; then either array goes through local memory to its new order. In a
+// step every pair of places has one work-item, which also reads and writes the same global words throughout; barriers
+// stand between steps. Ends: `run` doubles, `step` halves.
 GCDT_GIVEN_LOCAL void sort_in_group(u32 count, u64 mask, global u64* keys, global u32* values, local u64* moved,
                                     local u32* indices) {
   u32 size = 1;
@@ -51,21 +49,22 @@ GCDT_GIVEN_LOCAL void sort_in_group(u32 count, u64 mask, global u64* keys, globa
   for (u32 i = get_local_id(0); i < count; i += get_local_size(0)) values[i] = (u32)moved[indices[i]];
 }
 
-// One work-group. Sorts up to SORT_SMALL pairs by the bits `mask` of the key, stably.
+// One work-group. Sorts up to GCDT_SORT_SMALL pairs by the bits `mask` of the key, stably.
 // Reads, writes: keys, values. No race: sort_in_group.
 // After: the pairs are in order.
 kernel void sort_small(u32 count, u64 mask, global u64* keys, global u32* values) {
-  local u64 moved[SORT_SMALL];
-  local u32 indices[SORT_SMALL];
+  local u64 moved[GCDT_SORT_SMALL];
+  local u32 indices[GCDT_SORT_SMALL];
   sort_in_group(count, mask, keys, values, moved, indices);
 }
 
-// One work-group per segment, first[s] .. first[s + 1] - 1, of up to SORT_SMALL pairs. Sorts it by the key, stably.
+// One work-group per segment, first[s] .. first[s + 1] - 1, of up to GCDT_SORT_SMALL pairs. Sorts it by the key,
+// stably.
 // Reads, writes: keys, values; a word belongs to one segment, so to one group.
 // After: every segment is in order.
 kernel void sort_segments(u32 segments, global const u32* first, global u64* keys, global u32* values) {
-  local u64 moved[SORT_SMALL];
-  local u32 indices[SORT_SMALL];
+  local u64 moved[GCDT_SORT_SMALL];
+  local u32 indices[GCDT_SORT_SMALL];
   for (u32 s = get_group_id(0); s < segments; s += get_num_groups(0)) {
     const u32 begin = first[s];
     sort_in_group(first[s + 1u] - begin, ~(u64)0, keys + begin, values + begin, moved, indices);
@@ -133,10 +132,10 @@ kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global 
   }
 }
 
-// How many pairs the run that begins at `begin` has; 0 if more than SORT_SMALL. Ends: the range halves.
+// How many pairs the run that begins at `begin` has; 0 if more than GCDT_SORT_SMALL. Ends: the range halves.
 GCDT_INLINE u32 size_of_run(u32 count, u32 low, global const u64* keys, u32 begin) {
   const u64 high = keys[begin] >> low;
-  u32 inside = begin, outside = begin + min(count - begin, SORT_SMALL + 1u);  // in the run; not in it, or too far
+  u32 inside = begin, outside = begin + min(count - begin, GCDT_SORT_SMALL + 1u);  // in the run; not in it, or too far
   while (outside - inside > 1u) {
     const u32 middle = inside + (outside - inside) / 2u;
     if (keys[middle] >> low == high)
@@ -144,15 +143,15 @@ GCDT_INLINE u32 size_of_run(u32 count, u32 low, global const u64* keys, u32 begi
     else
       outside = middle;
   }
-  return outside - begin <= SORT_SMALL ? outside - begin : 0u;
+  return outside - begin <= GCDT_SORT_SMALL ? outside - begin : 0u;
 }
 
-// One work-group per run that sort_runs has listed. Sorts those of up to SORT_SMALL pairs, stably.
+// One work-group per run that sort_runs has listed. Sorts those of up to GCDT_SORT_SMALL pairs, stably.
 // Reads, writes: keys, values. A run has one group, and nobody looks beyond its own run but at the bits from `low` on.
-// After: every run up to SORT_SMALL is in order.
+// After: every run up to GCDT_SORT_SMALL is in order.
 kernel void sort_long_runs(u32 count, u32 low, global const u32* long_runs, global u64* keys, global u32* values) {
-  local u64 moved[SORT_SMALL];
-  local u32 indices[SORT_SMALL];
+  local u64 moved[GCDT_SORT_SMALL];
+  local u32 indices[GCDT_SORT_SMALL];
   local u32 size;
   const u32 found = long_runs[0];
   for (u32 r = get_group_id(0); r < found; r += get_num_groups(0)) {

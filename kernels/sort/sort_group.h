@@ -5,12 +5,8 @@
 
 #include "sort/sort.h"
 
-// Digits of 4 bits for a group: a tile holds 64 keys of each on average, so writes stay coalesced.
-#define GCDT_GROUP_DIGITS 16u
-// Work-items that take part, and the keys of each in a tile. Local memory: 1152 keys with their
-// padding, 1024 ranks, 128 counts of 32 bytes, 32 words: 15.1 KiB with 64-bit keys.
-#define GCDT_SORT_LANES 128u
-#define GCDT_SORT_WIDTH 8u
+// Local memory: 1152 keys with their padding, 1024 ranks, 128 counts of 32 bytes, 32 words: 15.1 KiB with 64-bit keys.
+#define GCDT_GROUP_DIGITS (1u << GCDT_GROUP_DIGIT_BITS)
 
 // One work-group per part. A work-item counts in its own column: no atomics, no bank conflicts.
 // Reads: keys. Writes: table, all digits of the part.

@@ -5,8 +5,7 @@
 
 #include "sort/sort.h"
 
-// Digits of 8 bits for a work-item that walks alone: its 256 counters stay in the first-level cache.
-#define GCDT_SERIAL_DIGITS 256u
+#define GCDT_SERIAL_DIGITS (1u << GCDT_SERIAL_DIGIT_BITS)
 
 // One work-group per part, its first work-item alone.
 // Reads: keys. Writes: table, all digits of the part.

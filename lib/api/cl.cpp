@@ -234,7 +234,7 @@ int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl_mem poin
         throw Error(Status::buffers_overlap, "the destination lies in the solver's memory");
     wait_for_order(state, wait_count, wait_list);
     state.runtime.memory().begin_call();
-    constexpr std::uint64_t chunk = 1 << 20;  // queries in the solver's memory at once
+    constexpr std::uint64_t chunk = Tuning::queries_at_once;
     for (std::uint64_t first = 0; first < count; first += chunk) {
       const auto part = static_cast<cl_uint>(std::min(chunk, count - first));
       const InputPoints queries = {

@@ -8,7 +8,7 @@ using namespace gcdt::api;
 namespace {
 
 // The most queries that are on the device at once.
-constexpr std::size_t chunk = 1 << 20;
+constexpr std::size_t chunk = Tuning::queries_at_once;
 
 /// One chunk of queries, back on the host.
 struct Found {

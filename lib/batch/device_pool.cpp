@@ -13,22 +13,6 @@ namespace gcdt {
 
 namespace {
 
-// The greatest weight of a pack. A CPU is fastest if a pack stays in its caches: it takes 2.0 microseconds a vertex
-// with 75,000 vertices, and 4.9 with 2.2 million. A GPU needs enough vertices to make launches cheap, but not so many
-// that the host cannot keep up with copying the results.
-constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
-
-// Copying results to the host takes longer than making them, and the GPU would stand still meanwhile; so it has several
-// lanes. They share a context, because a GPU changes slowly from one context to another, and would do so each time that
-// a lane waits (bench/NOTES.md).
-constexpr std::uint32_t gpu_lanes = 3;
-
-// A wait costs more than a few rounds that find nothing: other lanes' work goes first before this lane's next launch.
-constexpr std::uint32_t gpu_rounds_per_read = 16;
-
-// Milliseconds that some 120 launches and 20 waits take (an H200 takes 3.7 for 100 sketches).
-constexpr double gpu_overhead = 2;
-
 // A rehearsal has a run of `least_rehearsed` problems or more, so that each problem is one work-item's; one of few
 // problems, which have less than Tuning::few_vertices together; one of a single problem; and two in which one problem
 // is much larger than the rest, so that all go through the phases together. One of those has `large_rehearsed`
@@ -44,7 +28,7 @@ DeviceKind kind_of(const DevicePool::Member& member) {
 
 std::uint32_t lanes_of(const DevicePool::Member& member) {
   const bool gpu = kind_of(member) == DeviceKind::gpu;
-  return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? gpu_lanes : 1));
+  return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? Tuning::gpu_lanes : 1));
 }
 
 Error host_failed(const std::exception& error) {
@@ -99,7 +83,7 @@ void DevicePool::open(Member member, std::size_t device) {
   const std::uint32_t count = lanes_of(member);
   std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
   const bool gpu = reports_[device].kind == DeviceKind::gpu;
-  if (gpu) rounds = std::max(rounds, gpu_rounds_per_read);
+  if (gpu) rounds = std::max(rounds, Tuning::gpu_rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
   const bool shared = count > 1 && (member.context() || member.hook.tuning.shares_context.value_or(gpu));
   for (std::uint32_t number = 0; number < count; ++number) {
@@ -156,9 +140,9 @@ std::vector<LaneShare> DevicePool::shares(bool gpus) const {
     share.device = lane.device;
     share.capacity = usable_bytes(report.info);
     share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
-    share.most_weight = gpu ? gpu_weight : cpu_weight;
+    share.most_weight = gpu ? Tuning::gpu_weight : Tuning::cpu_weight;
     share.speed = lane.speed;
-    if (lane.runtime) share.overhead = lane.runtime->tuning().pack_overhead.value_or(gpu ? gpu_overhead : 0);
+    if (lane.runtime) share.overhead = lane.runtime->tuning().pack_overhead.value_or(gpu ? Tuning::gpu_overhead : 0);
     share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
     share.beside_gpus = gpus && !gpu;
     share.started = share.beside_gpus && lane.sitting_out.now();

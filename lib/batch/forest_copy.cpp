@@ -9,8 +9,6 @@ using runtime::Buffer;
 
 namespace {
 
-// Vertices below which a thread is not worth its start.
-constexpr std::uint64_t least_vertices = 1u << 15;
 // The system's pages are no smaller.
 constexpr std::size_t page = 4096;
 
@@ -128,7 +126,7 @@ class Copy {
 ForestRoom::ForestRoom(const runtime::Runtime& runtime, const ProblemRanges& ranges, const Staging& staging,
                        ForestResult& result) {
   const std::uint64_t n = ranges.first_input.back(), m = ranges.first_constraint.back(), problems = ranges.count();
-  if (!runtime::prepares_host_memory(runtime) || n < least_vertices) return;
+  if (!runtime::prepares_host_memory(runtime) || n < Tuning::least_prepared_vertices) return;
   try {
     thread_ = std::thread([this, &staging, &result, n, m, problems] { make(staging, result, n, m, problems); });
   } catch (const std::system_error&) {

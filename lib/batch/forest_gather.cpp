@@ -14,8 +14,9 @@ namespace {
 // Problems come by size, so each begins where the processor does not expect it.
 void prefetch([[maybe_unused]] Span<unsigned char> bytes) {
 #ifdef __GNUC__
-  constexpr std::size_t line = 64, most = 1u << 15;  // as much as a first cache holds
-  for (std::size_t at = 0; at < std::min(bytes.size, most); at += line) __builtin_prefetch(bytes.data + at);
+  constexpr std::size_t line = 64;  // of a cache
+  for (std::size_t at = 0; at < std::min(bytes.size, Tuning::most_prefetched); at += line)
+    __builtin_prefetch(bytes.data + at);
 #endif
 }
 

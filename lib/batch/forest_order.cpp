@@ -15,21 +15,6 @@ using runtime::over;
 
 namespace {
 
-// Vertices that one work-item takes: few enough that a batch of small problems fills a GPU, many enough that a row of
-// maxima costs little beside them.
-constexpr std::uint32_t least_chunk = 64;
-// So many chunks of one problem are folded by one work-item.
-constexpr std::uint32_t most_chunks = 32768;
-constexpr cl_uint survey_columns = 6, quantise_columns = 2;
-constexpr unsigned morton_bits = 62;
-
-template <class T>
-Buffer<T> upload(runtime::Runtime& runtime, const char* name, const std::vector<T>& values) {
-  auto buffer = runtime.allocate<T>(name, values.size());
-  runtime.write(buffer, values.data(), values.size());
-  return buffer;
-}
-
 class ForestOrdering {
  public:
   ForestOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
@@ -47,19 +32,17 @@ class ForestOrdering {
     const std::vector<cl_ulong> found = survey();
     chosen_.resize(problems_);
     std::vector<cl_int> limits(problems_, -1);
-    std::vector<Survey> surveys(problems_);
+    std::vector<GridChoice> choices(problems_);
     bool any_decimal = false;
     for (cl_uint p = 0; p < problems_; ++p) {
       if (given) chosen_[p] = *given;
       if (given || size(p) == 0) continue;
-      surveys[p] = survey_of(&found[std::size_t{p} * survey_columns]);
-      const int k = finest_exponent(surveys[p]);
-      chosen_[p] = power_of_two_grid(surveys[p], k);
-      if (chosen_[p].grid.kind == Grid::Kind::binary) continue;
-      limits[p] = decimals_limit(surveys[p], k);
+      choices[p] = choose_grid(survey_of(&found[std::size_t{p} * GCDT_SURVEY_COLUMNS]));
+      chosen_[p] = choices[p].grid;
+      limits[p] = choices[p].decimals_limit;
       any_decimal = any_decimal || limits[p] >= 0;
     }
-    if (any_decimal) try_decimals(limits, surveys);
+    if (any_decimal) try_decimals(limits, choices);
   }
 
   /// Leaves keys, values and input_problem.
@@ -70,23 +53,25 @@ class ForestOrdering {
       grids[p].is_decimal = chosen_[p].decimals ? 1 : 0;
       if (chosen_[p].decimals) grids[p].decimals = *chosen_[p].decimals;
     }
-    const auto grid_buffer = upload(runtime_, "grids of problems", grids);
+    const auto grid_buffer = runtime_.upload("grids of problems", grids);
     keys_ = runtime_.allocate<cl_ulong>("Morton codes", points_.n);
     values_ = runtime_.allocate<cl_uint>("input numbers", points_.n);
     input_problem_ = runtime_.allocate<cl_uint>("problems of inputs", points_.n);
-    auto maxima = runtime_.allocate<cl_ulong>("maxima", std::size_t{chunks_} * quantise_columns);
+    auto maxima = runtime_.allocate<cl_ulong>("maxima", std::size_t{chunks_} * GCDT_QUANTISE_COLUMNS);
     runtime_.launch("forest", "forest_quantise", over(chunks_), chunks_, chunk_buffer_, ranges_.first_input_buffer,
                     points_.type, points_.coordinates, grid_buffer, keys_, values_, input_problem_, maxima);
-    const std::vector<cl_ulong> found = fold(maxima, quantise_columns);
+    const std::vector<cl_ulong> found = fold(maxima, GCDT_QUANTISE_COLUMNS);
     InvalidProblems invalid;
     for (cl_uint p = 0; p < problems_; ++p) {
-      const cl_ulong* row = &found[std::size_t{p} * quantise_columns];
-      if (row[1] != 0)
-        invalid.errors.emplace_back(p,
-                                    coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~row[1]));
-      if (row[1] == 0 && !chosen_[p].decimals && size(p) != 0) {
-        chosen_[p].grid.largest_move = largest_move(runtime_, points_, ranges_.first_input[p],
-                                                    ranges_.first_input[p + 1], row[0], chosen_[p].scale);
+      const cl_ulong* row = &found[std::size_t{p} * GCDT_QUANTISE_COLUMNS];
+      const cl_ulong outside = row[GCDT_QUANTISE_OUTSIDE];
+      if (outside != 0)
+        invalid.errors.emplace_back(
+            p, coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside));
+      if (outside == 0 && !chosen_[p].decimals && size(p) != 0) {
+        chosen_[p].grid.largest_move =
+            largest_move(runtime_, points_, ranges_.first_input[p], ranges_.first_input[p + 1], row[GCDT_QUANTISE_MOVE],
+                         chosen_[p].scale);
         may_round_together_ = may_round_together_ || may_round_together(chosen_[p].grid);
       }
     }
@@ -97,7 +82,7 @@ class ForestOrdering {
   // Each problem by its key, within its own places, or all by key, then by problem: least significant first, both
   // stable. One problem is sorted by its key.
   void sort(Primitives& primitives, cl_uint n) {
-    if (problems_ == 1) return primitives.sort(keys_, values_, n, morton_bits);
+    if (problems_ == 1) return primitives.sort(keys_, values_, n, GCDT_MORTON_BITS);
     const Plan::By by = plan_of(0).sort_problems;
     if (by == Plan::By::groups) return primitives.sort_segments(keys_, values_, ranges_.first_input_buffer, problems_);
     if (by == Plan::By::each) {
@@ -109,7 +94,7 @@ class ForestOrdering {
     }
     auto key_of_input = runtime_.allocate<cl_ulong>("Morton codes of inputs", n);
     runtime_.copy(keys_, key_of_input, n);
-    primitives.sort(keys_, values_, n, morton_bits);
+    primitives.sort(keys_, values_, n, GCDT_MORTON_BITS);
     auto problems = runtime_.allocate<cl_uint>("problems in order", n);
     runtime_.launch("forest", "forest_problem_at", over(n), n, values_, input_problem_, problems);
     primitives.sort(problems, values_, n, bit_width(problems_ - 1));
@@ -128,8 +113,7 @@ class ForestOrdering {
     vertices.roots = problems_;
     vertices.largest = largest();
     vertices.levels = device::make_levels(distinct, coarsest(distinct));
-    vertices.levels_buffer = runtime_.allocate<device::Levels>("levels", 1);
-    runtime_.write(vertices.levels_buffer, &vertices.levels, 1);
+    vertices.levels_buffer = runtime_.upload_one("levels", vertices.levels);
     vertices.points = runtime_.allocate<cl_int2>("points", distinct + (std::size_t{distinct} + problems_ + 4) / 2);
     vertices.vertex_input = runtime_.allocate<cl_uint>("vertex inputs", distinct);
     vertices.input_vertex = runtime_.allocate<cl_uint>("input vertices", n);
@@ -171,7 +155,7 @@ class ForestOrdering {
   }
 
   void cut() {
-    const cl_uint span = std::max(least_chunk, largest() / most_chunks + 1);
+    const cl_uint span = std::max(Tuning::least_chunk, largest() / Tuning::most_chunks + 1);
     std::vector<device::Chunk> chunks;
     std::vector<cl_uint> first_chunk;
     for (cl_uint p = 0; p < problems_; ++p) {
@@ -185,8 +169,8 @@ class ForestOrdering {
     }
     first_chunk.push_back(static_cast<cl_uint>(chunks.size()));
     chunks_ = first_chunk.back();
-    chunk_buffer_ = upload(runtime_, "chunks", chunks);
-    first_chunk_ = upload(runtime_, "first chunks", first_chunk);
+    chunk_buffer_ = runtime_.upload("chunks", chunks);
+    first_chunk_ = runtime_.upload("first chunks", first_chunk);
   }
 
   // The greatest of each column, problem by problem. Blocks.
@@ -200,30 +184,27 @@ class ForestOrdering {
   }
 
   std::vector<cl_ulong> survey() {
-    auto maxima = runtime_.allocate<cl_ulong>("maxima", std::size_t{chunks_} * survey_columns);
+    auto maxima = runtime_.allocate<cl_ulong>("maxima", std::size_t{chunks_} * GCDT_SURVEY_COLUMNS);
     runtime_.launch("forest", "forest_survey", over(chunks_), chunks_, chunk_buffer_, ranges_.first_input_buffer,
                     points_.type, points_.coordinates, maxima);
-    std::vector<cl_ulong> found = fold(maxima, survey_columns);
+    std::vector<cl_ulong> found = fold(maxima, GCDT_SURVEY_COLUMNS);
     InvalidProblems invalid;
     for (cl_uint p = 0; p < problems_; ++p) {
-      const cl_ulong bad = found[std::size_t{p} * survey_columns + 5];
+      const cl_ulong bad = found[std::size_t{p} * GCDT_SURVEY_COLUMNS + GCDT_SURVEY_BAD];
       if (bad != 0) invalid.errors.emplace_back(p, survey_error(points_.type, ~bad));
     }
     if (!invalid.errors.empty()) throw invalid;
     return found;
   }
 
-  void try_decimals(const std::vector<cl_int>& limits, const std::vector<Survey>& surveys) {
-    const auto limit_buffer = upload(runtime_, "limits of decimals", limits);
+  void try_decimals(const std::vector<cl_int>& limits, const std::vector<GridChoice>& choices) {
+    const auto limit_buffer = runtime_.upload("limits of decimals", limits);
     auto maxima = runtime_.allocate<cl_ulong>("maxima", chunks_);
     runtime_.launch("forest", "forest_decimals", over(chunks_), chunks_, chunk_buffer_, points_.type,
                     points_.coordinates, limit_buffer, maxima);
     const std::vector<cl_ulong> found = fold(maxima, 1);
-    for (cl_uint p = 0; p < problems_; ++p) {
-      const int digits = static_cast<int>(found[p]);
-      if (limits[p] < 0 || digits > limits[p]) continue;
-      if (std::optional<ChosenGrid> decimal = decimal_grid(surveys[p], digits)) chosen_[p] = *decimal;
-    }
+    for (cl_uint p = 0; p < problems_; ++p)
+      if (limits[p] >= 0) chosen_[p] = choices[p].with_decimals(static_cast<int>(found[p]));
   }
 
   runtime::Runtime& runtime_;

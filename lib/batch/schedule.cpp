@@ -11,28 +11,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The weight of a first pack where the speed is unknown: enough to measure it, little enough to lose no time on a slow
-// lane.
-constexpr double first_weight = 20000;
-// A lane takes `part_of_rest` of its share of the rest, since speeds are not exact, and all of its share if the end is
-// at most `last` away. It takes the whole rest if it would leave less than it does in `least_left`. First packs of a
-// device's lanes differ in size unless the end is nearer than `little` (bench/NOTES.md, "Batches").
-constexpr double part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10, little_milliseconds = 40;
-// A pack is so large that its contents take at least so many times as long as its overhead.
-constexpr double least_overheads = 3;
-// At least this part of a run's time counts as spent on the contents, because the overhead is only an estimate.
-constexpr double least_part_of_contents = 0.25;
-// A lane steals a pack only if so many times its own run is shorter than what the owner still needs.
-constexpr double theft_margin = 1.5;
-// A stolen pack is expected to take at least this long.
-constexpr double least_theft_milliseconds = 5;
-// A CPU that is slower than this part of the GPU beside it does harm: it takes cores from the threads that feed the GPU
-// (bench/NOTES.md, "Batches").
-constexpr double least_part_of_gpu = 0.125;
-// Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
-constexpr std::uint64_t most_vertices = max_vertices;
-// `glance`: how often an idle lane looks for a pack to steal. `beat`: how often progress is reported.
-constexpr auto glance = std::chrono::milliseconds(5), beat = std::chrono::milliseconds(50);
 // The most progress that is reported while lanes are busy. They may be busy though all is settled: with a rehearsal, or
 // with a run that is no longer needed.
 constexpr double most_told = 0.99;
@@ -109,7 +87,7 @@ std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
         if (unsettled_ == 0) return nullptr;
       }
     }
-    changed_.wait_for(lock, glance);
+    changed_.wait_for(lock, Tuning::glance);
   }
 }
 
@@ -145,11 +123,13 @@ double Schedule::wanted_weight(std::size_t lane) const {
   if (alive == 1) return rest;
   const double part = share.started ? 1 : share.first_part, speed = speed_of(share.device);
   if (speed <= 0)
-    return part * (alike ? std::max(first_weight, rest / alive * part_of_rest) : std::min(first_weight, rest / alive));
-  const double end = milliseconds_of_rest(lane), least = speed * share.overhead * least_overheads;
-  if (!share.started && end > little_milliseconds) return std::max(least, part * speed * end * part_of_rest);
-  const double wanted = std::max(least, speed * end * (end <= last_milliseconds ? 1 : part_of_rest));
-  return rest - wanted < speed * least_left_milliseconds ? rest : wanted;
+    return part * (alike ? std::max(Tuning::first_weight, rest / alive * Tuning::part_of_rest)
+                         : std::min(Tuning::first_weight, rest / alive));
+  const double end = milliseconds_of_rest(lane), least = speed * share.overhead * Tuning::least_overheads;
+  if (!share.started && end > Tuning::little_milliseconds)
+    return std::max(least, part * speed * end * Tuning::part_of_rest);
+  const double wanted = std::max(least, speed * end * (end <= Tuning::last_milliseconds ? 1 : Tuning::part_of_rest));
+  return rest - wanted < speed * Tuning::least_left_milliseconds ? rest : wanted;
 }
 
 // Whether the lane should leave problem p to a GPU: the lane is a CPU's, and much slower than a GPU that can take p.
@@ -160,8 +140,9 @@ bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
   for (const LaneShare& other : lanes_)
     if (!other.beside_gpus && !other.lost && other.capacity >= bytes(p) && other.refused.count(p) == 0)
       speeds[other.device] += other.speed.value();
-  return std::any_of(speeds.begin(), speeds.end(),
-                     [&](const auto& device) { return share.speed.value() < device.second * least_part_of_gpu; });
+  return std::any_of(speeds.begin(), speeds.end(), [&](const auto& device) {
+    return share.speed.value() < device.second * Tuning::least_part_of_gpu;
+  });
 }
 
 // Whether lanes of the same device are about to end: they still hold memory that the lane needs.
@@ -182,7 +163,7 @@ std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
   if (leaves(lane, *begin)) {
     lanes_[lane].left_out = true;
     if (share.started) return nullptr;
-    wanted = std::min(wanted, std::max(first_weight, share.speed.value() * little_milliseconds));
+    wanted = std::min(wanted, std::max(Tuning::first_weight, share.speed.value() * Tuning::little_milliseconds));
   }
   auto pack = std::make_shared<Pack>();
   const auto end =
@@ -205,7 +186,8 @@ std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double
     const std::uint32_t p = waiting_[i];
     n += batch_.n(p), m += batch_.m(p), all += weight(p);
     const bool alone = outgrown(waiting_[begin]) || outgrown(p);
-    if (i > begin && (alone || static_cast<double>(all) > most_weight || n + i + 1 - begin > most_vertices)) break;
+    // Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
+    if (i > begin && (alone || static_cast<double>(all) > most_weight || n + i + 1 - begin > max_vertices)) break;
     sums.push_back({n, m});
   }
   const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
@@ -238,8 +220,9 @@ std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
   if (bytes(*latest) > share.capacity) return nullptr;
   for (const std::uint32_t p : share.refused)
     if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
-  const double own = std::max(share.overhead + static_cast<double>(latest->weight) / speed, least_theft_milliseconds);
-  if (nanoseconds(own * theft_margin) >= remaining(*latest)) return nullptr;
+  const double own =
+      std::max(share.overhead + static_cast<double>(latest->weight) / speed, Tuning::least_theft_milliseconds);
+  if (nanoseconds(own * Tuning::theft_margin) >= remaining(*latest)) return nullptr;
   start(lane, latest, false);
   return latest;
 }
@@ -260,7 +243,7 @@ bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, Fores
   Lock lock(mutex_);
   LaneShare& share = lanes_[lane];
   share.speed.add(static_cast<double>(pack->weight),
-                  std::max(milliseconds - share.overhead, milliseconds * least_part_of_contents));
+                  std::max(milliseconds - share.overhead, milliseconds * Tuning::least_part_of_contents));
   if (pack->done) {
     stop_running(pack);
     return false;
@@ -402,7 +385,7 @@ double Schedule::wait() {
   const auto ended = [&] {
     return std::all_of(lanes_.begin(), lanes_.end(), [](const LaneShare& share) { return share.ended; });
   };
-  if (!ended()) changed_.wait_for(lock, beat);
+  if (!ended()) changed_.wait_for(lock, Tuning::beat);
   if (ended()) return 1;
   const double settled = weight_ > 0 ? static_cast<double>(settled_weight_) / static_cast<double>(weight_) : 1;
   return std::min(settled, most_told);

@@ -19,10 +19,6 @@
 
 namespace gcdt {
 
-/// The fixed cost of a problem, in vertices and constraints: a problem takes about 0.7 microseconds on the host and on
-/// an H200 whatever its size, and an H200 does 70 vertices and constraints a microsecond (bench/NOTES.md, "Batches").
-constexpr std::uint64_t problem_weight = 48;
-
 /// Problems that a lane triangulates together, in one run.
 struct Pack {
   std::vector<std::uint32_t> problems;
@@ -116,7 +112,7 @@ class Schedule {
   std::uint64_t bytes(std::uint32_t p) const { return bytes_[p]; }
   std::uint64_t bytes(const Pack& pack) const;
   bool outgrown(std::uint32_t p) const { return outgrown_.count(p) > 0; }
-  std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + problem_weight; }
+  std::uint64_t weight(std::uint32_t p) const { return batch_.n(p) + batch_.m(p) + Tuning::problem_weight; }
   bool before(std::uint32_t p, std::uint32_t q) const;
   void sort_waiting();
   double speed_of(std::size_t device) const;

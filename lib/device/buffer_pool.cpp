@@ -6,18 +6,9 @@
 namespace gcdt::runtime {
 
 namespace {
-// Sizes are rounded up to multiples of 1/16 of the power of two below, so that inputs of about one size share
-// buffers: 6 % at most.
-constexpr unsigned steps_per_doubling = 16;
-constexpr std::size_t least_bytes = 1024;
-// A free buffer serves if at most twice as large as asked, or small.
-constexpr std::size_t small_bytes = std::size_t{1} << 16;
-// So many calls may go by without a use.
-constexpr std::uint64_t calls_kept = 2;
-
 std::size_t rounded_size(std::size_t bytes, std::size_t most) {
-  std::size_t step = least_bytes;
-  while (bytes / step >= 2 * steps_per_doubling) step *= 2;
+  std::size_t step = Tuning::least_bytes;
+  while (bytes / step >= 2 * Tuning::steps_per_doubling) step *= 2;
   const std::size_t rounded = (bytes + step - 1) / step * step;
   return rounded <= most ? rounded : bytes;
 }
@@ -36,12 +27,12 @@ void BufferPool::begin_call() {
   ++call_;
   for (auto& [name, served] : served_) served.next = 0;
   for (Entry& entry : entries_)
-    if (!entry.used && entry.last_call + calls_kept < call_) drop(entry);
+    if (!entry.used && entry.last_call + Tuning::calls_kept < call_) drop(entry);
 }
 
 bool BufferPool::fits(const Entry& entry, std::size_t bytes) const {
   return entry.memory() && !entry.used && entry.bytes >= bytes &&
-         (entry.bytes <= small_bytes || entry.bytes / 2 <= bytes);
+         (entry.bytes <= Tuning::small_bytes || entry.bytes / 2 <= bytes);
 }
 
 DeviceMemory::Place BufferPool::find(Runtime& runtime, const char* name, std::size_t bytes) {

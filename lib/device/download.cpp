@@ -12,10 +12,7 @@ namespace gcdt::runtime {
 
 namespace {
 
-// Smaller chunks are not worth the start of a transfer, larger ones are no faster (bench/NOTES.md, "Batches").
-constexpr std::size_t chunk = std::size_t{1} << 20;
-// Shorter reads, such as counters, are copied as usual, since the host reads them at once.
-constexpr std::size_t least_streamed = std::size_t{1} << 16;
+constexpr std::size_t chunk = Tuning::download_chunk;
 
 // Copies without loading the destination into the caches: nobody on the host reads it soon.
 void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t bytes) {
@@ -56,7 +53,7 @@ void Download::read(cl_mem from, std::size_t offset, void* to, std::size_t bytes
     runtime_.wait(std::exchange(read[ready % 2], cl::Event()));
     auto* place = static_cast<unsigned char*>(to) + ready * chunk;
     const unsigned char* there = memory_.get() + ready % 2 * chunk;
-    if (size < least_streamed)
+    if (size < Tuning::least_streamed)
       std::memcpy(place, there, size);
     else
       copy_past_caches(place, there, size);

@@ -14,24 +14,10 @@
 namespace gcdt::runtime {
 
 namespace {
-// A work-group of 128 keeps occupancy on GPUs with kernels of 64 or more registers; on CPUs whose groups are lanes of
-// vectors, 64 items amortise its start.
-constexpr std::size_t gpu_group = 128, cpu_group = 64;
-// On CPUs whose groups are loops of one thread, a group is one work-item that loops over its share by itself: at
-// least as many items as amortise its start, and so many shares that threads end together.
-constexpr std::size_t least_share = 64, shares_per_unit = 16;
-// The group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels' registers.
-constexpr std::size_t gpu_single_group = 512;
-// Groups per compute unit: enough to fill a GPU's schedulers; on CPUs enough to even out the load.
-constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
 // llvmpipe ends all loops of a work-item after 65535 rounds in all, and says nothing: a work-item takes so few items
 // that each may have some thousands (docs/devices.md).
 constexpr std::size_t most_items_of_lanes = 16;
 constexpr std::size_t least_alignment = 128;
-// Writes up to so many bytes do not wait for threads to wake up where that takes longer than a copy.
-constexpr std::size_t most_copied = std::size_t{1} << 16;
-// A thread that sleeps comes back some 70 microseconds later, which a run of small problems would feel.
-constexpr auto patience = std::chrono::microseconds(200), nap = std::chrono::microseconds(20);
 // After which a command is no longer one that takes its time.
 constexpr auto long_time = std::chrono::seconds(1);
 
@@ -80,15 +66,19 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
   });
   const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
   switch (kind_) {
-    case DeviceKind::gpu: geometry_ = {gpu_group, units * gpu_groups_per_unit, gpu_single_group}; break;
-    case DeviceKind::threads: geometry_ = {1, units * shares_per_unit, 1, least_share}; break;
-    case DeviceKind::lanes:
-      geometry_ = {cpu_group, units * cpu_groups_per_unit, cpu_group, 0, most_items_of_lanes};
+    case DeviceKind::gpu:
+      geometry_ = {Tuning::gpu_group, units * Tuning::gpu_groups_per_unit, Tuning::gpu_single_group};
       break;
-    case DeviceKind::accelerator: geometry_ = {cpu_group, units * cpu_groups_per_unit, cpu_group}; break;
+    case DeviceKind::threads: geometry_ = {1, units * Tuning::shares_per_unit, 1, Tuning::least_share}; break;
+    case DeviceKind::lanes:
+      geometry_ = {Tuning::cpu_group, units * Tuning::cpu_groups_per_unit, Tuning::cpu_group, 0, most_items_of_lanes};
+      break;
+    case DeviceKind::accelerator:
+      geometry_ = {Tuning::cpu_group, units * Tuning::cpu_groups_per_unit, Tuning::cpu_group};
+      break;
   }
   geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
-  const cl_uint all_shares = compute_units_of_root(device_) * shares_per_unit;
+  const cl_uint all_shares = compute_units_of_root(device_) * Tuning::shares_per_unit;
   const std::size_t widest = std::max<std::size_t>(all_shares, geometry_.max_groups);
   widest_ = hook_.tuning.width.value_or(loads_code_by_width(info_) ? widest : 0);
   if (widest_ > 0) {
@@ -158,7 +148,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  const bool copied = (contiguous() || download_) && bytes <= most_copied;
+  const bool copied = (contiguous() || download_) && bytes <= Tuning::most_copied;
   if (copied) {
     const auto* first = static_cast<const unsigned char*>(from);
     from = unwritten_.emplace_back(first, first + bytes).data();
@@ -197,11 +187,11 @@ cl_int Runtime::ask_until_done(cl_event event) {
     if (code != CL_SUCCESS) return code;
     if (status <= CL_COMPLETE) return status;  // errors are negative
     const auto now = Clock::now();
-    if (now - start < patience) {
+    if (now - start < Tuning::patience) {
       std::this_thread::yield();
       continue;
     }
-    std::this_thread::sleep_for(nap);
+    std::this_thread::sleep_for(Tuning::nap);
     if (now - asked < long_time) continue;
     asked = now;
     const cl_int lost = clFlush(queue_());

@@ -163,6 +163,14 @@ class Runtime {
     return upload(name, &value, 1);
   }
 
+  /// A new buffer of `count` elements that are all this value.
+  template <class T>
+  Buffer<T> filled(const char* name, std::size_t count, T value) {
+    Buffer<T> buffer = allocate<T>(name, count);
+    fill(buffer, value, count);
+    return buffer;
+  }
+
   /// Writes from host memory; the host memory may be reused on return. count 0 is fine.
   template <class T>
   void write(const Buffer<T>& to, const T* from, std::size_t count, std::size_t offset = 0) {

@@ -3,6 +3,8 @@
 // tests take by them, on any device and with few vertices, the ways that others take (docs/testing.md).
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -66,6 +68,175 @@ struct Tuning {
   /// Whether a pool has all the device's kernels launched once in the first batch (rehearsal.hpp), while others work on
   /// it; none: of a CPU beside GPUs.
   std::optional<bool> rehearses;
+
+  // The rest is the same in every run: nothing but speed depends on it. Each says what it is a number of, what it
+  // trades, and where that was measured; NOTES is bench/NOTES.md.
+
+  // ---- Ways, which the plan chooses by ----------------------------------------------------------
+
+  /// Vertices of a problem that one work-group inserts and flips by itself: saves launches and reads, but a larger one
+  /// would be at it when all others are done (not measured). Of lanes: their loops end early (docs/devices.md).
+  static constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_of_lanes = 256;
+  /// Vertices of a launch of many problems, which must not last for seconds: 12 ms on an H200 (NOTES, "Batches").
+  static constexpr std::uint32_t most_of_a_launch = 1u << 24;
+  /// Vertices of a problem whose constraints one work-item enforces, while they are in its cache: each begins with a
+  /// look around its first vertex, whatever the degree (NOTES, "CPUs").
+  static constexpr std::uint32_t most_enforced_by_one = 1u << 14;
+  /// Pieces of which all are compared with all for crossings, by one loop each: saves the records of faces, costs their
+  /// square (not measured). Of lanes: their loops end early.
+  static constexpr std::uint32_t most_of_all_pairs = 1u << 16, most_of_all_pairs_of_lanes = 1u << 11;
+
+  // ---- Launches (runtime.cpp) -------------------------------------------------------------------
+
+  /// Work-items of a group. 128 keep occupancy on GPUs with kernels of 64 or more registers (NOTES, "Single problems":
+  /// 64 and 256 are no faster); on CPUs whose groups are lanes of vectors 64 amortise a group's start (not measured).
+  static constexpr std::size_t gpu_group = 128, cpu_group = 64;
+  /// Work-items of the group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels'
+  /// registers (not measured).
+  static constexpr std::size_t gpu_single_group = 512;
+  /// Groups per compute unit: enough to fill a GPU's schedulers (NOTES, "Single problems": 6 to 4096 tried); on CPUs
+  /// enough to even out the load (not measured).
+  static constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
+  /// Where a group is one work-item that loops over its share by itself: items of a share at least, which amortise its
+  /// start, and shares per compute unit, which let threads end together (not measured).
+  static constexpr std::size_t least_share = 64, shares_per_unit = 16;
+
+  // ---- Memory and transfers ---------------------------------------------------------------------
+  // (buffer_pool.cpp, runtime.cpp, upload.cpp, download.cpp)
+
+  /// Buffers' sizes are rounded up to multiples of 1/16 of the power of two below, at least of 1024 bytes, so that
+  /// inputs of about one size share buffers: costs 6 % of memory at most.
+  static constexpr unsigned steps_per_doubling = 16;
+  static constexpr std::size_t least_bytes = 1024;
+  /// Bytes of a free buffer that serves however much smaller the one asked for is; others serve up to twice as large.
+  static constexpr std::size_t small_bytes = std::size_t{1} << 16;
+  /// Calls that a free buffer is kept without a use: saves allocations of calls by turns, costs memory (not measured).
+  static constexpr std::uint64_t calls_kept = 2;
+  /// Bytes of a write that is copied and not waited for, where threads take longer to wake up than the copy does
+  /// (NOTES, "CPUs": small writes).
+  static constexpr std::size_t most_copied = std::size_t{1} << 16;
+  /// How long a wait yields before it sleeps, and how long it sleeps: a thread that sleeps comes back some 70
+  /// microseconds later, which a run of small problems would feel; one that yields takes a core.
+  static constexpr std::chrono::microseconds patience{200}, nap{20};
+  /// Bytes of a chunk of an upload: large enough that a transfer (19 microseconds a MiB) takes longer than its start;
+  /// small enough that a chunk is still in the host's caches when it is read (NOTES, "Batches").
+  static constexpr std::size_t gpu_upload_chunk = std::size_t{1} << 20, cpu_upload_chunk = std::size_t{1} << 18;
+  /// Bytes of a chunk of a download through pinned memory: smaller ones are not worth their start, larger ones no
+  /// faster (NOTES, "Batches"). Less than `least_streamed` bytes, counters and the like, are read at once (not
+  /// measured).
+  static constexpr std::size_t download_chunk = std::size_t{1} << 20, least_streamed = std::size_t{1} << 16;
+
+  // ---- Scans and sorts --------------------------------------------------------------------------
+  // (primitives.cpp; sizes of tiles and digits: kernels/sort/sizes.h)
+
+  /// Parts per compute unit: as many groups as a GPU unit holds at once; on CPUs enough to even out the load, and few,
+  /// because each sort part brings 256 counters (not measured).
+  static constexpr std::size_t gpu_scan_parts_per_unit = 16, cpu_scan_parts_per_unit = 4;
+  /// Elements that are worth a part of their own (not measured).
+  static constexpr std::size_t scan_span = 4096, sort_span_serial = 4096;
+  /// Keys that a CPU sorts by one work-item: faster than launches for each digit (NOTES, "CPUs").
+  static constexpr std::size_t few_keys_alone = 8192;
+  /// Keys of a run that a work-item sorts by insertion; longer runs are a work-group's (NOTES, "Batches").
+  static constexpr std::uint32_t longest_run = 32;
+  /// Keys from which on a sort begins with the high bits: below, its passes are launches only (not measured).
+  static constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
+
+  // ---- Order ------------------------------------------------------------------------------------
+  // (order.cpp, forest_order.cpp)
+
+  /// Rows of a table of maxima, or of quality, that are read back; the rest is folded on the device, in a launch for
+  /// each 64th (not measured).
+  static constexpr std::uint32_t rows_read = 64;
+  /// High bits of Morton codes that are sorted by beyond those that tell n evenly spread vertices apart: 16 cells a
+  /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
+  static constexpr unsigned spare_bits = 4;
+  /// Vertices of a batch that one work-item surveys and quantises: few enough that a batch of small problems fills a
+  /// GPU, many enough that a row of maxima costs little beside them (not measured).
+  static constexpr std::uint32_t least_chunk = 64;
+  /// Chunks of one problem that are folded by one work-item (not measured).
+  static constexpr std::uint32_t most_chunks = 32768;
+
+  // ---- Insertion by threads ---------------------------------------------------------------------
+  // (grow.cpp)
+
+  /// Vertices of the levels that one work-item inserts, one after the other: a thread's share of less is not worth a
+  /// launch (not measured).
+  static constexpr std::uint32_t grown_alone = 4096;
+  /// Vertices of a share at least, and shares per compute unit: every border between shares is inserted again (not
+  /// measured).
+  static constexpr std::uint32_t least_grown = 1024, grown_shares_per_unit = 4;
+  /// Shares that the next round joins, whose leavings lie along the borders between them: four cells of the curve to
+  /// one (NOTES, "CPUs").
+  static constexpr std::uint32_t grown_joined = 4;
+  /// Faces that a walk visits where others may change the mesh beside it, and so might lead it in circles; the vertex
+  /// is then left to the next round (not measured).
+  static constexpr std::uint32_t walk_beside_others = 4096;
+
+  // ---- Constraints ------------------------------------------------------------------------------
+  // (walk.cpp, split.cpp)
+
+  /// Parts of constraints: a GPU wants some hundred thousand work-items (NOTES, "Single problems": 2^15 to 2^19
+  /// tried); a CPU, per compute unit, only enough to even out its threads' load (not measured).
+  static constexpr std::uint32_t gpu_parts = 1u << 17, cpu_parts_per_unit = 512;
+  /// Parts that even the shortest total length gets: keeps a few long pieces on many work-items (not measured).
+  static constexpr std::uint32_t gpu_least_parts = 4096, cpu_least_parts = 64;
+  /// Crossing pairs that are split together: some 50 bytes each, besides 40 for each distinct pixel (not measured).
+  static constexpr std::uint32_t pairs_split_at_once = 1u << 22;
+
+  // ---- Regions and queries ----------------------------------------------------------------------
+  // (domain.cpp, locate.cpp)
+
+  /// Rounds of labels between two blocking reads (not measured).
+  static constexpr std::uint32_t label_rounds_per_read = 8;
+  /// Queries in the device's memory at once: 40 bytes each and what is copied back; more are no faster (not measured).
+  static constexpr std::size_t queries_at_once = std::size_t{1} << 20;
+
+  // ---- Pools: packs and lanes -------------------------------------------------------------------
+  // (device_pool.cpp, schedule.cpp, forest_copy.cpp)
+
+  /// The greatest weight of a pack, in vertices and constraints. A CPU is fastest if a pack stays in its caches: it
+  /// takes 2.0 microseconds a vertex with 75,000 vertices, and 4.9 with 2.2 million. A GPU needs enough vertices to
+  /// make launches cheap, but not so many that the host cannot keep up with copying the results.
+  static constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
+  /// Lanes of a GPU. Copying results to the host takes longer than making them, and the GPU would stand still
+  /// meanwhile. They share a context, because a GPU changes slowly from one context to another, and would do so each
+  /// time that a lane waits (NOTES, "Batches": two, four to six lanes).
+  static constexpr std::uint32_t gpu_lanes = 3;
+  /// Rounds of insertion and of flips between two reads there: a wait costs more than a few rounds that find nothing,
+  /// as other lanes' work goes first before this lane's next launch (NOTES, "Batches": 10de70b).
+  static constexpr std::uint32_t gpu_rounds_per_read = 16;
+  /// Milliseconds that some 120 launches and 20 waits take: an H200 takes 3.7 for 100 sketches (NOTES, "Batches": 4).
+  static constexpr double gpu_overhead = 2;
+  /// The fixed cost of a problem, in vertices and constraints: it takes about 0.7 microseconds on the host and on an
+  /// H200 whatever its size, and an H200 does 70 vertices and constraints a microsecond (NOTES, "Batches": b0b92ff).
+  static constexpr std::uint64_t problem_weight = 48;
+  /// The weight of a first pack where the speed is unknown: enough to measure it, little enough to lose no time on a
+  /// slow lane (not measured).
+  static constexpr double first_weight = 20000;
+  /// A lane takes `part_of_rest` of its share of the rest, since speeds are not exact, and all of its share if the end
+  /// is at most `last_milliseconds` away. It takes the whole rest if it would leave less than it does in
+  /// `least_left_milliseconds`. First packs of a device's lanes differ in size unless the end is nearer than
+  /// `little_milliseconds` (NOTES, "Batches": b0b92ff and what follows it).
+  static constexpr double part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10,
+                          little_milliseconds = 40;
+  /// Times that a pack's contents take as long as its overhead, at least (NOTES, "Batches": one lane for small
+  /// batches).
+  static constexpr double least_overheads = 3;
+  /// The part of a run's time that counts as spent on the contents at least, because the overhead is only an estimate
+  /// (not measured).
+  static constexpr double least_part_of_contents = 0.25;
+  /// A lane steals a pack only if so many times its own run is shorter than what the owner still needs; a stolen pack
+  /// is expected to take so many milliseconds at least (not measured).
+  static constexpr double theft_margin = 1.5, least_theft_milliseconds = 5;
+  /// The part of a GPU's speed below which a CPU beside it does harm: it takes cores from the threads that feed the
+  /// GPU (NOTES, "Batches": "PoCL beside an H200").
+  static constexpr double least_part_of_gpu = 0.125;
+  /// How often an idle lane looks for a pack to steal, and how often progress is reported (not measured).
+  static constexpr std::chrono::milliseconds glance{5}, beat{50};
+  /// Vertices of a pack for whose results a thread makes room: of fewer it is not worth its start (not measured).
+  static constexpr std::uint64_t least_prepared_vertices = 1u << 15;
+  /// Bytes of a problem that are prefetched before it is gathered: as much as a first cache holds (NOTES, "Batches").
+  static constexpr std::size_t most_prefetched = std::size_t{1} << 15;
 };
 
 }  // namespace gcdt

@@ -5,13 +5,8 @@
 
 namespace gcdt::runtime {
 
-namespace {
-// Large enough that a transfer (19 microseconds a MiB) takes longer than its start; small enough that a chunk is still
-// in the host's caches when it is read.
-constexpr std::size_t gpu_chunk = std::size_t{1} << 20, cpu_chunk = std::size_t{1} << 18;
-}  // namespace
-
-UploadChunks::UploadChunks(Runtime& runtime) : bytes_(prepares_host_memory(runtime) ? gpu_chunk : cpu_chunk) {
+UploadChunks::UploadChunks(Runtime& runtime)
+    : bytes_(prepares_host_memory(runtime) ? Tuning::gpu_upload_chunk : Tuning::cpu_upload_chunk) {
   if (prepares_host_memory(runtime)) mapped_.emplace(runtime, 2 * bytes_);
   if (mapped_ && !mapped_->get()) mapped_.reset();
   auto* memory = mapped_ ? mapped_->get() : plain_.make<unsigned char>(2 * bytes_);

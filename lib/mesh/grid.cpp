@@ -104,7 +104,8 @@ Survey survey_of(const std::uint64_t* maxima) {
     result.least[axis] = device::gcdt_from_ordered(~maxima[2 * axis]);
     result.most[axis] = device::gcdt_from_ordered(maxima[2 * axis + 1]);
   }
-  if (maxima[4] != 0) result.trailing_exponent = static_cast<int>(~maxima[4]) + GCDT_LEAST_EXPONENT;
+  const std::uint64_t trailing = maxima[GCDT_SURVEY_TRAILING];
+  if (trailing != 0) result.trailing_exponent = static_cast<int>(~trailing) + GCDT_LEAST_EXPONENT;
   return result;
 }
 
@@ -113,28 +114,24 @@ double cell_edge(std::uint64_t units, int decimals, int exponent) {
   return nearest_double(std::to_string(units) + "e" + std::to_string(-decimals));
 }
 
-int finest_exponent(const Survey& survey) {
-  device::Scale scale = {};
-  return device::gcdt_finest_exponent(survey.least.data(), survey.most.data(), &scale);
-}
-
-ChosenGrid power_of_two_grid(const Survey& survey, int k) {
-  ChosenGrid chosen;
-  const bool one_point = device::gcdt_one_point(survey.least.data(), survey.most.data());
-  chosen.grid.kind = one_point || *survey.trailing_exponent >= k ? Grid::Kind::binary : Grid::Kind::rounded;
+GridChoice choose_grid(const Survey& survey) {
+  GridChoice choice;
+  choice.survey = survey;
+  ChosenGrid& chosen = choice.grid;
+  const device::Cell cell = device::gcdt_choose_cell(survey.least.data(), survey.most.data(),
+                                                     survey.trailing_exponent.value_or(0), &chosen.scale);
+  chosen.grid.kind = cell.moves ? Grid::Kind::rounded : Grid::Kind::binary;
   chosen.grid.origin = {from_bits(survey.least[0]), from_bits(survey.least[1])};
-  chosen.grid.cell_exponent = k;
-  chosen.scale = make_scale(survey.least, 1, 1, 0, k);
-  return chosen;
+  chosen.grid.cell_exponent = cell.exponent;
+  choice.decimals_limit = cell.decimals_limit;
+  return choice;
 }
 
-int decimals_limit(const Survey& survey, int k) {
-  return device::gcdt_decimals_limit(survey.least.data(), survey.most.data(), k);
-}
-
-std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits) {
+ChosenGrid GridChoice::with_decimals(int digits) const {
   device::Decimals decimals = {};
-  if (!device::gcdt_make_decimals(survey.least.data(), survey.most.data(), digits, &decimals)) return std::nullopt;
+  if (digits > decimals_limit ||
+      !device::gcdt_make_decimals(survey.least.data(), survey.most.data(), digits, &decimals))
+    return grid;
   int cell_decimals = digits;
   for (std::uint64_t step = decimals.step; step > 1; step /= 10) ++cell_decimals;
   ChosenGrid chosen;

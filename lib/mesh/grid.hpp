@@ -9,6 +9,7 @@
 #include <gcdt/types.hpp>
 
 #include "order/grid.h"
+#include "order/survey.h"
 
 namespace gcdt {
 
@@ -31,19 +32,16 @@ struct ChosenGrid {
 /// The double nearest to the edge of a cell; see Grid.
 double cell_edge(std::uint64_t units, int decimals, int exponent);
 
-/// The least k >= -1074 with round_half_even(extent / 2^k) <= 2^31 - 1 on both axes; 0 if both extents are 0.
-/// Not finer than 2^-1074, so that every cell is a double.
-int finest_exponent(const Survey& survey);
+/// The grid of an input that was surveyed, before its decimals are counted.
+struct GridChoice {
+  Survey survey;
+  ChosenGrid grid;     ///< with a cell of 2^k: binary if nothing can move, else rounded
+  int decimals_limit;  ///< decimals that a decimal grid, which goes before a rounded one, has at most; -1: none does
 
-/// The grid with origin at the least coordinates and cell 2^k: `binary` if nothing can move, else `rounded`.
-ChosenGrid power_of_two_grid(const Survey& survey, int k);
-
-/// No decimal grid has more decimals than this (which may be -1), given k = finest_exponent(survey) and
-/// that the binary grid does not do.
-int decimals_limit(const Survey& survey, int k);
-
-/// The decimal grid of an input that needs `digits` decimals to be written; none if it does not fit.
-std::optional<ChosenGrid> decimal_grid(const Survey& survey, int digits);
+  /// The grid if the input needs so many decimals to be written: decimal if that fits, else `grid`.
+  ChosenGrid with_decimals(int digits) const;
+};
+GridChoice choose_grid(const Survey& survey);
 
 /// The grid that the caller gave. Throws invalid_argument.
 ChosenGrid fixed_grid(const FixedGrid& given);

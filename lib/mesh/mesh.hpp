@@ -7,6 +7,7 @@
 #include "common/levels.h"
 #include "common/shared.h"
 #include "device/runtime.hpp"
+#include "order/decimals.h"
 #include "order/quantise.h"
 
 namespace gcdt {

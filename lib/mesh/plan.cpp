@@ -4,31 +4,15 @@
 #include <algorithm>
 
 #include "mesh/mesh.hpp"
+#include "sort/sizes.h"
 
 namespace gcdt {
 
 namespace {
 
-// Vertices of a problem that a work-group works off by itself: beyond that, others would be done long before. Loops of
-// lanes end early.
-constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_of_lanes = 256;
-// Vertices of a launch of many problems: 12 ms on an H200.
-constexpr std::uint32_t most_of_a_launch = 1u << 24;
-// Input vertices of a problem whose keys a group sorts in local memory.
-constexpr std::uint32_t most_sorted_by_group = 2048;
-// Vertices of a problem whose constraints one work-item enforces: each begins with a look around its first vertex,
-// whatever the degree.
-constexpr std::uint32_t most_enforced_by_one = 1u << 14;
-// A group's flips end within what loops of lanes allow: 16 rounds of 4 tiles, each with 32 flips of a chain and their
-// edges.
+// Loops of lanes end early (docs/devices.md): a group's flips end within 16 rounds of 4 tiles, each with 32 flips of a
+// chain and their edges.
 constexpr std::uint32_t edges_of_lanes = 256, rounds_of_lanes = 16;
-// Sequences of insertions for each unit: every border between two is inserted again.
-constexpr std::uint32_t shares_per_unit = 4;
-// Parts of constraints: enough that all of a GPU's work-items have some, or that threads end together.
-constexpr std::uint32_t gpu_parts = 1u << 17, cpu_parts_per_unit = 512, gpu_least_parts = 4096, cpu_least_parts = 64;
-// Testing all pieces with all others is one loop of a work-item over the pieces; it takes several, and loops of lanes
-// end early (docs/devices.md).
-constexpr std::uint32_t most_of_all_pairs = 1u << 16, most_of_all_pairs_of_lanes = 1u << 11;
 
 const char* name(Plan::By by) {
   switch (by) {
@@ -55,17 +39,17 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
 
   Plan plan;
   plan.order = few(sizes.inputs);
-  plan.sort_problems = !is_cpu(device.kind) && sizes.largest <= most_sorted_by_group ? By::groups
-                       : shared_out(sizes.inputs)                                    ? By::each
-                                                                                     : By::all;
+  plan.sort_problems = !is_cpu(device.kind) && sizes.largest <= GCDT_SORT_SMALL ? By::groups
+                       : shared_out(sizes.inputs)                               ? By::each
+                                                                                : By::all;
   plan.one_level = shared_out(sizes.vertices);
   plan.coarsest_level = tuning.coarsest_level;
 
   plan.grows = threads;
-  const bool small = sizes.largest <= (lanes ? most_of_a_group_of_lanes : most_of_a_group);
+  const bool small = sizes.largest <= (lanes ? Tuning::most_of_a_group_of_lanes : Tuning::most_of_a_group);
   plan.problems = shared_out(sizes.vertices) ? By::each : !threads && many && small ? By::groups : By::all;
   plan.problems_of_launch =
-      lanes ? device.groups : std::max(device.groups, most_of_a_launch / std::max(1u, sizes.largest));
+      lanes ? device.groups : std::max(device.groups, Tuning::most_of_a_launch / std::max(1u, sizes.largest));
   plan.group_vertices = tuning.one_group_vertices;
   plan.group_rounds = tuning.rounds_of_group;
   plan.group_edges = of_lanes(tuning.one_group_edges, edges_of_lanes);
@@ -73,16 +57,16 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.rounds_per_read = tuning.rounds_per_read;
   plan.least_sweep = tuning.least_sweep;
   plan.sweep_share = tuning.sweep_share;
-  plan.grown_shares = units * shares_per_unit;
+  plan.grown_shares = units * Tuning::grown_shares_per_unit;
 
-  const bool each = plan.problems == By::each && sizes.largest <= most_enforced_by_one && !sizes.crossing;
+  const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one && !sizes.crossing;
   plan.constraints = each ? By::each : By::all;
   plan.along_curve = tuning.walk_along_curve.value_or(threads);
-  plan.most_parts = tuning.part_pool.value_or(gpu ? gpu_parts : cpu_parts_per_unit * units);
-  plan.least_parts = std::min(plan.most_parts, gpu ? gpu_least_parts : cpu_least_parts);
+  plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
+  plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   plan.crossings_per_part = tuning.crossings_per_part;
   // Pieces of different problems must not meet: their grids are different.
-  plan.all_pairs = many ? 0 : lanes ? most_of_all_pairs_of_lanes : most_of_all_pairs;
+  plan.all_pairs = many ? 0 : lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
 
   plan.output = each ? By::each : few(sizes.vertices);
   plan.number = few(sizes.inputs);

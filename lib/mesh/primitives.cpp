@@ -4,30 +4,18 @@
 
 #include <algorithm>
 
+#include "sort/sizes.h"
+
 namespace gcdt {
 
 using runtime::Buffer;
 
 namespace {
-// Parts per compute unit: as many groups as a GPU unit holds at once; on CPUs enough to even out the
-// load, and few, because each sort part brings 256 counters.
-constexpr std::size_t gpu_parts_per_unit = 16, cpu_parts_per_unit = 4;
-// Elements that are worth a part of their own. A GPU's sort part is at least one tile.
-constexpr std::size_t scan_span = 4096, sort_span_serial = 4096, sort_span_group = 1024;
-// Digits as in sort_serial.h and sort_group.h.
-constexpr unsigned serial_digit_bits = 8, group_digit_bits = 4;
+// Elements of a part at least: of a GPU's sort one tile.
+constexpr std::size_t sort_span_group = GCDT_SORT_LANES * GCDT_SORT_WIDTH;
 // On lanes a work-item has 65535 rounds in all, and ends without a word: it walks so many elements at most, and adds up
 // the sums of so many parts (scan_serial).
 constexpr std::size_t longest_walk = 60000, most_parts_of_lanes = 5000;
-// So many keys one work-group sorts in local memory (SORT_SMALL in sort_finish.cl).
-constexpr std::size_t few_keys = 2048;
-// So many keys a CPU sorts faster by one work-item than by launches for each digit.
-constexpr std::size_t few_keys_alone = 8192;
-constexpr unsigned alone_digit_bits = 8;
-// Runs that a work-item sorts by insertion are so long at most (longer ones a work-group: few_keys); below so many keys
-// the radix passes are launches only.
-constexpr cl_uint longest_run = 32;
-constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
 
 // Scratch that is exchanged with a caller's buffer must leave the caller its capacity, not more.
@@ -42,7 +30,8 @@ void match(runtime::Runtime& runtime, Buffer<T>& scratch, const char* name, std:
 Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) const {
   if (count > most_elements) throw Error(Status::invalid_argument, "scan and sort take at most 2^31 elements");
   const std::size_t units = std::max<std::size_t>(runtime_.info().compute_units, 1);
-  const std::size_t most_parts = units * (walk_ == Walk::serial ? cpu_parts_per_unit : gpu_parts_per_unit);
+  const std::size_t most_parts =
+      units * (walk_ == Walk::serial ? Tuning::cpu_scan_parts_per_unit : Tuning::gpu_scan_parts_per_unit);
   const std::size_t even_span = std::max(least_span, (count + most_parts - 1) / most_parts);
   const std::size_t span = walk_ == Walk::serial ? std::min(even_span, longest_walk) : even_span;
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
@@ -55,7 +44,7 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
 }
 
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
-  const Parts cut_at = cut(count, scan_span);
+  const Parts cut_at = cut(count, Tuning::scan_span);
   const bool serial = walk_ == Walk::serial;
   const char* program = serial ? "primitives" : "primitives_group";
   runtime_.reserve(part_sums_, "sums of parts", cut_at.parts);
@@ -76,8 +65,8 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
                             unsigned low, unsigned bits, Buffer<Key>& other_keys) {
   if (count < 2) return;
   const bool serial = walk_ == Walk::serial;
-  const unsigned digit_bits = serial ? serial_digit_bits : group_digit_bits;
-  const Parts cut_at = cut(count, serial ? sort_span_serial : sort_span_group);
+  const unsigned digit_bits = serial ? GCDT_SERIAL_DIGIT_BITS : GCDT_GROUP_DIGIT_BITS;
+  const Parts cut_at = cut(count, serial ? Tuning::sort_span_serial : sort_span_group);
   match(runtime_, other_keys, "other half of the keys", keys.size());
   match(runtime_, other_values_, "other half of the values", values.size());
   runtime_.reserve(digit_table_, "digit counts", (std::size_t{1} << digit_bits) * cut_at.parts + 1);
@@ -96,7 +85,7 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   bits = std::min(bits, 64u);
-  if (count <= (alone() ? few_keys_alone : few_keys))
+  if (count <= (alone() ? Tuning::few_keys_alone : GCDT_SORT_SMALL))
     sort_few(keys, values, count, bits);
   else
     sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
@@ -114,16 +103,16 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
   match(runtime_, other_values_, "other half of the values", values.size());
   runtime_.launch("sort_finish", "sort_alone", runtime::one_group(), n, cl_uint{bits}, keys, values, other_keys64_,
                   other_values_);
-  if ((bits + alone_digit_bits - 1) / alone_digit_bits % 2 == 0) return;
+  if ((bits + GCDT_SERIAL_DIGIT_BITS - 1) / GCDT_SERIAL_DIGIT_BITS % 2 == 0) return;
   std::swap(keys, other_keys64_);
   std::swap(values, other_values_);
 }
 
 void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
                                 unsigned prefix) {
-  const unsigned digit = walk_ == Walk::serial ? serial_digit_bits : group_digit_bits;
+  const unsigned digit = walk_ == Walk::serial ? GCDT_SERIAL_DIGIT_BITS : GCDT_GROUP_DIGIT_BITS;
   prefix = (prefix + digit - 1) / digit * digit;
-  if (count < least_by_prefix || prefix + digit >= bits) return sort(keys, values, count, bits);
+  if (count < Tuning::least_by_prefix || prefix + digit >= bits) return sort(keys, values, count, bits);
   const unsigned low = bits - prefix;
   sort_pairs(sort64(), keys, values, count, low, bits, other_keys64_);
   sort_runs(keys, values, count, low, bits);
@@ -131,7 +120,8 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
 
 void Primitives::sort_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
                                  unsigned bits, unsigned low, std::size_t buckets) {
-  if (walk_ == Walk::serial || count < least_by_prefix) return sort_by_prefix(keys, values, count, bits, bits - low);
+  if (walk_ == Walk::serial || count < Tuning::least_by_prefix)
+    return sort_by_prefix(keys, values, count, bits, bits - low);
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
   match(runtime_, other_values_, "other half of the values", values.size());
   const auto n = static_cast<cl_uint>(count), number = static_cast<cl_uint>(buckets);
@@ -150,13 +140,13 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
                            unsigned bits) {
   const auto n = static_cast<cl_uint>(count);
   runtime_.reserve(unordered_, "order of keys", 1);
-  runtime_.reserve(long_runs_, "long runs", 1 + count / longest_run);
+  runtime_.reserve(long_runs_, "long runs", 1 + count / Tuning::longest_run);
   runtime_.fill<cl_uint>(unordered_, 0, 1);
   runtime_.fill<cl_uint>(long_runs_, 0, 1);
-  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, longest_run, keys, values,
+  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys, values,
                   long_runs_);
   if (walk_ == Walk::group)
-    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_groups(count / few_keys), n, cl_uint{low},
+    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_groups(count / GCDT_SORT_SMALL), n, cl_uint{low},
                     long_runs_, keys, values);
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);

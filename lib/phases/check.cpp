@@ -185,8 +185,7 @@ class Checker {
   /// The count of triangles is wrong though they cover a convex polygon: some vertex is no corner.
   [[noreturn]] void name_unused_vertex() {
     const cl_uint n = vertices_.n(), corners = 3 * ordered_.triangles;
-    auto used = runtime_.allocate<cl_uint>("check vertices", n);
-    runtime_.fill<cl_uint>(used, 0, n);
+    auto used = runtime_.filled<cl_uint>("check vertices", n, 0);
     runtime_.launch("check", "mark_used", over(corners), corners, ordered_.corners, used);
     name_unmarked(n, 1, GCDT_CHECK_UNUSED, used);
     fail(std::to_string(ordered_.triangles) + " triangles do not fit " + std::to_string(n) + " vertices with " +
@@ -196,8 +195,7 @@ class Checker {
 
   /// All flagged edges are pieces, but fewer than there are.
   [[noreturn]] void name_missing_piece() {
-    auto marks = runtime_.allocate<cl_uint>("check pieces", pieces_.count);
-    runtime_.fill<cl_uint>(marks, 0, pieces_.count);
+    auto marks = runtime_.filled<cl_uint>("check pieces", pieces_.count, 0);
     runtime_.launch("check", "mark_pieces", over(ordered_.triangles), cl_uint{ordered_.triangles},
                     vertices_.levels_buffer, ordered_.corners, ordered_.constrained, cl_uint{pieces_.count},
                     pieces_.ends, marks);

@@ -11,9 +11,7 @@ using runtime::over;
 
 runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constraints) {
   static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is copied as it is");
-  auto staged = runtime.allocate<cl_uint2>("constraints", constraints.size);
-  runtime.write(staged, reinterpret_cast<const cl_uint2*>(constraints.data), constraints.size);
-  return staged;
+  return runtime.upload("constraints", reinterpret_cast<const cl_uint2*>(constraints.data), constraints.size);
 }
 
 Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t vertices) {
@@ -49,8 +47,7 @@ Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
   // Behind the flags their sum, and the first end that is no input point.
   auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 2);
-  auto wanted_buffer = runtime_.allocate<cl_uint>("wanted constraints", wanted.size());
-  runtime_.write(wanted_buffer, wanted.data(), wanted.size());
+  const auto wanted_buffer = runtime_.upload("wanted constraints", wanted);
   runtime_.fill<cl_uint>(kept, GCDT_NONE, 1, std::size_t(count_) + 1);
   runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
                   wanted_buffer, all, ends, kept);
@@ -106,9 +103,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   Step walking(runtime_, "walk");
   const Parts parts = parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count);
   auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
-  auto crossed = runtime_.allocate<cl_uint>("faces crossed by constraints", count_);
+  auto crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
   auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);
-  runtime_.fill<cl_uint>(crossed, 0, count_);
   auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
     walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity),
@@ -143,7 +139,7 @@ Pieces Cleaner::merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, 
                       unsigned bits) {
   primitives_.sort_by_prefix(keys, sources, count, 2 * bits, bits);
   auto firsts = runtime_.allocate<cl_uint>("first pieces", std::size_t(count) + 1);
-  runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
+  runtime_.launch("clean", "mark_first", over(count), count, keys, firsts);
   Pieces pieces = merge_runs(runtime_, primitives_, firsts, count);
   pieces.ends = runtime_.allocate<cl_uint2>("pieces", pieces.count);
   pieces.walked.weights = runtime_.allocate<cl_uint>("weights of pieces", pieces.count);

@@ -3,14 +3,13 @@
 
 #include <vector>
 
+#include "constrain/chunks.h"
+
 namespace gcdt {
 
 using runtime::over;
 
 namespace {
-
-// Owned vertices of a chunk (CHUNK_LENGTH in constrain.cl).
-constexpr cl_uint chunk_length = 8;
 
 class Constraining {
  public:
@@ -62,8 +61,7 @@ class Constraining {
 
   void find_near() {
     take_claims();
-    near_ = runtime_.allocate<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()});
-    runtime_.fill<cl_uint>(near_, GCDT_NONE, 2 * std::size_t{mesh_.edges()});
+    near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
     parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
     find_first_faces();
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
@@ -106,13 +104,12 @@ class Constraining {
     if (hexagons_ > 0)
       runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, claim_, crossed_,
                       mesh_.face_data, hexagon_face_);
-    chunk_capacity_ = crossed_faces_ / chunk_length + parts_.capacity;
+    chunk_capacity_ = crossed_faces_ / GCDT_CHUNK_LENGTH + parts_.capacity;
     chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
     chunk_entries_ =
-        runtime_.allocate<cl_uint2>("chunks of owned vertices", chunk_length * std::size_t{chunk_capacity_});
+        runtime_.allocate<cl_uint2>("chunks of owned vertices", GCDT_CHUNK_LENGTH * std::size_t{chunk_capacity_});
     starts_ = runtime_.allocate<cl_uint>("chain starts", 2 * std::size_t{parts_.capacity} + 1);
-    far_ = runtime_.allocate<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_));
-    runtime_.fill<cl_uint>(far_, GCDT_NONE, 3 * std::size_t(hexagons_));
+    far_ = runtime_.filled<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_), GCDT_NONE);
     last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
                     chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
@@ -147,7 +144,7 @@ class Constraining {
     chain_piece_ = runtime_.allocate<cl_uint>("chain pieces", length_);
     chain_side_ = runtime_.allocate<cl_uint>("sides along chains", length_);
     const cl_uint taken = counters_.last().chunks;
-    runtime_.launch("constrain", "constrain_chain", over(chunk_length * (std::size_t{parts_.capacity} + taken)),
+    runtime_.launch("constrain", "constrain_chain", over(GCDT_CHUNK_LENGTH * (std::size_t{parts_.capacity} + taken)),
                     pieces_.count, taken, parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends,
                     parts_.begins, piece_edge_, lines_, part_piece_, last_sides_, starts_, chunk_heads_, chunk_entries_,
                     chain_vertex_, chain_distances_, chain_piece_, chain_side_, counters_.buffer());
@@ -178,8 +175,7 @@ class Constraining {
   void keep_boundary() {
     const std::uint64_t entries = 3ull * crossed_faces_ - counters_.last().crossed_edges;
     capacity_ = cl_uint(entries + entries / 2 + 1);
-    table_ = runtime_.allocate<cl_uint>("table of directions", 3 * std::size_t{capacity_});
-    runtime_.fill<cl_uint>(table_, GCDT_NONE, 3 * std::size_t{capacity_});
+    table_ = runtime_.filled<cl_uint>("table of directions", 3 * std::size_t{capacity_}, GCDT_NONE);
     runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data, near_,
                     capacity_, table_, counters_.buffer());
     near_ = {};
@@ -187,8 +183,7 @@ class Constraining {
 
   void retriangulate() {
     const cl_uint free_edges = counters_.last().crossed_edges;
-    roots_ = runtime_.allocate<cl_uint2>("roots of chains", pieces_.count);
-    runtime_.fill<cl_uint2>(roots_, {{GCDT_NONE, GCDT_NONE}}, pieces_.count);
+    roots_ = runtime_.filled<cl_uint2>("roots of chains", pieces_.count, {{GCDT_NONE, GCDT_NONE}});
     runtime_.launch("retriangulate", "retriangulate_chains", over(length_), length_, right_begin_, pieces_.count,
                     layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, chain_side_, minima_, crossed_,
                     free_edges, crossed_edges_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, roots_,

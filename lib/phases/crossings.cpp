@@ -34,10 +34,8 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
   const Parts parts = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
-  starts_ = runtime_.allocate<cl_uint>("record starts", std::size_t(faces) + 1);
-  auto filled = runtime_.allocate<cl_uint>("records filled", faces);
-  runtime_.fill<cl_uint>(starts_, 0, std::size_t(faces) + 1);
-  runtime_.fill<cl_uint>(filled, 0, faces);
+  starts_ = runtime_.filled<cl_uint>("record starts", std::size_t(faces) + 1, 0);
+  auto filled = runtime_.filled<cl_uint>("records filled", faces, 0);
   auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
     walked_.launch(runtime_, "crossings", "crossings_records", over(parts.capacity),
                    std::make_tuple(emit, pieces_.count, parts.capacity), pieces_.ends, parts.begins, starts_, filled,

@@ -13,7 +13,6 @@ using runtime::Runtime;
 
 namespace {
 
-constexpr cl_uint rounds_per_read = 8;
 // Labels double their reach in each round of jumps, and every round of joins ends the ways of at least one
 // work-item; more than these is a defect.
 constexpr unsigned label_rounds = 4096;
@@ -84,7 +83,7 @@ class Selection {
       if (d > nodes()) throw Error(Status::round_limit, "domain: regions are left after the limit of rounds");
       // The first frontier has the most arcs: outside has all of the hull, or its neighbours all coasts.
       const bool alone = d > 0 && count <= GCDT_DEPTH_NODES && report.arcs[d % 3] <= GCDT_DEPTH_ARCS;
-      const cl_uint rounds = d > 0 ? rounds_per_read : 1;
+      const cl_uint rounds = d > 0 ? Tuning::label_rounds_per_read : 1;
       if (alone)
         rounds_in_one_group(d);
       else
@@ -183,8 +182,7 @@ class Selection {
 
   /// The least seed of each region, GCDT_NONE without one.
   Buffer<cl_uint> seeded(const std::vector<std::array<double, 2>>& points) {
-    auto seeds = runtime_.allocate<cl_uint>("seeds of regions", regions_);
-    runtime_.fill<cl_uint>(seeds, GCDT_NONE, regions_);
+    auto seeds = runtime_.filled<cl_uint>("seeds of regions", regions_, GCDT_NONE);
     if (points.empty()) return seeds;
     if (!starts_.allocated()) starts_ = least_triangles(runtime_, vertices_, mesh_, false);
     const Terrain terrain = {vertices_, mesh_, false, nullptr, mesh_, starts_, starts_};
@@ -211,8 +209,7 @@ class Selection {
 
 Buffer<cl_int> count_turns(Runtime& runtime, const Vertices& vertices, const Pieces& pieces,
                            const Buffer<cl_uint2>& constraints) {
-  auto turns = runtime.allocate<cl_int>("turns of pieces", pieces.count);
-  runtime.fill<cl_int>(turns, 0, pieces.count);
+  auto turns = runtime.filled<cl_int>("turns of pieces", pieces.count, 0);
   if (pieces.count != 0)
     runtime.launch("domain", "count_turns", over(pieces.source_count), cl_uint{pieces.source_count},
                    cl_uint{pieces.count}, pieces.source_offsets, pieces.sources, pieces.ends, constraints,

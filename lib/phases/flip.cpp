@@ -7,9 +7,6 @@ namespace gcdt {
 
 namespace {
 
-// Edges that a work-item of a sweep looks at.
-constexpr std::uint32_t sweep_items = 4;
-
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
  public:
@@ -91,7 +88,7 @@ class Flipping {
       for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
-        launch("flip_sweep", edges_ / sweep_items, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
+        launch("flip_sweep", edges_ / GCDT_SWEEP_EDGES, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
                lists_.second);
         launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
       }

@@ -65,21 +65,20 @@ bool is_cut(std::uint64_t key) {
 std::vector<RoundedTogether> rounded_together(runtime::Runtime& runtime, const InputPoints& points,
                                               const Vertices& vertices, const std::vector<cl_uint>& first_input) {
   const auto problems = static_cast<cl_uint>(first_input.size() - 1);
-  std::vector<cl_uint> found(std::size_t{3} * problems, 0);
-  for (cl_uint p = 0; p < problems; ++p) found[3 * p + 1] = GCDT_NONE;
-  const auto firsts = runtime.allocate<cl_uint>("first inputs", first_input.size());
-  runtime.write(firsts, first_input.data(), first_input.size());
-  const auto buffer = runtime.allocate<cl_uint>("vertices rounded together", found.size());
-  runtime.write(buffer, found.data(), found.size());
+  std::vector<cl_uint> found(std::size_t{GCDT_TOGETHER_WORDS} * problems, 0);
+  for (cl_uint p = 0; p < problems; ++p) found[GCDT_TOGETHER_WORDS * p + 1] = GCDT_NONE;
+  const auto firsts = runtime.upload("first inputs", first_input);
+  const auto buffer = runtime.upload("vertices rounded together", found);
   runtime.launch("given", "count_together", over(points.n), points.n, problems, firsts, points.type, points.coordinates,
                  vertices.vertex_input, vertices.input_vertex, buffer);
   runtime.launch("given", "name_together", over(problems), problems, vertices.vertex_input, vertices.input_vertex,
                  buffer);
   runtime.read(buffer, found.data(), found.size());
   std::vector<RoundedTogether> together(problems);
-  for (cl_uint p = 0; p < problems; ++p)
-    if (found[3 * p] != 0)
-      together[p] = {found[3 * p], {found[3 * p + 2] - first_input[p], found[3 * p + 1] - first_input[p]}};
+  for (cl_uint p = 0; p < problems; ++p) {
+    const cl_uint* own = &found[GCDT_TOGETHER_WORDS * p];
+    if (own[0] != 0) together[p] = {own[0], {own[2] - first_input[p], own[1] - first_input[p]}};
+  }
   return together;
 }
 

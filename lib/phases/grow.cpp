@@ -7,15 +7,6 @@ namespace gcdt {
 
 namespace {
 
-// Levels up to so many vertices are inserted by one work-item, one after the other: less than a thread's share of
-// them is worth a launch.
-constexpr std::uint32_t alone = 4096;
-// Vertices of a share at least: every border between shares is inserted again.
-constexpr std::uint32_t least_vertices = 1024;
-// What shares leave lies along the borders between them: the next round joins so many, four cells of the curve to one.
-constexpr std::uint32_t joined = 4;
-constexpr std::uint32_t walk_beside_others = 4096;
-
 // Tickets are numbers of work-items, of which a launch may have more than the mesh has edges (Owner in grow.cl).
 Stamps stamps_of(const runtime::Runtime& runtime, const Mesh& mesh) {
   return Stamps(runtime, std::max(mesh.edges(), runtime.most_work_items()));
@@ -38,10 +29,10 @@ class Growth {
 
   /// Ends: a round of one work-item leaves nothing, and each has fewer than the one before.
   void insert(std::uint32_t begin, std::uint32_t end, std::uint32_t level) {
-    const cl_uint segments = begin == 0 ? 1 : std::clamp((end - begin) / least_vertices, 1u, plan_.grown_shares);
+    const cl_uint segments = begin == 0 ? 1 : std::clamp((end - begin) / Tuning::least_grown, 1u, plan_.grown_shares);
     std::uint32_t left = end - begin;
-    for (cl_uint step = 1, step_before = 1; left > 0; step_before = step, step *= joined) {
-      if (left < least_vertices) step = std::max(step, segments);
+    for (cl_uint step = 1, step_before = 1; left > 0; step_before = step, step *= Tuning::grown_joined) {
+      if (left < Tuning::least_grown) step = std::max(step, segments);
       left = round(begin, end, level, segments, step, step_before);
       if (left > 0 && step >= segments) throw Error(Status::round_limit, "insert: point location left the mesh");
     }
@@ -82,7 +73,7 @@ class Growth {
       stamps.restart();
     }
     const cl_uint shares = (segments + step - 1) / step, stamp = stamps.take();
-    const cl_uint limit = shares == 1 ? mesh_.faces() : walk_beside_others;
+    const cl_uint limit = shares == 1 ? mesh_.faces() : Tuning::walk_beside_others;
     runtime_.launch("grow", "grow_insert", runtime::over_large(shares), cl_uint{end - begin}, begin, segments, step,
                     step_before, level, limit, stamp, stamps.bits(), vertices_.levels_buffer, mesh_.n, vertices_.points,
                     mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, left_, left_of_, lists_.first,
@@ -127,7 +118,7 @@ GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& ver
     std::uint32_t next = level + 1;
     // The first levels together.
     if (level == 0)
-      while (next < levels.count && levels.begin[next] < end && levels.begin[next + 1] <= alone) ++next;
+      while (next < levels.count && levels.begin[next] < end && levels.begin[next + 1] <= Tuning::grown_alone) ++next;
     growth.insert(begin, std::min(levels.begin[next], end), level);
     level = next;
   }

@@ -40,16 +40,11 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
   Queries queries = {points.n, runtime.allocate<cl_ulong>("keys of queries", points.n),
                      runtime.allocate<cl_uint>("numbers of queries", points.n)};
   const cl_uint by_decimals = vertices.decimals.has_value();
-  const device::Scale scale = scale_of(vertices.grid);
-  const device::Decimals decimals = finest_decimals(vertices);
-  auto scale_buffer = runtime.allocate<device::Scale>("scale", 1);
-  auto decimals_buffer = runtime.allocate<device::Decimals>("decimals", 1);
-  auto not_finite = runtime.allocate<cl_uint>("query not finite", 1);
-  runtime.write(scale_buffer, &scale, 1);
-  runtime.write(decimals_buffer, &decimals, 1);
-  runtime.fill<cl_uint>(not_finite, GCDT_NONE, 1);
+  const auto scale = runtime.upload_one("scale", scale_of(vertices.grid));
+  const auto decimals = runtime.upload_one("decimals", finest_decimals(vertices));
+  auto not_finite = runtime.filled<cl_uint>("query not finite", 1, GCDT_NONE);
   runtime.launch("locate", "place_queries", over(points.n), points.n, points.type, points.coordinates, by_decimals,
-                 scale_buffer, decimals_buffer, queries.keys, queries.numbers, not_finite);
+                 scale, decimals, queries.keys, queries.numbers, not_finite);
   const cl_uint bad = runtime.read_one(not_finite);
   if (bad != GCDT_NONE)
     throw Error(Status::coordinate_not_finite,
@@ -80,8 +75,7 @@ Buffer<cl_uint> walk(Runtime& runtime, const Terrain& terrain, const Queries& qu
 }  // namespace
 
 Buffer<cl_uint> least_triangles(Runtime& runtime, const Vertices& vertices, const OrderedMesh& mesh, bool by_input) {
-  auto least = runtime.allocate<cl_uint>("least triangles", vertices.n());
-  runtime.fill<cl_uint>(least, GCDT_NONE, vertices.n());
+  auto least = runtime.filled<cl_uint>("least triangles", vertices.n(), GCDT_NONE);
   if (mesh.triangles != 0)
     runtime.launch("locate", "least_triangles", over(mesh.triangles), cl_uint{mesh.triangles}, cl_uint{by_input},
                    vertices.input_vertex, mesh.corners, least);

@@ -13,13 +13,6 @@ namespace gcdt {
 
 namespace {
 
-// Rows that are read back of a table of maxima; the rest is folded on the device.
-constexpr cl_uint rows_read = 64;
-constexpr cl_uint survey_columns = 6, quantise_columns = 2;
-constexpr unsigned morton_bits = 62;
-// The sort begins with as many high bits as tell n evenly spread vertices apart, and these: 16 cells a vertex.
-constexpr unsigned spare_bits = 4;
-
 /// Every vertex's Morton code and number.
 struct Keys {
   Grid grid;
@@ -41,8 +34,8 @@ struct Maxima {
   /// The maximum of each column. Blocks.
   std::vector<cl_ulong> read(runtime::Runtime& runtime) {
     // Ends: each pass leaves a 64th of the rows.
-    while (rows > rows_read) {
-      const cl_uint folded_rows = std::max<cl_uint>(rows_read, rows / rows_read);
+    while (rows > Tuning::rows_read) {
+      const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_read);
       auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
       runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
                      folded_rows, folded);
@@ -58,33 +51,31 @@ struct Maxima {
 
 /// Of the maxima of kernel `survey`.
 Survey checked_survey(cl_uint type, const cl_ulong* found) {
-  if (found[5] != 0) throw survey_error(type, ~found[5]);
+  if (found[GCDT_SURVEY_BAD] != 0) throw survey_error(type, ~found[GCDT_SURVEY_BAD]);
   return survey_of(found);
 }
 
 /// Of the maxima of kernel `quantise`; the largest move.
 double checked_move(runtime::Runtime& runtime, const InputPoints& points, const cl_ulong* found,
                     const device::Scale& scale) {
-  if (found[1] != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[1]);
-  return largest_move(runtime, points, 0, points.n, found[0], scale);
+  const cl_ulong outside = found[GCDT_QUANTISE_OUTSIDE];
+  if (outside != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside);
+  return largest_move(runtime, points, 0, points.n, found[GCDT_QUANTISE_MOVE], scale);
 }
 
 Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
-  Maxima maxima(runtime, staged.n, survey_columns);
+  Maxima maxima(runtime, staged.n, GCDT_SURVEY_COLUMNS);
   runtime.launch("order", "survey", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  maxima.rows, maxima.table);
   return checked_survey(staged.type, maxima.read(runtime).data());
 }
 
-std::optional<ChosenGrid> choose_decimal(runtime::Runtime& runtime, const InputPoints& staged, const Survey& survey,
-                                         int k) {
-  const cl_int limit = decimals_limit(survey, k);
-  if (limit < 0) return std::nullopt;
+// How many decimals the input needs to be written; more than `limit` if more than `limit`.
+int count_decimals(runtime::Runtime& runtime, const InputPoints& staged, cl_int limit) {
   Maxima maxima(runtime, staged.n, 1);
   runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  limit, maxima.rows, maxima.table);
-  const int digits = static_cast<int>(maxima.read(runtime)[0]);
-  return digits > limit ? std::nullopt : decimal_grid(survey, digits);
+  return static_cast<int>(maxima.read(runtime)[0]);
 }
 
 // In the contract's order: binary, decimal, rounded. A given grid is read first, as an error in it is the
@@ -94,18 +85,9 @@ ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, con
   if (fixed) given = fixed_grid(*fixed);
   const Survey found = survey(runtime, staged);
   if (given) return *given;
-  const int k = finest_exponent(found);
-  ChosenGrid power = power_of_two_grid(found, k);
-  if (power.grid.kind == Grid::Kind::binary) return power;
-  std::optional<ChosenGrid> decimal = choose_decimal(runtime, staged, found, k);
-  return decimal ? *decimal : power;
-}
-
-template <class T>
-runtime::Buffer<T> upload(runtime::Runtime& runtime, const char* name, const T& value) {
-  auto buffer = runtime.allocate<T>(name, 1);
-  runtime.write(buffer, &value, 1);
-  return buffer;
+  const GridChoice choice = gcdt::choose_grid(found);
+  if (choice.decimals_limit < 0) return choice.grid;
+  return choice.with_decimals(count_decimals(runtime, staged, choice.decimals_limit));
 }
 
 Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
@@ -115,13 +97,13 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
   keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
   keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
   if (chosen.decimals) {
-    const auto decimals = upload(runtime, "decimals", *chosen.decimals);
+    const auto decimals = runtime.upload_one("decimals", *chosen.decimals);
     runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates,
                    decimals, keys.codes, keys.numbers);
     return keys;
   }
-  const auto scale = upload(runtime, "scale", chosen.scale);
-  Maxima maxima(runtime, staged.n, quantise_columns);
+  const auto scale = runtime.upload_one("scale", chosen.scale);
+  Maxima maxima(runtime, staged.n, GCDT_QUANTISE_COLUMNS);
   runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
                  scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
   keys.grid.largest_move = checked_move(runtime, staged, maxima.read(runtime).data(), chosen.scale);
@@ -130,7 +112,7 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
 
 void set_levels(runtime::Runtime& runtime, Vertices& vertices, std::uint32_t n, std::uint32_t coarsest_level) {
   vertices.levels = device::make_levels(n, coarsest_level);
-  vertices.levels_buffer = upload(runtime, "levels", vertices.levels);
+  vertices.levels_buffer = runtime.upload_one("levels", vertices.levels);
   vertices.points = runtime.allocate<cl_int2>("points", n);
   vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
 }
@@ -178,9 +160,10 @@ OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::
   report = runtime.read_one(report_buffer);
   result.sort_ms = sorting.end();
   const Survey found = checked_survey(points.type, report.surveyed);
+  const GridChoice choice = choose_grid(found);
   const ChosenGrid chosen = given                        ? *given
-                            : report.decimal_digits >= 0 ? *decimal_grid(found, report.decimal_digits)
-                                                         : power_of_two_grid(found, report.exponent);
+                            : report.decimal_digits >= 0 ? choice.with_decimals(report.decimal_digits)
+                                                         : choice.grid;
   vertices.grid = chosen.grid;
   vertices.decimals = chosen.decimals;
   if (!chosen.decimals) vertices.grid.largest_move = checked_move(runtime, points, report.quantised, chosen.scale);
@@ -229,8 +212,7 @@ InputPoints stage(runtime::Runtime& runtime, Points points) {
   staged.n = static_cast<cl_uint>(points.size());
   staged.type = coordinates_type(points.type());
   const std::size_t words = points.size() * words_per_vertex(points.type());
-  staged.coordinates = runtime.allocate<cl_ulong>("coordinates", words);
-  runtime.write(staged.coordinates, static_cast<const cl_ulong*>(points.data()), words);
+  staged.coordinates = runtime.upload("coordinates", static_cast<const cl_ulong*>(points.data()), words);
   return staged;
 }
 
@@ -244,7 +226,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   if (!may_round_together(keys.grid)) points = {};
   runtime.end_step();
   Step sorting(runtime, "sort");
-  primitives.sort_by_prefix(keys.codes, keys.numbers, n, morton_bits, bit_width(n) + spare_bits);
+  primitives.sort_by_prefix(keys.codes, keys.numbers, n, GCDT_MORTON_BITS, bit_width(n) + Tuning::spare_bits);
   primitives.release();
 
   auto before = runtime.allocate<cl_uint>("distinct before", n + 1);

@@ -19,8 +19,7 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   Step gathering(runtime, "gather");
   const cl_uint bits = bit_width(mesh.n);
   auto keys = runtime.allocate<cl_ulong>("output keys", mesh.faces());
-  auto finite = runtime.allocate<cl_uint>("output count", 1);
-  runtime.fill<cl_uint>(finite, 0, 1);
+  auto finite = runtime.filled<cl_uint>("output count", 1, 0);
   runtime.launch("output", "key_faces", over(mesh.faces()), mesh.faces(), vertices.levels_buffer, bits, mesh.face_data,
                  keys, refs, finite);
   const std::uint32_t triangles = runtime.read_one(finite);
@@ -93,8 +92,7 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan
   Step gathering(runtime, "gather");
   allocate(runtime, ordered, count);
   if (count == 0) return ordered;
-  auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
-  runtime.fill<cl_int>(positions, -1, mesh.faces());
+  auto positions = runtime.filled<cl_int>("output positions", mesh.faces(), -1);
   runtime.launch("output", "place_faces", over(count), count, refs, positions);
   runtime.launch("output", "gather_triangles", over(count), count, mesh.face_data, mesh.edge_faces, mesh.edge_marks,
                  refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);

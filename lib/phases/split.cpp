@@ -4,18 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constrain/snap.h"
+
 namespace gcdt {
 
 using runtime::Buffer;
 using runtime::over;
-
-namespace {
-
-// Crossing pairs that are looked at together: some 50 bytes each, besides 40 for each distinct pixel.
-constexpr cl_uint window = 1u << 22;
-constexpr unsigned key_bits = 62;
-
-}  // namespace
 
 Splitter::Splitter(runtime::Runtime& runtime, Primitives& primitives, const Buffer<cl_uint2>& constraints,
                    std::uint32_t inputs)
@@ -24,8 +18,7 @@ Splitter::Splitter(runtime::Runtime& runtime, Primitives& primitives, const Buff
       constraints_(constraints),
       inputs_(inputs),
       count_(cl_uint(constraints.size())) {
-  touched_ = runtime_.allocate<cl_uint>("marked constraints", std::size_t(count_) + 1);
-  runtime_.fill<cl_uint>(touched_, 0, std::size_t(count_) + 1);
+  touched_ = runtime_.filled<cl_uint>("marked constraints", std::size_t(count_) + 1, 0);
 }
 
 std::uint64_t Splitter::find(const WalkedMesh& walked, const Pieces& pieces, PhaseCounters& counters) {
@@ -49,11 +42,10 @@ const Buffer<cl_uint>& Splitter::mark_crossing(const WalkedMesh& walked, const P
 }
 
 std::uint32_t Splitter::mark(CrossingPieces& crossing, const Pieces& pieces, bool linked) {
-  auto newly = runtime_.allocate<cl_uint>("newly marked", 1);
-  runtime_.fill<cl_uint>(newly, 0, 1);
-  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(window, crossing.count()));
+  auto newly = runtime_.filled<cl_uint>("newly marked", 1, 0);
+  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, crossing.count()));
   for (cl_uint first = 0; first < crossing.count();) {
-    const cl_uint some = std::min(window, crossing.count() - first);
+    const cl_uint some = std::min(Tuning::pairs_split_at_once, crossing.count() - first);
     crossing.list(first, some, pairs);
     runtime_.launch("split", "split_touch", over(some), some, cl_uint(linked), pieces.source_offsets, pieces.sources,
                     linked ? owners_ : touched_, pairs, touched_, newly);
@@ -64,13 +56,13 @@ std::uint32_t Splitter::mark(CrossingPieces& crossing, const Pieces& pieces, boo
   return more;
 }
 
-// Window by window: the pixels known so far and those of the next pairs, sorted, of each the least pair kept.
+// Window by Tuning::pairs_split_at_once: the pixels known so far and those of the next pairs, sorted, of each the least
+// pair kept.
 void Splitter::gather_points(CrossingPieces& crossing, const WalkedMesh& walked, const Pieces& pieces) {
-  auto total = runtime_.allocate<cl_uint>("pairs of constraints", 2);
-  runtime_.fill<cl_uint>(total, 0, 2);
-  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(window, crossing.count()));
+  auto total = runtime_.filled<cl_uint>("pairs of constraints", 2, 0);
+  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, crossing.count()));
   for (cl_uint first = 0; first < crossing.count();) {
-    const cl_uint some = std::min(window, crossing.count() - first), before = distinct_;
+    const cl_uint some = std::min(Tuning::pairs_split_at_once, crossing.count() - first), before = distinct_;
     crossing.list(first, some, pairs);
     auto keys = runtime_.allocate<cl_ulong>("pixels of crossings", std::size_t(before) + some);
     auto named = runtime_.allocate<cl_uint2>("constraints of crossings", std::size_t(before) + some);
@@ -91,14 +83,13 @@ void Splitter::gather_points(CrossingPieces& crossing, const WalkedMesh& walked,
 
 void Splitter::keep_distinct(Buffer<cl_ulong> keys, Buffer<cl_uint> numbers, const Buffer<cl_uint2>& named,
                              cl_uint count) {
-  primitives_.sort(keys, numbers, count, key_bits);
+  primitives_.sort(keys, numbers, count, GCDT_PIXEL_KEY_BITS);
   auto firsts = runtime_.allocate<cl_uint>("first crossings", std::size_t(count) + 1);
-  runtime_.launch("clean", "clean_first", over(count), count, keys, firsts);
+  runtime_.launch("clean", "mark_first", over(count), count, keys, firsts);
   primitives_.exclusive_scan(firsts, firsts, count);
   distinct_ = runtime_.read_one(firsts, count);
   keys_ = runtime_.allocate<cl_ulong>("distinct pixels", distinct_);
-  least_ = runtime_.allocate<cl_uint2>("least pairs", distinct_);
-  runtime_.fill<cl_uint2>(least_, {{GCDT_NONE, GCDT_NONE}}, distinct_);
+  least_ = runtime_.filled<cl_uint2>("least pairs", distinct_, {{GCDT_NONE, GCDT_NONE}});
   runtime_.launch("split", "split_least_first", over(count), count, keys, numbers, firsts, named, keys_, least_);
   runtime_.launch("split", "split_least_second", over(count), count, numbers, firsts, named, least_);
 }
@@ -147,8 +138,7 @@ const Buffer<cl_uint2>& Splitter::route(const Plan& plan, const Vertices& vertic
   const Parts parts = parts_by_length(runtime_, primitives_, plan, vertices, ends, marked_);
   auto offsets = runtime_.allocate<cl_uint>("vertices of parts", std::size_t(parts.capacity) + 1);
   auto areas = runtime_.allocate<cl_ulong>("areas of parts", parts.capacity);
-  auto total = runtime_.allocate<cl_uint>("vertices of all parts", 2);
-  runtime_.fill<cl_uint>(total, 0, 2);
+  auto total = runtime_.filled<cl_uint>("vertices of all parts", 2, 0);
   auto walk = [&](cl_uint emit, const Buffer<cl_uint>& hits) {
     runtime_.launch("route", "route_walk", over(parts.capacity), emit, cl_uint(marked_), parts.capacity, n,
                     vertices.levels_buffer, vertices.points, codes, ends, parts.begins, offsets, hits, areas, total);

@@ -12,8 +12,7 @@ Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& 
   Parts parts;
   parts.capacity = pieces + (again ? 2 * most : most);
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
-  runtime::Buffer<cl_uint> total = runtime.allocate<cl_uint>("weight of pieces", 2);
-  runtime.fill<cl_uint>(total, 0, 2);
+  runtime::Buffer<cl_uint> total = runtime.filled<cl_uint>("weight of pieces", 2, 0);
   runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
   runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor,
                  cl_uint{plan.crossings_per_part}, weights, total, again, walked, parts.begins);

@@ -49,10 +49,8 @@ Pieces kept_pieces(Runtime& runtime, Primitives& primitives, const Pieces& all, 
 Buffer<cl_uint> find(Runtime& runtime, const DeviceTriangulation& whole, const OrderedMesh& mesh,
                      Buffer<cl_int>& taken) {
   auto found = runtime.allocate<cl_uint>("triangles found", mesh.triangles);
-  auto faults = runtime.allocate<cl_uint>("faulty triangles", 3);
-  taken = runtime.allocate<cl_int>("places of triangles", whole.mesh.triangles);
-  runtime.fill<cl_uint>(faults, GCDT_NONE, 3);
-  runtime.fill<cl_int>(taken, -1, whole.mesh.triangles);
+  auto faults = runtime.filled<cl_uint>("faulty triangles", 3, GCDT_NONE);
+  taken = runtime.filled<cl_int>("places of triangles", whole.mesh.triangles, -1);
   if (mesh.triangles == 0) return found;
   runtime.launch("adopt", "find_triangles", over(mesh.triangles), cl_uint{mesh.triangles}, whole.vertices.levels_buffer,
                  whole.vertices.points, whole.vertices.input_vertex, mesh.corners, cl_uint{whole.mesh.triangles},
@@ -62,8 +60,7 @@ Buffer<cl_uint> find(Runtime& runtime, const DeviceTriangulation& whole, const O
   if (fault[0] != GCDT_NONE) refuse(fault[0], "is not counter-clockwise on the grid", whole.vertices.grid);
   if (fault[1] != GCDT_NONE)
     refuse(fault[1], "overlaps others, or has a vertex inside it or inside an edge", whole.vertices.grid);
-  auto twice = runtime.allocate<cl_uint>("repeated triangle", 1);
-  runtime.fill<cl_uint>(twice, GCDT_NONE, 1);
+  auto twice = runtime.filled<cl_uint>("repeated triangle", 1, GCDT_NONE);
   runtime.launch("adopt", "find_repeated", over(mesh.triangles), cl_uint{mesh.triangles}, found, taken, twice);
   if (const cl_uint repeated = runtime.read_one(twice); repeated != GCDT_NONE)
     refuse(repeated, "has the corners of an earlier one", whole.vertices.grid);

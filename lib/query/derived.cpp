@@ -34,12 +34,10 @@ const Buffer<cl_uint>& Derived::hull(Runtime& runtime, Primitives& primitives, c
   places = {};
   auto made = runtime.allocate<cl_uint>("hull", count);
   if (count != 0) {
-    auto edge_at = runtime.allocate<cl_uint>("hull edges at vertices", vertices.n());
-    auto first = runtime.allocate<cl_uint>("first rank of hull", 1);
+    auto edge_at = runtime.filled<cl_uint>("hull edges at vertices", vertices.n(), 0);
+    auto first = runtime.filled<cl_uint>("first rank of hull", 1, GCDT_NONE);
     auto links = runtime.allocate<cl_uint2>("hull links", count),
          doubled = runtime.allocate<cl_uint2>("hull links", count);
-    runtime.fill<cl_uint>(edge_at, 0, vertices.n());
-    runtime.fill<cl_uint>(first, GCDT_NONE, 1);
     runtime.launch("hull", "hull_starts", over(count), count, vertices.levels_buffer, edges, mesh.corners,
                    vertices.input_vertex, edge_at, first);
     runtime.launch("hull", "hull_links", over(count), count, vertices.levels_buffer, edges, mesh.corners,

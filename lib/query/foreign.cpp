@@ -22,8 +22,7 @@ Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& ve
   const auto given = stage(runtime, constraints);
   auto keys = runtime.allocate<cl_ulong>("keys of pieces", count);
   auto numbers = runtime.allocate<cl_uint>("numbers of pieces", count);
-  auto bad = runtime.allocate<cl_uint>("bad pieces", 2);
-  runtime.fill<cl_uint>(bad, GCDT_NONE, 2);
+  auto bad = runtime.filled<cl_uint>("bad pieces", 2, GCDT_NONE);
   runtime.launch("foreign", "piece_keys", over(count), count, inputs, bits, vertices.levels_buffer, given,
                  vertices.input_vertex, keys, numbers, bad);
   const cl_uint wrong = runtime.read_one(bad);

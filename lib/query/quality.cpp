@@ -9,11 +9,6 @@ namespace gcdt {
 using runtime::over;
 using runtime::Runtime;
 
-namespace {
-// Rows that are read back; the rest is joined on the device.
-constexpr cl_uint rows_read = 64;
-}  // namespace
-
 device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, const OrderedMesh& mesh) {
   if (mesh.triangles == 0) return device::gcdt_no_quality();
   auto rows = static_cast<cl_uint>(runtime.rows_of(mesh.triangles));
@@ -21,8 +16,8 @@ device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, cons
   runtime.launch("quality", "measure_triangles", runtime::over_large(rows), cl_uint{mesh.triangles}, mesh.corners,
                  vertices.input_vertex, vertices.points, rows, table);
   // Ends: each pass leaves a 64th of the rows.
-  while (rows > rows_read) {
-    const cl_uint folded_rows = std::max<cl_uint>(rows_read, rows / rows_read);
+  while (rows > Tuning::rows_read) {
+    const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_read);
     auto folded = runtime.allocate<device::Quality>("folded quality", folded_rows);
     runtime.launch("quality", "fold_quality", over(folded_rows), rows, table, folded_rows, folded);
     table = std::move(folded);

@@ -60,7 +60,9 @@ void check_settled(const Schedule& schedule, std::size_t problems) {
 }
 
 /// So many problems of weight 1000 each.
-Sizes thousands(std::size_t problems) { return Sizes(std::vector<std::uint64_t>(problems, 1000 - problem_weight)); }
+Sizes thousands(std::size_t problems) {
+  return Sizes(std::vector<std::uint64_t>(problems, 1000 - Tuning::problem_weight));
+}
 
 /// So many thousands, but for a problem less: the clock goes on while a test runs.
 bool nearly(std::uint64_t weight, std::uint64_t thousand) {
@@ -233,7 +235,7 @@ TEST_CASE("whose pack was done by another before it is known to be no faster tha
     CHECK(schedule.needless(*slow));
     schedule.drop(0, slow);
     CHECK(schedule.speed(0).known());
-    CHECK(schedule.speed(0).value() < (5000.0 + problem_weight) / 5);  // no theft takes less than 5 ms
+    CHECK(schedule.speed(0).value() < (5000.0 + Tuning::problem_weight) / 5);  // no theft takes less than 5 ms
     check_settled(schedule, 2);
   }
 }

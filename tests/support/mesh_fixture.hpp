@@ -84,7 +84,7 @@ inline HostMesh download(runtime::Runtime& runtime, const Mesh& mesh, const std:
   HostMesh host;
   host.n = mesh.n;
   host.faces = device::gcdt_face_count(vertices_in_mesh);
-  host.edges = device::gcdt_edge_count(vertices_in_mesh);
+  host.edges = device::gcdt_forest_edges(vertices_in_mesh, 1);
   host.points = points;
   host.corners.resize(host.faces);
   host.sides.resize(host.faces);

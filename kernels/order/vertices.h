@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the order phase does with the vertices of one problem that a work-item is given, whether there is one problem
+// (order.cl, few.cl) or many (forest.cl). OpenCL C only.
+//
+// `first` is the first vertex of the problem: coordinates are numbered in the problem, 2 * vertex + axis.
+#ifndef GCDT_VERTICES_H
+#define GCDT_VERTICES_H
+
+#include "common/levels.h"
+#include "order/decimals.h"
+#include "order/quantise.h"
+#include "order/survey.h"
+
+// Writes the columns of a survey of these vertices.
+static inline void survey_items(Items items, uint first, uint type, global const ulong* coordinates,
+                                global ulong* out) {
+  ulong least[2] = {0, 0}, most[2] = {0, 0}, trailing = 0, bad = 0;
+  FOR_ITEMS(v, items) {
+    for (uint axis = 0; axis < 2; ++axis) {
+      const ulong bits = gcdt_coordinate(coordinates, type, 2 * v + axis);
+      if (!gcdt_is_finite(bits)) {
+        bad = max(bad, ~(ulong)(2 * (v - first) + axis));
+        continue;
+      }
+      const ulong key = gcdt_ordered(bits);
+      least[axis] = max(least[axis], ~key);
+      most[axis] = max(most[axis], key);
+      if (bits != 0) trailing = max(trailing, ~(ulong)(gcdt_trailing_exponent(bits) - GCDT_LEAST_EXPONENT));
+    }
+  }
+  out[0] = least[0];
+  out[1] = most[0];
+  out[2] = least[1];
+  out[3] = most[1];
+  out[GCDT_SURVEY_TRAILING] = trailing;
+  out[GCDT_SURVEY_BAD] = bad;
+}
+
+// The most decimals that a coordinate of these vertices needs, `limit` + 1 if more than `limit`.
+static inline int decimals_of_items(Items items, uint type, global const ulong* coordinates, int limit) {
+  // If d decimals suffice, d + 1 do: it is enough to raise the number where it does not.
+  int digits = 0;
+  FOR_ITEMS(v, items) {
+    if (digits > limit) break;
+    for (uint axis = 0; axis < 2; ++axis)
+      digits = gcdt_decimals_needed(gcdt_coordinate(coordinates, type, 2 * v + axis), digits, limit);
+  }
+  return digits;
+}
+
+// The greatest of a column over these rows, 0 without any.
+static inline ulong greatest_of_items(Items rows, uint column, uint columns, global const ulong* maxima) {
+  ulong most = 0;
+  FOR_ITEMS(row, rows) most = max(most, maxima[(size_t)row * columns + column]);
+  return most;
+}
+
+// Writes keys[v], the Morton code of v's grid point, and values[v] = v of these vertices, and the columns of
+// quantising; if one is outside the grid, the keys are void.
+static inline void quantise_items(Items items, uint first, uint type, global const ulong* coordinates,
+                                  global const Scale* scale, global ulong* keys, global uint* values,
+                                  global ulong* out) {
+  ulong move = 0, outside = 0;
+  FOR_ITEMS(v, items) {
+    const Quantised x = gcdt_quantise(gcdt_coordinate(coordinates, type, 2 * v), scale, 0);
+    const Quantised y = gcdt_quantise(gcdt_coordinate(coordinates, type, 2 * v + 1), scale, 1);
+    move = max(move, max(x.move, y.move));
+    if (x.outside || y.outside) outside = max(outside, ~(ulong)(2 * (v - first) + (x.outside ? 0 : 1)));
+    keys[v] = gcdt_morton(x.value, y.value);
+    values[v] = v;
+  }
+  out[GCDT_QUANTISE_MOVE] = move;
+  out[GCDT_QUANTISE_OUTSIDE] = outside;
+}
+
+// The same of one vertex on a decimal grid, where nothing moves and nothing is outside.
+static inline void quantise_decimal(uint v, uint type, global const ulong* coordinates, global const Decimals* decimals,
+                                    global ulong* keys, global uint* values) {
+  uint grid[2];
+  for (uint axis = 0; axis < 2; ++axis) {
+    const long numerator = gcdt_decimal_numerator(gcdt_coordinate(coordinates, type, 2 * v + axis), decimals->digits);
+    grid[axis] = (uint)(((ulong)numerator - (ulong)decimals->least[axis]) * decimals->step);
+  }
+  keys[v] = gcdt_morton(grid[0], grid[1]);
+  values[v] = v;
+}
+
+// Place i in the sorted order holds a vertex of the rank, which it returns; `first`: the first of those with its key.
+static inline uint number_place(uint i, uint rank, bool first, global const Levels* levels, global const ulong* keys,
+                                global const uint* values, global int2* points, global uint* vertex_input,
+                                global uint* input_vertex) {
+  const uint v = gcdt_vertex_of_rank(levels, levels->count - 1, rank);
+  input_vertex[values[i]] = v;
+  if (!first) return v;
+  points[v] = (int2)((int)gcdt_gather_bits(keys[i]), (int)gcdt_gather_bits(keys[i] >> 1));
+  vertex_input[v] = values[i];
+  return v;
+}
+
+#endif

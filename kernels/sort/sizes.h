@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sizes of the sorts, which the host launches by. OpenCL C and C++17.
+#ifndef GCDT_SIZES_H
+#define GCDT_SIZES_H
+
+// Bits of a digit. Of a work-item that walks alone: its 256 counters stay in the first-level cache. Of a group: a tile
+// holds 64 keys of each digit on average, so writes stay coalesced.
+#define GCDT_SERIAL_DIGIT_BITS 8u
+#define GCDT_GROUP_DIGIT_BITS 4u
+
+// Work-items of a group that take part, and the keys of each in a tile.
+#define GCDT_SORT_LANES 128u
+#define GCDT_SORT_WIDTH 8u
+
+// Keys that one work-group sorts in local memory: 24 KiB of the 32 that every device has.
+#define GCDT_SORT_SMALL 2048u
+
+#endif
