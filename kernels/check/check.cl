@@ -37,11 +37,6 @@
 #include "common/pieces.h"
 #include "common/predicates.h"
 
-GCDT_INLINE Vertex vertex_at(global const int2* points, uint v) {
-  const int2 p = points[v];
-  return gcdt_finite_vertex(p.x, p.y);
-}
-
 GCDT_INLINE void note(global CheckReport* report, uint kind, uint number) { atomic_min(&report->first[kind], number); }
 
 // A kind up to `last` was noted by an earlier kernel; the caller notes later kinds only.

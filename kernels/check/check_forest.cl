@@ -9,11 +9,6 @@
 #include "common/forest.h"
 #include "common/predicates.h"
 
-static inline Vertex vertex_at(global const int2* points, uint v) {
-  const int2 p = points[v];
-  return gcdt_finite_vertex(p.x, p.y);
-}
-
 // One work-item per vertex, after check_boundary of check.cl has noted nothing.
 // Reads points and the boundary. Writes hull[p] and least[p], per problem: vertices on the boundary, and those below
 //   both neighbours there.

@@ -29,8 +29,7 @@ static inline Mesh make_mesh(GCDT_MESH_PARAMETERS) {
 
 static inline Vertex load_vertex(global const int2* points, uint n, uint v) {
   if (v >= n) return gcdt_symbolic_vertex((int)symbol_of(v, n));
-  const int2 p = points[v];
-  return gcdt_finite_vertex(p.x, p.y);
+  return vertex_at(points, v);
 }
 
 // The faces and edges that vertex v brings: two and three.

@@ -130,7 +130,12 @@ GCDT_INLINE int gcdt_orient2d_division(Vertex a, Vertex b, Vertex p, Vertex q, u
   return gcdt_sign128(gcdt_add(gcdt_multiply(op, (i64)(n - k)), gcdt_multiply(oq, (i64)k)));
 }
 
-#ifndef __OPENCL_VERSION__
+#ifdef __OPENCL_VERSION__
+static inline Vertex vertex_at(global const int2* points, uint v) {
+  const int2 p = points[v];
+  return gcdt_finite_vertex(p.x, p.y);
+}
+#else
 }  // namespace gcdt::device
 #endif
 

@@ -65,7 +65,7 @@ kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETE
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
     if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
-      const uint c = piece_of_part(begins, pieces, part);
+      const uint c = last_begin(begins, pieces, part);
       const uint2 e = ends[c];
       const int4 line = line_of(points, e);
       Walk w;
@@ -114,7 +114,7 @@ kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_P
                          global ulong* keys, global uint* sources, global uint* crossed, global uint2* whole) {
   const uint parts = begins[pieces];
   FOR_EACH(part, parts) {
-    const uint c = piece_of_part(begins, pieces, part);
+    const uint c = last_begin(begins, pieces, part);
     const uint first = offsets[begins[c]], last = offsets[part + 1u];
     const uint at = along_curve ? firsts[places[c]] : first + c;
     uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];

@@ -24,7 +24,7 @@ kernel void constrain_first(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, gl
   const uint parts = begins[pieces];
   uint steps = 0;
   FOR_EACH(part, min(parts, capacity)) {
-    const uint c = piece_of_part(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
+    const uint c = last_begin(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
     const uint2 before = walked[c];
     const uint cut = before.y > 0u ? count / before.y : 0u;  // into so many
     const uint2 e = walk_ends(ends[c]);

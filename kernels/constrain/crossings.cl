@@ -23,7 +23,7 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_P
   const uint parts = begins[pieces];
   uint steps = 0;
   FOR_EACH(part, min(parts, capacity)) {
-    const uint c = piece_of_part(begins, pieces, part);
+    const uint c = last_begin(begins, pieces, part);
     const uint2 e = walk_ends(ends[c]);
     Walk w;
     uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
@@ -93,7 +93,7 @@ kernel void crossings_pairs(uint emit, uint first, uint last, uint faces, GCDT_M
   const uint total = starts[faces];
   FOR_EACH(i, total) {
     if (emit && (counts[i] == counts[i + 1u] || counts[i] >= last || counts[i + 1u] <= first)) continue;
-    const uint t = piece_of_part(starts, faces, i);
+    const uint t = last_begin(starts, faces, i);
     const uint c = records[i];
     uint found = 0;
     for (uint j = i + 1u; j < starts[t + 1u]; ++j) {
@@ -116,14 +116,11 @@ kernel void crossings_all(uint emit, uint first, uint last, uint pieces, global 
                           volatile global Counters* counters) {
   FOR_EACH(c, pieces) {
     if (emit && (counts[c] == counts[c + 1u] || counts[c] >= last || counts[c + 1u] <= first)) continue;
-    const int2 a = points[ends[c].x], b = points[ends[c].y];
+    const Vertex a = vertex_at(points, ends[c].x), b = vertex_at(points, ends[c].y);
     uint found = 0;
     for (uint d = c + 1u; d < pieces; ++d) {
-      const int2 p = points[ends[d].x], q = points[ends[d].y];
       i64 s, r;
-      if (!gcdt_segments_cross(gcdt_finite_vertex(a.x, a.y), gcdt_finite_vertex(b.x, b.y), gcdt_finite_vertex(p.x, p.y),
-                               gcdt_finite_vertex(q.x, q.y), &s, &r))
-        continue;
+      if (!gcdt_segments_cross(a, b, vertex_at(points, ends[d].x), vertex_at(points, ends[d].y), &s, &r)) continue;
       if (emit && counts[c] + found >= first && counts[c] + found < last)
         pairs[counts[c] + found - first] = (uint2)(c, d);
       ++found;

@@ -13,8 +13,8 @@
 #ifndef GCDT_FOREST
 #define GCDT_FOREST
 #endif
-#include "common/runs.h"
 #include "flip/flip.h"
+#include "sort/alone.h"
 
 // A constraint that cannot be enforced.
 #define ENFORCE_FAILED GCDT_NONE

@@ -60,7 +60,7 @@ kernel void route_walk(uint emit, uint count, uint capacity, uint n, GCDT_LEVELS
     uint found = 0;
     u64 largest = 0;
     if (part < parts) {
-      const uint c = piece_of_part(begins, count, part);
+      const uint c = last_begin(begins, count, part);
       const uint2 e = ends[c];
       const Vertex a = load_vertex(points, n, e.x), b = load_vertex(points, n, e.y);
       const Stretch stretch = stretch_of(a, b, part - begins[c], begins[c + 1u] - begins[c]);
@@ -144,7 +144,7 @@ kernel void route_links(uint count, GCDT_LEVELS_POINTER levels, global const uin
                         global uint2* links, global uint* owners) {
   const uint parts = begins[count];
   FOR_EACH(part, parts) {
-    const uint i = piece_of_part(begins, count, part);
+    const uint i = last_begin(begins, count, part);
     const uint first = offsets[begins[i]], last = offsets[part + 1u], c = list[i];
     uint before = ends[i].x;
     if (offsets[part] != first) before = gcdt_vertex_of_rank(levels, levels->count - 1u, hits[offsets[part] - 1u]);

@@ -14,10 +14,9 @@ kernel void split_points(uint count, uint before, global const int2* points, glo
   u64 mine = 0;
   FOR_EACH(i, count) {
     const uint c = pairs[i].x, d = pairs[i].y;
-    const int2 a1 = points[ends[c].x], b1 = points[ends[c].y], a2 = points[ends[d].x], b2 = points[ends[d].y];
+    const Vertex a1 = vertex_at(points, ends[c].x), b1 = vertex_at(points, ends[c].y);
     i64 s = 1, r = 1;
-    gcdt_segments_cross(gcdt_finite_vertex(a1.x, a1.y), gcdt_finite_vertex(b1.x, b1.y), gcdt_finite_vertex(a2.x, a2.y),
-                        gcdt_finite_vertex(b2.x, b2.y), &s, &r);
+    gcdt_segments_cross(a1, b1, vertex_at(points, ends[d].x), vertex_at(points, ends[d].y), &s, &r);
     const i64 x = gcdt_round_division(a1.x, b1.x, s, r), y = gcdt_round_division(a1.y, b1.y, s, r);
     // Sources of a piece are ascending, and no constraint crosses itself.
     const uint least_c = sources[offsets[c]], least_d = sources[offsets[d]];

@@ -200,11 +200,6 @@ static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
 
 // ---- Parts (paper, 6.2: work-items in proportion to length) -----------------------------------------
 
-// The piece to which part `part` belongs: the last c with begins[c] <= part.
-static inline uint piece_of_part(global const uint* begins, uint pieces, uint part) {
-  return last_begin(begins, pieces, part);
-}
-
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without
 // turning around a vertex of high degree.
 static inline uint2 walk_ends(uint2 ends) { return ends.x > ends.y ? ends : ends.yx; }

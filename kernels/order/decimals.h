@@ -4,7 +4,7 @@
 #ifndef GCDT_DECIMALS_H
 #define GCDT_DECIMALS_H
 
-#include "order/doubles.h"
+#include "order/quantise.h"
 
 #ifndef __OPENCL_VERSION__
 namespace gcdt::device {

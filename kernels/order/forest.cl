@@ -7,13 +7,12 @@
 #endif
 #include "common/forest.h"
 #include "common/search.h"
-#include "order/problems.h"
 #include "order/vertices.h"
 
 // ---- Grids ------------------------------------------------------------------------------------------
 
 // One work-item per chunk.
-// Reads: coordinates. Writes: maxima[chunk], the columns of survey.h, with coordinates numbered in the problem.
+// Reads: coordinates. Writes: maxima[chunk], the columns of order.h, with coordinates numbered in the problem.
 // A row has one work-item.
 // After this kernel and forest_fold the table describes each problem.
 kernel void forest_survey(uint chunks, global const Chunk* chunk, global const uint* first_input, uint type,
@@ -53,7 +52,7 @@ kernel void forest_fold(uint problems, uint columns, global const uint* first_ch
 
 // One work-item per chunk.
 // Reads: coordinates, all finite; the grid of each problem. Writes: keys[v], the Morton code of v's grid point;
-//   values[v] = v; input_problem[v]; maxima[chunk], the columns of survey.h, with coordinates numbered in the problem
+//   values[v] = v; input_problem[v]; maxima[chunk], the columns of order.h, with coordinates numbered in the problem
 //   (if one is outside, the problem's keys are void).
 // A vertex and a row belong to one chunk.
 // After this kernel stable sorts by key, then by problem, give the order along each problem's curve.

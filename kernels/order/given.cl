@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices as they were given against vertices on the grid: which of those that rounding made one were not.
 #include "common/search.h"
-#include "order/doubles.h"
-#include "order/survey.h"
+#include "order/order.h"
 
 // One work-item per input vertex.
 // Reads: coordinates; vertex_input and input_vertex, as after number_vertices; first_input: where the inputs of each

@@ -4,8 +4,7 @@
 #ifndef GCDT_GRID_H
 #define GCDT_GRID_H
 
-#include "order/decimals.h"
-#include "order/quantise.h"
+#include "order/order.h"
 
 #ifndef __OPENCL_VERSION__
 namespace gcdt::device {

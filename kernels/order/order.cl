@@ -6,7 +6,7 @@
 #include "sort/mark_first.h"
 
 // One work-item per row of the table, over its share of the vertices.
-// Reads: coordinates. Writes: maxima[row], the columns of survey.h.
+// Reads: coordinates. Writes: maxima[row], the columns of order.h.
 // A row has one work-item. A coordinate that is not finite counts in its own column only.
 // After this kernel the folded table describes the whole input.
 kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows, global ulong* maxima) {
@@ -37,7 +37,7 @@ kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uin
 
 // One work-item per row of the table, over its share of the vertices.
 // Reads: coordinates, all finite; scale. Writes: keys[v], the Morton code of v's grid point; values[v] = v;
-//   maxima[row], the columns of survey.h (if one is outside, the keys are void).
+//   maxima[row], the columns of order.h (if one is outside, the keys are void).
 // A row has one work-item, and a vertex belongs to one row.
 // After this kernel a stable sort of the keys gives the order along the curve.
 kernel void quantise(uint n, uint type, global const ulong* coordinates, global const Scale* scale, uint rows,

@@ -7,9 +7,7 @@
 #define GCDT_VERTICES_H
 
 #include "common/levels.h"
-#include "order/decimals.h"
-#include "order/quantise.h"
-#include "order/survey.h"
+#include "order/order.h"
 
 // Writes the columns of a survey of these vertices.
 static inline void survey_items(Items items, uint first, uint type, global const ulong* coordinates,

@@ -9,10 +9,9 @@
 #ifndef GCDT_FOREST
 #define GCDT_FOREST
 #endif
-#include "common/digits.h"
 #include "common/mesh.h"
-#include "common/runs.h"
 #include "output/triangle.h"
+#include "sort/alone.h"
 
 // ---- Vertices ---------------------------------------------------------------------------------------
 

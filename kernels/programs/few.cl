@@ -3,10 +3,10 @@
 // kernels of order.cl, output.cl and check.cl are, one after the other, by the first work-item of one work-group alone:
 // there is no race. It calls what those call, but not those: drivers compile a kernel that another one calls twice.
 #include "check/check.cl"
-#include "common/digits.h"
-#include "order/few.h"
+#include "order/grid.h"
 #include "order/order.cl"
 #include "output/output.cl"
+#include "sort/alone.h"
 
 // The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
 // back in between: of what it calls only the counting of decimals is not the host's, too. Leaves the grid in *report.

@@ -15,8 +15,6 @@ GCDT_INLINE uint3 vertices_of(global const uint* corners, uint t, global const u
   return (uint3)(input_vertex[c.x], input_vertex[c.y], input_vertex[c.z]);
 }
 
-GCDT_INLINE Vertex point_of(global const int2* points, uint v) { return gcdt_finite_vertex(points[v].x, points[v].y); }
-
 // The triangle of a canonical mesh whose first two corners have those ranks; GCDT_NONE if there is none. Ends: high -
 // low shrinks.
 GCDT_INLINE uint find_triangle(global const Levels* levels, uint triangles, global const uint* corners,
@@ -51,7 +49,7 @@ kernel void find_triangles(const uint count, global const Levels* levels, global
   FOR_EACH(i, count) {
     const uint3 v = vertices_of(corners, i, input_vertex);
     uint t = GCDT_NONE;
-    if (gcdt_orient2d_finite(point_of(points, v.x), point_of(points, v.y), point_of(points, v.z)) <= 0) {
+    if (gcdt_orient2d_finite(vertex_at(points, v.x), vertex_at(points, v.y), vertex_at(points, v.z)) <= 0) {
       atomic_min(&faults[0], i);
     } else {
       const uint a = gcdt_rank_of_vertex(levels, v.x), b = gcdt_rank_of_vertex(levels, v.y),

@@ -10,13 +10,7 @@
 #include "common/predicates.h"
 #include "common/search.h"
 #include "order/decimals.h"
-#include "order/quantise.h"
 #include "query/locate.h"
-
-GCDT_INLINE Vertex point_of(global const int2* points, uint v) {
-  const int2 p = points[v];
-  return gcdt_finite_vertex(p.x, p.y);
-}
 
 // A corner is the number of an input vertex (`by_input`) or of a vertex.
 GCDT_INLINE uint vertex_of(global const uint* input_vertex, uint by_input, uint corner) {
@@ -31,9 +25,9 @@ typedef struct Corners {
 GCDT_INLINE Corners corners_of(global const uint* corners, uint t, global const uint* input_vertex, uint by_input,
                                global const int2* points) {
   Corners c;
-  c.at[0] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t]));
-  c.at[1] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + 1u]));
-  c.at[2] = point_of(points, vertex_of(input_vertex, by_input, corners[3u * t + 2u]));
+  c.at[0] = vertex_at(points, vertex_of(input_vertex, by_input, corners[3u * t]));
+  c.at[1] = vertex_at(points, vertex_of(input_vertex, by_input, corners[3u * t + 1u]));
+  c.at[2] = vertex_at(points, vertex_of(input_vertex, by_input, corners[3u * t + 2u]));
   return c;
 }
 

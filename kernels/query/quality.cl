@@ -5,8 +5,7 @@
 
 GCDT_INLINE Vertex corner_point(global const uint* corners, uint i, global const uint* input_vertex,
                                 global const int2* points) {
-  const int2 p = points[input_vertex[corners[i]]];
-  return gcdt_finite_vertex(p.x, p.y);
+  return vertex_at(points, input_vertex[corners[i]]);
 }
 
 GCDT_INLINE i64 dot_at(Vertex corner, Vertex b, Vertex c) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the radix sort of 64-bit keys leaves to simpler ways: few keys, or many times few, each sorted by one
 // work-group; keys of many small buckets; keys that a sort by their high bits has left nearly in order.
-#include "common/digits.h"
-#include "common/runs.h"
-#include "sort/sizes.h"
+#include "sort/alone.h"
 
 // ---- In local memory ----------------------------------------------------------------------------------
 

@@ -6,7 +6,6 @@
 #include "device/step.hpp"
 #include "mesh/grid.hpp"
 #include "mesh/phase.hpp"
-#include "order/problems.h"
 
 namespace gcdt {
 

@@ -9,7 +9,6 @@
 #include <gcdt/types.hpp>
 
 #include "order/grid.h"
-#include "order/survey.h"
 
 namespace gcdt {
 

@@ -7,8 +7,7 @@
 #include "common/levels.h"
 #include "common/shared.h"
 #include "device/runtime.hpp"
-#include "order/decimals.h"
-#include "order/quantise.h"
+#include "order/order.h"
 
 namespace gcdt {
 

@@ -7,7 +7,6 @@
 #include "device/step.hpp"
 #include "mesh/grid.hpp"
 #include "mesh/phase.hpp"
-#include "order/few.h"
 
 namespace gcdt {
 
