@@ -14,13 +14,13 @@
 
 #include "batch_statistics.hpp"
 #include "command.hpp"
-#include "device/trace.hpp"
 #include "io/formats.hpp"
 #include "io/geojson.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
 #include "solved.hpp"
+#include "trace.hpp"
 
 namespace gcdt::command {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "device/trace.hpp"
+#include "trace.hpp"
 
 #include <algorithm>
 #include <map>

@@ -8,13 +8,13 @@
 #include <gcdt/verify.hpp>
 
 #include "command.hpp"
-#include "device/trace.hpp"
 #include "io/formats.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
 #include "solved.hpp"
 #include "statistics.hpp"
+#include "trace.hpp"
 
 namespace gcdt::command {
 

@@ -100,17 +100,17 @@ inline gcdt_input input(Points points, Constraints constraints) {
   gcdt_input c = GCDT_INPUT_INIT;
   c.coordinate_type = coordinate_type(points.type());
   c.vertices = points.data(), c.vertex_count = points.size();
-  c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data), c.constraint_count = constraints.size;
+  c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data()), c.constraint_count = constraints.size();
   return c;
 }
 
 inline gcdt_mesh mesh(const MeshView& mesh) {
   gcdt_mesh view = GCDT_MESH_INIT;
-  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
-  view.triangle_count = mesh.triangles.size;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data());
+  view.triangle_count = mesh.triangles.size();
   view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
   view.constrained = mesh.constrained;
-  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data), view.added_count = mesh.added.size;
+  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data()), view.added_count = mesh.added.size();
   return view;
 }
 
@@ -166,6 +166,22 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
   c.region_seeds = seeds(options.region_seeds), c.region_seed_count = options.region_seeds.size();
   c.distinct = options.distinct;
   return c;
+}
+
+/// The handle that call(options as C has them, where to put it) makes. What the progress function throws comes through,
+/// and so do errors of the call; `solver`, which may be null, is as for check().
+template <class Handle, class Call>
+Handle* made(const Options& options, const gcdt_solver* solver, void (*release)(Handle*), Call&& call) {
+  ProgressCall progress{&options.progress, nullptr};
+  const gcdt_options given = detail::options(options, progress);
+  Handle* handle = nullptr;
+  const std::int32_t status = call(given, &handle);
+  if (progress.thrown) {
+    release(handle);
+    std::rethrow_exception(progress.thrown);
+  }
+  check(status, solver);
+  return handle;
 }
 
 using LogFunction = std::function<void(int level, const char* message)>;

@@ -41,8 +41,8 @@ using Log = std::function<void(int level, const char* message)>;
 /// The doubles nearest to the coordinates of grid points; see gcdt_grid_coordinates.
 inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Span<std::array<std::int32_t, 2>> points) {
   const gcdt_grid at = detail::grid(grid);
-  std::vector<std::array<double, 2>> coordinates(points.size);
-  detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data), points.size,
+  std::vector<std::array<double, 2>> coordinates(points.size());
+  detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data()), points.size(),
                                       reinterpret_cast<double*>(coordinates.data())));
   return coordinates;
 }
@@ -51,21 +51,21 @@ inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Spa
 /// invalid_argument if there is not one value for each vertex, or not one pair for each added one.
 inline std::vector<double> added_values(Points vertices, Constraints constraints, Span<std::array<double, 2>> added,
                                         Span<Constraint> crossings, Span<double> vertex_values) {
-  if (vertex_values.size != vertices.size() || crossings.size != added.size)
+  if (vertex_values.size() != vertices.size() || crossings.size() != added.size())
     throw Error(Status::invalid_argument, "there is not one value for each vertex, or not one pair for each added one");
   const gcdt_input input = detail::input(vertices, constraints);
-  std::vector<double> values(added.size);
-  detail::check(gcdt_added_values(&input, reinterpret_cast<const double*>(added.data),
-                                  reinterpret_cast<const std::uint32_t*>(crossings.data), added.size,
-                                  vertex_values.data, values.data()));
+  std::vector<double> values(added.size());
+  detail::check(gcdt_added_values(&input, reinterpret_cast<const double*>(added.data()),
+                                  reinterpret_cast<const std::uint32_t*>(crossings.data()), added.size(),
+                                  vertex_values.data(), values.data()));
   return values;
 }
 
 /// The grid points to which coordinates are rounded; see gcdt_grid_points.
 inline std::vector<std::array<std::int32_t, 2>> grid_points(const Grid& grid, Span<std::array<double, 2>> coordinates) {
   const gcdt_grid at = detail::grid(grid);
-  std::vector<std::array<std::int32_t, 2>> points(coordinates.size);
-  detail::check(gcdt_grid_points(&at, reinterpret_cast<const double*>(coordinates.data), coordinates.size,
+  std::vector<std::array<std::int32_t, 2>> points(coordinates.size());
+  detail::check(gcdt_grid_points(&at, reinterpret_cast<const double*>(coordinates.data()), coordinates.size(),
                                  reinterpret_cast<std::int32_t*>(points.data())));
   return points;
 }
@@ -76,8 +76,9 @@ inline std::vector<Constraint> ring_constraints(Points points, Span<std::uint64_
                                                 Span<std::uint64_t> polygon_offsets = {}) {
   const gcdt_input input = detail::input(points, {});
   gcdt_rings rings = GCDT_RINGS_INIT;
-  rings.ring_offsets = ring_offsets.data, rings.ring_count = ring_offsets.size - (ring_offsets.size > 0);
-  rings.polygon_offsets = polygon_offsets.data, rings.polygon_count = polygon_offsets.size - (polygon_offsets.size > 0);
+  rings.ring_offsets = ring_offsets.data(), rings.ring_count = ring_offsets.size() - !ring_offsets.empty();
+  rings.polygon_offsets = polygon_offsets.data(),
+  rings.polygon_count = polygon_offsets.size() - !polygon_offsets.empty();
   std::vector<Constraint> constraints(points.size());
   detail::check(
       gcdt_ring_constraints(&input, &rings, reinterpret_cast<std::uint32_t*>(constraints.data()), constraints.size()));
@@ -146,11 +147,11 @@ class Result {
   /// The values at points, linear in each triangle; `vertex_values`: one a vertex, added ones last. See
   /// gcdt_interpolate. Throws invalid_argument if they are not as many. Blocks.
   std::vector<double> interpolate(Points points, Span<double> vertex_values, double outside) const {
-    if (vertex_values.size != count(GCDT_REPRESENTATIVES))
+    if (vertex_values.size() != count(GCDT_REPRESENTATIVES))
       throw Error(Status::invalid_argument, "there is not one value for each vertex");
     std::vector<double> values(points.size());
     detail::check(gcdt_interpolate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
-                                   vertex_values.data, outside, values.data()));
+                                   vertex_values.data(), outside, values.data()));
     return values;
   }
 
@@ -251,9 +252,9 @@ class Solver {
   /// progress function throws. Blocks until the mesh is complete.
   Result solve(Points points, Constraints constraints = {}, const Options& options = {}) {
     const gcdt_input input = detail::input(points, constraints);
-    return solved(options, [&](const gcdt_options& given, gcdt_result** result) {
-      return gcdt_triangulate(handle_.get(), &input, &given, result);
-    });
+    return Result(detail::made<gcdt_result>(
+        options, handle(), gcdt_result_release,
+        [&](const gcdt_options& given, auto** result) { return gcdt_triangulate(handle(), &input, &given, result); }));
   }
   /// The same, copied to host memory.
   Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {}) {
@@ -269,27 +270,13 @@ class Solver {
     MeshView view;
     view.triangles = triangles;
     const gcdt_mesh mesh = detail::mesh(view);
-    return solved(options, [&](const gcdt_options& given, gcdt_result** result) {
-      return gcdt_adopt(handle_.get(), &input, &mesh, &given, result);
-    });
+    return Result(detail::made<gcdt_result>(
+        options, handle(), gcdt_result_release,
+        [&](const gcdt_options& given, auto** result) { return gcdt_adopt(handle(), &input, &mesh, &given, result); }));
   }
 
   /// Gives the device memory back that is kept and that no result holds.
   void trim() { detail::check(gcdt_solver_trim(handle_.get())); }
-
-  /// For gcdt_cl.hpp: calls `f` with the options as C has them, and lets exceptions of the progress function through.
-  template <class F>
-  Result solved(const Options& options, F&& f) {
-    detail::ProgressCall progress{&options.progress, nullptr};
-    gcdt_result* result = nullptr;
-    const std::int32_t status = f(detail::options(options, progress), &result);
-    if (progress.thrown) {
-      gcdt_result_release(result);
-      std::rethrow_exception(progress.thrown);
-    }
-    detail::check(status, handle_.get());
-    return Result(result);
-  }
 
  private:
   struct Release {

@@ -138,6 +138,18 @@ struct PoolDevice {
   double ms_busy = 0;
 };
 
+namespace detail {
+
+/// `log` and `trace` may be null.
+inline gcdt_pool_options pool_options(LogFunction* log, Trace* trace) {
+  gcdt_pool_options c = GCDT_POOL_OPTIONS_INIT;
+  if (log) c.log = call_log, c.log_user = log;
+  if (trace) c.trace = call_trace, c.trace_user = trace;
+  return c;
+}
+
+}  // namespace detail
+
 /// Triangulates batches on any set of devices. One object by one thread at a time. Move-only.
 class Pool {
  public:
@@ -145,7 +157,7 @@ class Pool {
   /// or what all devices failed with.
   explicit Pool(const std::string& devices = {}, Log log = {}, Trace trace = {})
       : log_(detail::boxed(std::move(log))), trace_(detail::boxed(std::move(trace))) {
-    gcdt_pool_options options = pool_options(log_.get(), trace_.get());
+    gcdt_pool_options options = detail::pool_options(log_.get(), trace_.get());
     options.devices = devices.c_str();
     gcdt_pool* pool = nullptr;
     detail::check(gcdt_pool_create(&options, &pool));
@@ -180,46 +192,25 @@ class Pool {
   BatchResult triangulate(const BatchView& batch, const Options& options = {}) {
     gcdt_batch_input input = GCDT_BATCH_INPUT_INIT;
     input.coordinate_type = detail::coordinate_type(batch.vertices.type());
-    input.problem_count = batch.vertex_offsets.size > 0 ? batch.vertex_offsets.size - 1 : 0;
-    const bool right = batch.constraint_offsets.size == batch.vertex_offsets.size ||
-                       (batch.constraint_offsets.size == 0 && batch.constraints.size == 0);
+    input.problem_count = batch.vertex_offsets.empty() ? 0 : batch.vertex_offsets.size() - 1;
+    const bool right = batch.constraint_offsets.size() == batch.vertex_offsets.size() ||
+                       (batch.constraint_offsets.empty() && batch.constraints.empty());
     if (!right) throw Error(Status::invalid_argument, "constraint_offsets and vertex_offsets are not of one length");
     if (input.problem_count > 0 && batch.vertex_offsets[input.problem_count] > batch.vertices.size())
       throw Error(Status::invalid_argument, "vertex_offsets go beyond the vertices");
-    if (input.problem_count > 0 && batch.constraint_offsets.size > 0 &&
-        batch.constraint_offsets[input.problem_count] > batch.constraints.size)
+    if (input.problem_count > 0 && !batch.constraint_offsets.empty() &&
+        batch.constraint_offsets[input.problem_count] > batch.constraints.size())
       throw Error(Status::invalid_argument, "constraint_offsets go beyond the constraints");
-    input.vertices = batch.vertices.data(), input.vertex_offsets = batch.vertex_offsets.data;
-    input.constraints = reinterpret_cast<const std::uint32_t*>(batch.constraints.data);
-    input.constraint_offsets = batch.constraint_offsets.data;
-    return triangulated(options, [&](const gcdt_options& given, gcdt_batch** result) {
-      return gcdt_pool_triangulate(handle_.get(), &input, &given, result);
-    });
+    input.vertices = batch.vertices.data(), input.vertex_offsets = batch.vertex_offsets.data();
+    input.constraints = reinterpret_cast<const std::uint32_t*>(batch.constraints.data());
+    input.constraint_offsets = batch.constraint_offsets.data();
+    return BatchResult(
+        detail::made<gcdt_batch>(options, nullptr, gcdt_batch_release, [&](const gcdt_options& given, auto** result) {
+          return gcdt_pool_triangulate(handle(), &input, &given, result);
+        }));
   }
   BatchResult triangulate(const Batch& batch, const Options& options = {}) {
     return triangulate(batch.view(), options);
-  }
-
-  /// What `call` makes, given the C options; for gcdt_cl.hpp.
-  template <class Call>
-  static BatchResult triangulated(const Options& options, Call&& call) {
-    detail::ProgressCall progress{&options.progress, nullptr};
-    const gcdt_options given = detail::options(options, progress);
-    gcdt_batch* result = nullptr;
-    const std::int32_t status = call(given, &result);
-    if (progress.thrown) {
-      gcdt_batch_release(result);
-      std::rethrow_exception(progress.thrown);
-    }
-    detail::check(status);
-    return BatchResult(result);
-  }
-  /// For gcdt_cl.hpp. Either may be null.
-  static gcdt_pool_options pool_options(Log* log, Trace* trace) {
-    gcdt_pool_options options = GCDT_POOL_OPTIONS_INIT;
-    if (log) options.log = detail::call_log, options.log_user = log;
-    if (trace) options.trace = detail::call_trace, options.trace_user = trace;
-    return options;
   }
 
  private:

@@ -18,21 +18,26 @@
 
 namespace gcdt {
 
-/// A view of `size` elements at `data`, owned by the caller.
+/// A view of elements that the caller owns, read only: what std::span<const T> is in C++20.
 template <class T>
-struct Span {
-  const T* data = nullptr;
-  std::size_t size = 0;
-
+class Span {
+ public:
   Span() = default;
-  Span(const T* first, std::size_t count) : data(first), size(count) {}
-  Span(const std::vector<T>& values) : data(values.data()), size(values.size()) {}
+  Span(const T* first, std::size_t count) : data_(first), size_(count) {}
+  Span(const std::vector<T>& values) : Span(values.data(), values.size()) {}
   template <std::size_t N>
-  Span(const std::array<T, N>& values) : data(values.data()), size(N) {}
+  Span(const std::array<T, N>& values) : Span(values.data(), N) {}
 
-  const T& operator[](std::size_t i) const { return data[i]; }
-  const T* begin() const { return data; }
-  const T* end() const { return data + size; }
+  const T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+
+ private:
+  const T* data_ = nullptr;
+  std::size_t size_ = 0;
 };
 
 /// A view of the input vertices: `count` pairs (x, y) of one number type, tightly packed.
@@ -43,10 +48,10 @@ class Points {
   enum class Type { float64, float32, int32, int64 };
 
   Points() = default;
-  Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data, p.size) {}
-  Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data, p.size) {}
-  Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data, p.size) {}
-  Points(Span<std::array<std::int64_t, 2>> p) : Points(Type::int64, p.data, p.size) {}
+  Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data(), p.size()) {}
+  Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data(), p.size()) {}
+  Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data(), p.size()) {}
+  Points(Span<std::array<std::int64_t, 2>> p) : Points(Type::int64, p.data(), p.size()) {}
   Points(const std::vector<std::array<double, 2>>& p) : Points(Span<std::array<double, 2>>(p)) {}
   Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
   Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}

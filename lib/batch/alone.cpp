@@ -81,7 +81,7 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
   const Points points = points_of(batch, number);
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[number],
                                    static_cast<std::size_t>(batch.m(number))};
-  const InputSource source = {points.size(), constraints.size, [&] {
+  const InputSource source = {points.size(), constraints.size(), [&] {
                                 return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                               }};
   runtime.memory().begin_call();

@@ -11,8 +11,8 @@ using runtime::over;
 
 runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constraints) {
   static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is copied as it is");
-  auto staged = runtime.allocate<cl_uint2>("constraints", constraints.size);
-  runtime.write(staged, reinterpret_cast<const cl_uint2*>(constraints.data), constraints.size);
+  auto staged = runtime.allocate<cl_uint2>("constraints", constraints.size());
+  runtime.write(staged, reinterpret_cast<const cl_uint2*>(constraints.data()), constraints.size());
   return staged;
 }
 

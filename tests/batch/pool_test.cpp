@@ -111,7 +111,7 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   } catch (const Error& error) {
     CHECK(error.status() == Status::cancelled);
   }
-  CHECK(pool.triangulate({points, right, {}, {}}).triangles(0).size == 1);
+  CHECK(pool.triangulate({points, right, {}, {}}).triangles(0).size() == 1);
   CHECK(gcdt_pool_triangulate(nullptr, nullptr, nullptr, nullptr) == GCDT_ERROR_INVALID_ARGUMENT);
   for (const char* none : {"no such device", "cpu,no such device", ",", "99"}) CHECK_THROWS_AS(Pool{none}, Error);
 }
