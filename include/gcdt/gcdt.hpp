@@ -98,33 +98,12 @@ class Result {
     return static_cast<std::size_t>(gcdt_result_count(handle_.get(), array));
   }
 
-  /// Copies to host memory; see the members of Triangulation. Each blocks.
-  std::vector<std::array<std::uint32_t, 3>> triangles() const {
-    return copy<std::array<std::uint32_t, 3>>(GCDT_TRIANGLES);
-  }
-  std::vector<std::array<std::int32_t, 3>> neighbours() const {
-    return copy<std::array<std::int32_t, 3>>(GCDT_NEIGHBOURS);
-  }
-  std::vector<std::uint8_t> constrained() const { return copy<std::uint8_t>(GCDT_CONSTRAINED); }
-  std::vector<std::uint32_t> representative() const { return copy<std::uint32_t>(GCDT_REPRESENTATIVES); }
-  std::vector<Constraint> pieces() const { return copy<Constraint>(GCDT_PIECES); }
-  std::vector<std::uint32_t> source_offsets() const { return copy<std::uint32_t>(GCDT_SOURCE_OFFSETS); }
-  std::vector<std::uint32_t> sources() const { return copy<std::uint32_t>(GCDT_SOURCES); }
-  std::vector<std::uint32_t> dropped() const { return copy<std::uint32_t>(GCDT_DROPPED); }
-  std::vector<std::uint32_t> region() const { return copy<std::uint32_t>(GCDT_REGIONS); }
-  std::vector<std::uint32_t> depth() const { return copy<std::uint32_t>(GCDT_DEPTHS); }
-  std::vector<std::int32_t> winding() const { return copy<std::int32_t>(GCDT_WINDINGS); }
-  std::vector<std::int32_t> region_seed() const { return copy<std::int32_t>(GCDT_REGION_SEEDS); }
-  /// Made on demand; see GCDT_VERTEX_TRIANGLES, GCDT_HULL and GCDT_EDGE_PIECES.
-  std::vector<std::int32_t> vertex_triangles() const { return copy<std::int32_t>(GCDT_VERTEX_TRIANGLES); }
-  std::vector<std::uint32_t> hull() const { return copy<std::uint32_t>(GCDT_HULL); }
-  std::vector<std::array<std::int32_t, 3>> edge_pieces() const {
-    return copy<std::array<std::int32_t, 3>>(GCDT_EDGE_PIECES);
-  }
-  std::vector<std::array<std::int32_t, 2>> added_on_grid() const {
-    return copy<std::array<std::int32_t, 2>>(GCDT_ADDED);
-  }
-  std::vector<Constraint> added_crossing() const { return copy<Constraint>(GCDT_ADDED_CROSSINGS); }
+  /// Copies to host memory, by the names of the arrays in gcdt/arrays.def: triangles(), neighbours() and so on, and
+  /// those made on demand: vertex_triangles(), hull() and edge_pieces(). Each blocks.
+#define GCDT_ARRAY(number, name, type, width, ...) \
+  std::vector<detail::Element<type, width>> name() const { return copy<detail::Element<type, width>>(number); }
+#define GCDT_DERIVED_ARRAY GCDT_ARRAY
+#include <gcdt/arrays.def>
   Statistics statistics() const { return detail::statistics(handle_.get()); }
 
   /// Areas and angles, measured on the device. Blocks.
@@ -161,20 +140,8 @@ class Result {
     const double before = statistics().ms.call;
     Triangulation all;
     Copies copies(*this);
-    copies.add(GCDT_TRIANGLES, all.triangles);
-    copies.add(GCDT_NEIGHBOURS, all.neighbours);
-    copies.add(GCDT_CONSTRAINED, all.constrained);
-    copies.add(GCDT_REPRESENTATIVES, all.representative);
-    copies.add(GCDT_PIECES, all.pieces);
-    copies.add(GCDT_SOURCE_OFFSETS, all.source_offsets);
-    copies.add(GCDT_SOURCES, all.sources);
-    copies.add(GCDT_DROPPED, all.dropped);
-    copies.add(GCDT_REGIONS, all.region);
-    copies.add(GCDT_DEPTHS, all.depth);
-    copies.add(GCDT_WINDINGS, all.winding);
-    copies.add(GCDT_REGION_SEEDS, all.region_seed);
-    copies.add(GCDT_ADDED, all.added_on_grid);
-    copies.add(GCDT_ADDED_CROSSINGS, all.added_crossing);
+#define GCDT_ARRAY(number, name, ...) copies.add(number, all.name);
+#include <gcdt/arrays.def>
     copies.run();
     all.statistics = statistics();
     all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);

@@ -2,6 +2,8 @@
 // The C++17 interface to pools of devices and batches of problems, header-only over gcdt_pool.h, which has the rules.
 #pragma once
 
+#include <tuple>
+
 #include <gcdt/gcdt_pool.h>
 #include <gcdt/gcdt.hpp>
 
@@ -80,35 +82,13 @@ class BatchResult {
     return {c.vertices_rounded_together, {c.rounded_pair[0], c.rounded_pair[1]}};
   }
 
-  /// The problem's arrays; see the members of Triangulation. Empty if it has an error.
-  Span<std::array<std::uint32_t, 3>> triangles(std::size_t problem) const {
-    return array<std::array<std::uint32_t, 3>>(problem, GCDT_TRIANGLES);
+  /// The problem's arrays by their names in gcdt/arrays.def: triangles(p), neighbours(p) and so on. Empty if it has an
+  /// error, and where the options do not ask for them.
+#define GCDT_ARRAY(number, name, type, width, ...)                     \
+  Span<detail::Element<type, width>> name(std::size_t problem) const { \
+    return array<detail::Element<type, width>>(problem, number);       \
   }
-  Span<std::array<std::int32_t, 3>> neighbours(std::size_t problem) const {
-    return array<std::array<std::int32_t, 3>>(problem, GCDT_NEIGHBOURS);
-  }
-  Span<std::uint8_t> constrained(std::size_t problem) const { return array<std::uint8_t>(problem, GCDT_CONSTRAINED); }
-  Span<std::uint32_t> representative(std::size_t problem) const {
-    return array<std::uint32_t>(problem, GCDT_REPRESENTATIVES);
-  }
-  Span<Constraint> pieces(std::size_t problem) const { return array<Constraint>(problem, GCDT_PIECES); }
-  Span<std::uint32_t> source_offsets(std::size_t problem) const {
-    return array<std::uint32_t>(problem, GCDT_SOURCE_OFFSETS);
-  }
-  Span<std::uint32_t> sources(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_SOURCES); }
-  /// Empty unless asked for (Options::domain, regions).
-  Span<std::uint32_t> region(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_REGIONS); }
-  Span<std::uint32_t> depth(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DEPTHS); }
-  Span<std::int32_t> winding(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_WINDINGS); }
-  Span<std::int32_t> region_seed(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_REGION_SEEDS); }
-  Span<std::uint32_t> dropped(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DROPPED); }
-  /// Empty unless constraints were split (Crossing::split); grid_coordinates has the coordinates.
-  Span<std::array<std::int32_t, 2>> added_on_grid(std::size_t problem) const {
-    return array<std::array<std::int32_t, 2>>(problem, GCDT_ADDED);
-  }
-  Span<Constraint> added_crossing(std::size_t problem) const {
-    return array<Constraint>(problem, GCDT_ADDED_CROSSINGS);
-  }
+#include <gcdt/arrays.def>
 
  private:
   gcdt_problem info(std::size_t problem) const {
@@ -129,6 +109,32 @@ class BatchResult {
   };
   std::unique_ptr<gcdt_batch, Release> handle_;
 };
+
+namespace detail {
+
+/// What the batch has to say of a problem without an error.
+inline Statistics statistics(const BatchResult& batch, std::size_t problem) {
+  Statistics s;
+  s.grid = batch.grid(problem);
+  std::tie(s.vertices_rounded_together, s.rounded_pair) = batch.rounded_together(problem);
+  const SplitReport split = batch.split(problem);
+  s.crossings = split.crossings, s.vertices_added = split.vertices_added;
+  s.constraints_split = split.constraints_split, s.constraint_move = split.constraint_move;
+  return s;
+}
+
+/// A copy of the problem's arrays, and the same.
+inline Triangulation triangulation(const BatchResult& batch, std::size_t problem) {
+  Triangulation all;
+#define GCDT_ARRAY(number, name, ...) all.name.assign(batch.name(problem).begin(), batch.name(problem).end());
+#include <gcdt/arrays.def>
+  all.statistics = statistics(batch, problem);
+  all.statistics.triangles = all.triangles.size();
+  all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
+  return all;
+}
+
+}  // namespace detail
 
 /// A device of a pool: what it is, why it was taken out, and its part in the last batch.
 struct PoolDevice {

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstring>
-#include <iterator>
 
 #include "api/state.hpp"
 #include "query/quality.hpp"
@@ -12,65 +11,26 @@
 using namespace gcdt;
 using namespace gcdt::api;
 
-namespace {
-
-// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_ADDED_CROSSINGS; from 16 on GCDT_REGIONS ...; from 24
-// on GCDT_VERTEX_TRIANGLES ...
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 8, 8, 0, 0, 0, 0,
-                                         0,  0,  4, 4, 4, 4, 0, 0, 0, 0, 4, 4, 12};
-
-}  // namespace
-
 std::uint64_t gcdt_result::count(std::int32_t number) const {
-  switch (number) {
-    case GCDT_TRIANGLES:
-    case GCDT_NEIGHBOURS:
-    case GCDT_CONSTRAINED:
-    case GCDT_EDGE_PIECES: return data.mesh.triangles;
-    case GCDT_REPRESENTATIVES:
-    case GCDT_VERTEX_TRIANGLES: return data.representatives.size();
-    case GCDT_PIECES: return data.pieces.count;
-    case GCDT_SOURCE_OFFSETS: return std::uint64_t{data.pieces.count} + 1;
-    case GCDT_SOURCES: return data.pieces.source_count;
-    case GCDT_DROPPED: return data.dropped.size();
-    case GCDT_ADDED:
-    case GCDT_ADDED_CROSSINGS: return data.added.count;
-    case GCDT_REGIONS:
-    case GCDT_DEPTHS:
-    case GCDT_WINDINGS:
-    case GCDT_REGION_SEEDS: return data.regions.region.size();
-    case GCDT_HULL: return hull_count(data);
-  }
-  return 0;
+  const ResultArray* array = result_array(number);
+  return array ? elements(data, *array) : 0;
 }
 
 Array gcdt_result::array(std::int32_t number) const {
-  auto found = [&](const auto& buffer) { return Array{buffer.handle(), count(number), gcdt_element_bytes(number)}; };
-  runtime::Runtime& runtime = state->runtime;
-  switch (number) {
-    case GCDT_TRIANGLES: return found(data.mesh.corners);
-    case GCDT_NEIGHBOURS: return found(data.mesh.neighbours);
-    case GCDT_CONSTRAINED: return found(data.mesh.constrained);
-    case GCDT_REPRESENTATIVES: return found(data.representatives);
-    case GCDT_PIECES: return found(data.pieces.ends);
-    case GCDT_SOURCE_OFFSETS: return found(data.pieces.source_offsets);
-    case GCDT_SOURCES: return found(data.pieces.sources);
-    case GCDT_DROPPED: return found(data.dropped);
-    case GCDT_ADDED: return found(data.added.points);
-    case GCDT_ADDED_CROSSINGS: return found(data.added.crossing);
-    case GCDT_REGIONS: return found(data.regions.region);
-    case GCDT_DEPTHS: return found(data.regions.depth);
-    case GCDT_WINDINGS: return found(data.regions.winding);
-    case GCDT_REGION_SEEDS: return found(data.regions.seed);
-    case GCDT_VERTEX_TRIANGLES: return found(derived.vertex_triangles(runtime, data));
-    case GCDT_HULL: return found(derived.hull(runtime, state->primitives, data));
-    case GCDT_EDGE_PIECES: return found(derived.edge_pieces(runtime, data));
-  }
+  const ResultArray& array = known_array(number);
+  const cl_mem memory =
+      array.derive ? array.derive(state->runtime, state->primitives, derived, data) : array.memory(data);
+  return {memory, elements(data, array), array.element_bytes};
+}
+
+const ResultArray& gcdt::api::known_array(std::int32_t number) {
+  if (const ResultArray* array = result_array(number)) return *array;
   throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(number));
 }
 
 size_t gcdt_element_bytes(int32_t array) {
-  return array >= 0 && static_cast<std::size_t>(array) < std::size(element_bytes) ? element_bytes[array] : 0;
+  const ResultArray* found = result_array(array);
+  return found ? found->element_bytes : 0;
 }
 
 uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) { return result ? result->count(array) : 0; }

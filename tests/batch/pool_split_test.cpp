@@ -153,7 +153,7 @@ TEST_CASE("all types of coordinates are read where a problem begins") {
     const std::vector<std::uint64_t> offsets = {1, 3, points.size()}, constraint_offsets = {1, 2, constraints.size()};
     const BatchResult result =
         pool.triangulate({points, offsets, constraints, constraint_offsets}, graphs::splitting());
-    CHECK(difference(part_of(result, 1), expected) == "");
+    CHECK(difference(detail::triangulation(result, 1), expected) == "");
     CHECK(!result.error(0));
   };
   check(double{});
