@@ -79,33 +79,11 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
   return guarded_call(result ? result->state.get() : nullptr, [&] {
     const Statistics& s = result->data.statistics;
     gcdt_statistics c = {};
-    c.n = s.n, c.m = s.m, c.vertices_merged = s.vertices_merged;
-    c.constraints_zero = s.constraints_zero, c.constraints_pieces = s.constraints_pieces;
-    c.constraints_overlapping = s.constraints_overlapping;
-    c.crossings = s.crossings, c.constraints_dropped = s.constraints_dropped;
-    c.vertices_added = s.vertices_added, c.triangles = s.triangles;
+#define GCDT_STATISTIC(member, name) c.member = s.name;
+#define GCDT_STATISTIC_HIDDEN GCDT_STATISTIC
+#define GCDT_STATISTIC_TEXT(member, name) c.member = s.name.c_str();
+#include <gcdt/statistics.def>
     c.grid = write_grid(s.grid);
-    c.ms_core = s.ms.core, c.ms_full = s.ms.full, c.ms_build = s.ms.build, c.ms_order = s.ms.order;
-    c.ms_insert = s.ms.insert, c.ms_constrain = s.ms.constrain, c.ms_flip = s.ms.flip;
-    c.ms_check = s.ms.check, c.ms_output = s.ms.output;
-    c.rounds_insert = s.rounds.insert, c.rounds_flip = s.rounds.flip;
-    c.flips = s.flips, c.history_depth = s.history_depth, c.location_steps = s.location_steps;
-    c.launches = s.launches, c.read_backs = s.read_backs, c.crossed_pairs = s.crossed_pairs;
-    c.peak_device_bytes = s.peak_device_bytes, c.held_device_bytes = s.held_device_bytes;
-    c.edge_splits = s.cases.edge_splits, c.constraint_hits = s.cases.constraint_hits;
-    c.existing_edges = s.cases.existing_edges, c.pieces_walked = s.cases.pieces_walked;
-    c.chain_vertices = s.cases.chain_vertices, c.holes = s.cases.holes;
-    c.symbolic_chain_vertices = s.cases.symbolic_chain_vertices;
-    c.device = s.device.c_str(), c.driver = s.driver.c_str();
-    c.platform = s.platform.c_str(), c.version = s.version.c_str();
-    c.ms_clean = s.ms.clean, c.ms_domain = s.ms.domain, c.regions = s.regions,
-    c.triangles_removed = s.triangles_removed;
-    c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
-    c.constraints_split = s.constraints_split, c.constraint_move = s.constraint_move;
-    c.ms_call = s.ms.call, c.ms_walk = s.ms.walk, c.ms_gather = s.ms.gather;
-    c.pairs_cut_one_corner = s.cases.pairs_cut_one_corner, c.pairs_from_one_corner = s.cases.pairs_from_one_corner;
-    c.pairs_cut_two_corners = s.cases.pairs_cut_two_corners, c.pairs_cut_and_from = s.cases.pairs_cut_and_from;
-    c.vertices_rounded_together = s.vertices_rounded_together;
     std::copy(s.rounded_pair.begin(), s.rounded_pair.end(), c.rounded_pair);
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });
