@@ -99,7 +99,7 @@ Measured measure(const cl::Device& device, const Variant& variant, const test::W
     runtime.memory().begin_call();
     const Points points = input.points;
     const Constraints constraints = input.constraints;
-    const InputSource source = {points.size(), constraints.size, [&] {
+    const InputSource source = {points.size(), constraints.size(), [&] {
                                   return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                                 }};
     const DeviceTriangulation result = triangulate(runtime, primitives, source, options);

@@ -114,8 +114,8 @@ std::string fault(const SketchBatch& batch, const BatchResult& result) {
     const std::uint64_t v = batch.vertex_offsets[p], c = batch.constraint_offsets[p];
     MeshView view;
     view.triangles = result.triangles(p);
-    view.neighbours = result.neighbours(p).data;
-    view.constrained = result.constrained(p).data;
+    view.neighbours = result.neighbours(p).data();
+    view.constrained = result.constrained(p).data();
     const Span<std::array<double, 2>> points(batch.vertices.data() + v, batch.vertex_offsets[p + 1] - v);
     const Constraints lines(batch.constraints.data() + c, batch.constraint_offsets[p + 1] - c);
     const Verification proof = verify(points, lines, view, result.grid(p));
@@ -132,9 +132,9 @@ std::string hash(const SketchBatch& batch, const BatchResult& result) {
   };
   for (std::size_t p = 0; p < batch.size(); ++p) {
     const auto triangles = result.triangles(p);
-    mix(triangles.data, 12 * triangles.size);
-    mix(result.neighbours(p).data, 12 * triangles.size);
-    mix(result.constrained(p).data, triangles.size);
+    mix(triangles.data(), 12 * triangles.size());
+    mix(result.neighbours(p).data(), 12 * triangles.size());
+    mix(result.constrained(p).data(), triangles.size());
   }
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));

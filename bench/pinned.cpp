@@ -54,11 +54,11 @@ std::vector<double> PinnedCaller::time(Points points, Constraints constraints, c
   const auto pin = [&](std::size_t bytes) { return std::make_unique<Memory>(state_->context, state_->queue, bytes); };
   constexpr std::size_t vertex_bytes = 16;
   if (points.type() != Points::Type::float64) throw std::runtime_error("pinned calls are timed with doubles");
-  const auto vertices = pin(vertex_bytes * points.size()), pairs = pin(8 * constraints.size);
+  const auto vertices = pin(vertex_bytes * points.size()), pairs = pin(8 * constraints.size());
   std::memcpy(vertices->data(), points.data(), vertex_bytes * points.size());
-  if (constraints.size > 0) std::memcpy(pairs->data(), constraints.data, 8 * constraints.size);
+  if (constraints.size() > 0) std::memcpy(pairs->data(), constraints.data(), 8 * constraints.size());
   const Points pinned_points = Points::pairs(static_cast<const double*>(vertices->data()), points.size());
-  const Constraints pinned_pairs = {static_cast<const Constraint*>(pairs->data()), constraints.size};
+  const Constraints pinned_pairs = {static_cast<const Constraint*>(pairs->data()), constraints.size()};
   const std::pair<std::int32_t, std::size_t> arrays[] = {
       {GCDT_TRIANGLES, 12}, {GCDT_NEIGHBOURS, 12}, {GCDT_CONSTRAINED, 1}, {GCDT_REPRESENTATIVES, 4}};
   std::unique_ptr<Memory> results[4];

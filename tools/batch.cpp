@@ -4,18 +4,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
-#include <gcdt/gcdt_pool.hpp>
 #include <gcdt/verify.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <tuple>
 
+#include "batch_inputs.hpp"
 #include "batch_statistics.hpp"
-#include "command.hpp"
-#include "io/formats.hpp"
-#include "io/geojson.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
@@ -30,178 +24,18 @@ namespace fs = std::filesystem;
 using io::Exit;
 using io::Failure;
 
-// The format that has many problems in one file.
-constexpr const char* collected = ".jsonl";
+/// Adds the time that it lives.
+class Clock {
+ public:
+  explicit Clock(double& milliseconds) : milliseconds_(milliseconds) {}
+  Clock(const Clock&) = delete;
+  Clock& operator=(const Clock&) = delete;
+  ~Clock() { milliseconds_ += watch_.milliseconds(); }
 
-// What a folder may hold; of inputs with the same name the first of these kinds is taken.
-constexpr const char* kinds[] = {".poly", ".node", ".geojson", ".geojsonl", ".ndjson", ".geojsons"};
-
-/// The inputs that an argument stands for: itself, or all of a folder, by name.
-std::vector<std::string> inputs_of(const std::string& argument) {
-  std::error_code unknown;
-  if (!fs::is_directory(argument, unknown)) return {argument};
-  std::set<std::string> found;
-  std::error_code failed;
-  for (fs::directory_iterator file(argument, failed), end; !failed && file != end; file.increment(failed)) {
-    const std::string extension = io::lower_extension(file->path().string());
-    for (const char* kind : kinds) {
-      if (extension == kind) found.insert(file->path().string());
-      if (extension == kind || fs::exists(fs::path(file->path()).replace_extension(kind))) break;
-    }
-  }
-  if (failed) throw Failure(Exit::input, fmt::format("{}: {}", argument, failed.message()));
-  if (found.empty()) throw Failure(Exit::input, fmt::format("{}: no input in this folder", argument));
-  return {found.begin(), found.end()};
-}
-
-/// One problem on its way: read, triangulated or failed, written.
-struct Problem {
-  std::string path, name;            ///< name: in messages
-  std::optional<io::TextLine> line;  ///< of a file with many problems
-  io::Input input;
-  std::optional<Failure> failure;
-  std::size_t number = 0;  ///< in the batch
-  bool alone = false;      ///< not in the batch, which has no seeds, but triangulated by itself
-
-  fs::path output(const std::string& folder, const std::string& format) const {
-    const std::string stem = fs::path(path).stem().string();
-    return fs::path(folder) / (stem + (line ? fmt::format("-{}", line->number) : "") + format);
-  }
-  /// The file for all problems of the input.
-  fs::path collection(const std::string& folder) const {
-    return fs::path(folder) / fs::path(path).filename().replace_extension(collected);
-  }
+ private:
+  double& milliseconds_;
+  Stopwatch watch_;
 };
-
-void add_problems(const std::string& path, std::vector<Problem>& problems) {
-  const auto add = [&](const std::string& name) -> Problem& {
-    problems.emplace_back();
-    problems.back().path = path;
-    problems.back().name = name;
-    return problems.back();
-  };
-  if (!io::is_line_file(path)) {
-    add(path);
-    return;
-  }
-  for (io::TextLine& line : io::lines_of(path)) add(fmt::format("{}:{}", path, line.number)).line = std::move(line);
-}
-
-std::vector<Problem> problems_of(const BatchArguments& arguments) {
-  std::vector<Problem> problems;
-  for (const std::string& argument : arguments.inputs)
-    for (const std::string& path : inputs_of(argument)) add_problems(path, problems);
-  std::set<std::string> names;
-  if (!arguments.folder.empty())
-    for (const Problem& problem : problems)
-      if (const std::string name = problem.output("", "").string(); !names.insert(name).second)
-        throw Failure(Exit::usage, fmt::format("{}: another input has the outputs {}.*, too", problem.name, name));
-  std::map<fs::path, std::string> collections;
-  for (const Problem& problem : problems)
-    if (!arguments.folder.empty() &&
-        collections.emplace(problem.collection(""), problem.path).first->second != problem.path)
-      throw Failure(Exit::usage, fmt::format("{}: another input has the output {}, too", problem.path,
-                                             problem.collection("").string()));
-  return problems;
-}
-
-std::vector<std::string> formats_of(const BatchArguments& arguments) {
-  std::vector<std::string> formats;
-  for (const std::string& given : arguments.formats) {
-    const std::string format = io::lower_extension("x." + given.substr(given.rfind('.') + 1));
-    if (!io::writer_for(format) && format != collected)
-      throw Failure(Exit::usage, fmt::format("--format {}: there are ele node neigh edge poly vtu svg jsonl", given));
-    formats.push_back(format);
-  }
-  return formats;
-}
-
-/// No file is an input and an output, nor two outputs, but for the files of one problem, which have different formats.
-void check_outputs(const std::vector<Problem>& problems, const BatchArguments& arguments,
-                   const std::vector<std::string>& formats) {
-  std::error_code unknown;
-  const auto file = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path), unknown); };
-  std::set<fs::path> inputs, outputs;
-  for (const Problem& problem : problems) {
-    inputs.insert(file(problem.path));
-    for (const std::string& path : problem.input.files) inputs.insert(file(path));
-  }
-  const auto check = [&](const fs::path& output) {
-    if (inputs.count(file(output)) > 0)
-      throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", output.string()));
-  };
-  if (!arguments.folder.empty())
-    for (const Problem& problem : problems)
-      for (const std::string& format : formats) {
-        const fs::path output =
-            format == collected ? problem.collection(arguments.folder) : problem.output(arguments.folder, format);
-        check(output);
-        outputs.insert(file(output));
-      }
-  for (const std::string& other : {arguments.statistics, arguments.trace}) {
-    if (other.empty()) continue;
-    check(other);
-    if (!outputs.insert(file(other)).second)
-      throw Failure(Exit::usage, fmt::format("{}: given twice as an output", other));
-  }
-}
-
-/// Whether the input has points that the options use.
-bool uses_seeds(const io::Input& input, const Options& options) {
-  const bool by_holes = options.domain == Domain::holes || options.domain == Domain::outer_holes;
-  const bool regions = options.regions || options.domain != Domain::hull;
-  return (by_holes && !input.holes.empty()) || (regions && !input.regions.empty());
-}
-
-Batch read(std::vector<Problem>& problems, const Options& options) {
-  Batch batch;
-  for (Problem& problem : problems) {
-    stop_if_interrupted();
-    try {
-      problem.input = problem.line ? io::read_geojson_line(problem.path, *problem.line) : io::read_input(problem.path);
-      if (problem.line) problem.line->text = {};
-      problem.alone = uses_seeds(problem.input, options);
-      problem.number = batch.size();
-      if (!problem.alone) batch.add(problem.input.vertices, problem.input.constraints);
-    } catch (const Failure& failure) {
-      problem.failure = failure;
-    }
-  }
-  return batch;
-}
-
-template <class T>
-std::vector<T> copied(Span<T> span) {
-  return {span.begin(), span.end()};
-}
-
-/// Of a problem in the batch; without its arrays unless they are wanted.
-Triangulation mesh_of(const BatchResult& result, std::size_t p, bool arrays) {
-  Triangulation mesh;
-  mesh.statistics.grid = result.grid(p);
-  std::tie(mesh.statistics.vertices_rounded_together, mesh.statistics.rounded_pair) = result.rounded_together(p);
-  const SplitReport split = result.split(p);
-  mesh.statistics.crossings = split.crossings, mesh.statistics.vertices_added = split.vertices_added;
-  mesh.statistics.constraints_split = split.constraints_split, mesh.statistics.constraint_move = split.constraint_move;
-  if (!arrays) return mesh;
-  mesh.triangles = copied(result.triangles(p));
-  mesh.neighbours = copied(result.neighbours(p));
-  mesh.constrained = copied(result.constrained(p));
-  mesh.representative = copied(result.representative(p));
-  mesh.pieces = copied(result.pieces(p));
-  mesh.source_offsets = copied(result.source_offsets(p));
-  mesh.sources = copied(result.sources(p));
-  mesh.dropped = copied(result.dropped(p));
-  mesh.region = copied(result.region(p));
-  mesh.depth = copied(result.depth(p));
-  mesh.winding = copied(result.winding(p));
-  mesh.region_seed = copied(result.region_seed(p));
-  mesh.added_on_grid = copied(result.added_on_grid(p));
-  mesh.added_crossing = copied(result.added_crossing(p));
-  mesh.added = grid_coordinates(mesh.statistics.grid, mesh.added_on_grid);
-  mesh.statistics.triangles = mesh.triangles.size();
-  return mesh;
-}
 
 /// Triangulates inputs that have points of their own for the domain, one by one, as `triangulate` does.
 class Alone {
@@ -219,6 +53,7 @@ class Alone {
     return own;
   }
   Triangulation triangulate(const io::Input& input) {
+    const Clock clock(milliseconds);
     if (!solver_) solver_.emplace(device_number(spec_, true));
     Triangulation mesh = solver_->triangulate(input.vertices, input.constraints, options(input));
     constraints += input.constraints.size();
@@ -227,6 +62,7 @@ class Alone {
     return mesh;
   }
   std::uint64_t vertices = 0, constraints = 0, triangles = 0;  ///< of all of them
+  double milliseconds = 0;                                     ///< in the calls, the solver's making included
 
  private:
   std::string spec_;
@@ -322,7 +158,10 @@ std::optional<Triangulation> mesh_of(Problem& problem, const BatchResult& result
     if (problem.failure) return {};
     if (problem.alone) return alone.triangulate(problem.input);
     if (const std::optional<Error> error = result.error(problem.number)) throw *error;
-    return mesh_of(result, problem.number, arrays);
+    if (arrays) return detail::triangulation(result, problem.number);
+    Triangulation mesh;
+    mesh.statistics = detail::statistics(result, problem.number);
+    return mesh;
   } catch (const Error& error) {
     fail(problem, error, options);
     return {};
@@ -397,9 +236,10 @@ void triangulate_batch(const BatchArguments& arguments) {
     complain(problem.failure->what());
   }
   collections.commit();
-  told.write = writing.milliseconds();
+  told.write = writing.milliseconds() - alone.milliseconds;
   gcdt_batch_statistics counts = result.statistics();
   counts.vertices += alone.vertices, counts.constraints += alone.constraints, counts.triangles += alone.triangles;
+  counts.ms_call += alone.milliseconds;
   io::OutputFiles files(stop_if_interrupted);
   if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(told, counts, pool));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());

@@ -114,29 +114,8 @@ std::optional<FixedGrid> grid_from_option(const std::string& text) {
 }
 
 io::Exit exit_for(Status status) {
-  switch (status) {
-    case Status::ok: return io::Exit::done;
-    case Status::invalid_argument: return io::Exit::usage;
-    case Status::coordinate_not_finite:
-    case Status::coordinate_outside_grid:
-    case Status::index_out_of_range:
-    case Status::too_many_vertices:
-    case Status::vertices_coincide:
-    case Status::constraints_cross: return io::Exit::input;
-    case Status::no_device:
-    case Status::device_failed:
-    case Status::out_of_memory:
-    case Status::round_limit: return io::Exit::device;
-    case Status::check_failed: return io::Exit::check;
-    case Status::workspace_too_small:
-    case Status::buffer_too_small:
-    case Status::wrong_context:
-    case Status::buffer_access:
-    case Status::buffers_overlap:
-    case Status::in_use: return io::Exit::device;
-    case Status::cancelled: return io::Exit::interrupted;
-  }
-  return io::Exit::device;
+  const detail::StatusRow* row = detail::row_of(status);
+  return row ? static_cast<io::Exit>(row->exit) : io::Exit::device;
 }
 
 io::Failure explained(const Error& error, const io::Input& input, const Options& options) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "statistics.hpp"
 
+#include <fmt/args.h>
 #include <fmt/format.h>
+
+#include <functional>
 
 #include <nlohmann/json.hpp>
 
@@ -13,21 +16,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json grid_json(const Grid& grid) {
+/// What the file has: statistics, and what was asked for beside them.
+struct Shown : Statistics {
+  Shown(const Statistics& statistics, const Measured& measured) : Statistics(statistics), quality(measured.quality) {}
+  Quality quality;
+};
+
+template <class T>
+Json value_of(const T& value) {
+  return value;
+}
+
+Json value_of(const Grid& grid) {
   return {{"kind", io::kind_name(grid.kind)},
           {"origin", grid.origin},
           {"cell", grid.cell()},
           {"largest_move", grid.largest_move}};
 }
 
-Json milliseconds_json(const Statistics::Milliseconds& ms) {
-  return {{"read", ms.read},           {"call", ms.call},   {"core", ms.core},   {"full", ms.full},
-          {"write", ms.write},         {"build", ms.build}, {"order", ms.order}, {"insert", ms.insert},
-          {"constrain", ms.constrain}, {"flip", ms.flip},   {"check", ms.check}, {"output", ms.output},
-          {"domain", ms.domain},       {"clean", ms.clean}, {"walk", ms.walk},   {"gather", ms.gather}};
-}
-
-Json quality_json(const Quality& q) {
+Json value_of(const Quality& q) {
   return {{"least_angle", q.least_angle},
           {"least_angle_triangle", q.least_angle_triangle},
           {"largest_angle", q.largest_angle},
@@ -37,21 +44,7 @@ Json quality_json(const Quality& q) {
           {"area", q.area}};
 }
 
-Json cases_json(const Statistics::Cases& cases) {
-  return {{"edge_splits", cases.edge_splits},
-          {"constraint_hits", cases.constraint_hits},
-          {"existing_edges", cases.existing_edges},
-          {"pieces_walked", cases.pieces_walked},
-          {"chain_vertices", cases.chain_vertices},
-          {"holes", cases.holes},
-          {"symbolic_chain_vertices", cases.symbolic_chain_vertices},
-          {"pairs_cut_one_corner", cases.pairs_cut_one_corner},
-          {"pairs_from_one_corner", cases.pairs_from_one_corner},
-          {"pairs_cut_two_corners", cases.pairs_cut_two_corners},
-          {"pairs_cut_and_from", cases.pairs_cut_and_from}};
-}
-
-Json assessment_json(const Assessment& a) {
+Json value_of(const Assessment& a) {
   return {{"valid", a.valid},
           {"outline_simple", a.outline_simple},
           {"triangles_inverted", a.triangles_inverted},
@@ -60,77 +53,69 @@ Json assessment_json(const Assessment& a) {
           {"edges_not_delaunay", a.edges_not_delaunay}};
 }
 
+/// `name`: of an object's member after a dot.
+void put(Json& json, const std::string& name, Json value) {
+  const std::size_t dot = name.find('.');
+  (dot == std::string::npos ? json[name] : json[name.substr(0, dot)][name.substr(dot + 1)]) = std::move(value);
+}
+
+/// The numbers and strings by the names of their members in gcdt_statistics.
+using Values = fmt::dynamic_format_arg_store<fmt::format_context>;
+
+Values values_of(const Statistics& s) {
+  Values values;
+#define GCDT_STATISTIC(member, name) values.push_back(fmt::arg(#member, s.name));
+#define GCDT_STATISTIC_TEXT(member, name) values.push_back(fmt::arg(#member, std::cref(s.name)));
+#include <gcdt/statistics.def>
+  return values;
+}
+
 }  // namespace
 
-std::string statistics_json(const Statistics& s, const Measured& measured) {
-  Json json = {{"n", s.n},
-               {"m", s.m},
-               {"vertices_merged", s.vertices_merged},
-               {"vertices_rounded_together", s.vertices_rounded_together},
-               {"rounded_pair", s.vertices_rounded_together == 0 ? Json() : Json(s.rounded_pair)},
-               {"constraints_zero", s.constraints_zero},
-               {"constraints_pieces", s.constraints_pieces},
-               {"constraints_overlapping", s.constraints_overlapping},
-               {"crossings", s.crossings},
-               {"constraints_dropped", s.constraints_dropped},
-               {"vertices_added", s.vertices_added},
-               {"constraints_split", s.constraints_split},
-               {"constraint_move", s.constraint_move},
-               {"triangles", s.triangles},
-               {"quality", quality_json(measured.quality)},
-               {"grid", grid_json(s.grid)},
-               {"ms", milliseconds_json(s.ms)},
-               {"rounds", {{"insert", s.rounds.insert}, {"flip", s.rounds.flip}}},
-               {"flips", s.flips},
-               {"history_depth", s.history_depth},
-               {"location_steps", s.location_steps},
-               {"launches", s.launches},
-               {"read_backs", s.read_backs},
-               {"crossed_pairs", s.crossed_pairs},
-               {"regions", s.regions},
-               {"triangles_removed", s.triangles_removed},
-               {"deepest", s.deepest},
-               {"open_parity", s.open_parity},
-               {"open_winding", s.open_winding},
-               {"peak_device_bytes", s.peak_device_bytes},
-               {"device", s.device},
-               {"driver", s.driver},
-               {"platform", s.platform},
-               {"version", s.version},
-               {"cases", cases_json(s.cases)},
-               {"notes", s.notes}};
-  if (measured.given) json["given"] = assessment_json(*measured.given);
+std::string statistics_json(const Statistics& statistics, const Measured& measured) {
+  const Shown s(statistics, measured);
+  Json json;
+#define GCDT_STATISTIC_OTHER(name) put(json, #name, value_of(s.name));
+#define GCDT_STATISTIC(member, name) GCDT_STATISTIC_OTHER(name)
+#define GCDT_STATISTIC_TEXT(member, name) GCDT_STATISTIC_OTHER(name)
+#include <gcdt/statistics.def>
+  if (s.vertices_rounded_together == 0) json["rounded_pair"] = nullptr;
+  if (measured.given) json["given"] = value_of(*measured.given);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string statistics_table(const Statistics& s, const Measured& measured) {
+  const Values values = values_of(s);
   std::string table;
-  auto row = [&](const char* name, const std::string& value) { table += fmt::format("{:<12}  {}\n", name, value); };
-  row("vertices",
-      fmt::format("{} ({} merged, {} of these by rounding)", s.n, s.vertices_merged, s.vertices_rounded_together));
-  row("constraints", fmt::format("{} ({} of length zero, {} dropped)", s.m, s.constraints_zero, s.constraints_dropped));
-  row("pieces", fmt::format("{} ({} overlapping)", s.constraints_pieces, s.constraints_overlapping));
+  const auto line = [&](const char* name, const std::string& value) {
+    table += fmt::format("{:<12}  {}\n", name, value);
+  };
+  const auto row = [&](const char* name, const char* value) { line(name, fmt::vformat(value, values)); };
+  row("vertices", "{n} ({vertices_merged} merged, {vertices_rounded_together} of these by rounding)");
+  row("constraints", "{m} ({constraints_zero} of length zero, {constraints_dropped} dropped)");
+  row("pieces", "{constraints_pieces} ({constraints_overlapping} overlapping)");
   row("crossings", s.vertices_added + s.constraints_split == 0
-                       ? fmt::format("{}", s.crossings)
-                       : fmt::format("{} ({} vertices added, {} constraints split, moved by {} at most)", s.crossings,
-                                     s.vertices_added, s.constraints_split, s.constraint_move));
-  row("triangles", fmt::format("{} ({} removed)", s.triangles, s.triangles_removed));
+                       ? "{crossings}"
+                       : "{crossings} ({vertices_added} vertices added, {constraints_split} constraints split, moved "
+                         "by {constraint_move} at most)");
+  row("triangles", "{triangles} ({triangles_removed} removed)");
   if (s.regions != 0)
-    row("regions", fmt::format("{}, {} deep ({} edges open by even-odd, {} by winding)", s.regions, s.deepest,
-                               s.open_parity, s.open_winding));
-  row("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
-                          s.grid.origin[1], s.grid.cell(), s.grid.largest_move));
+    row("regions", "{regions}, {deepest} deep ({open_parity} edges open by even-odd, {open_winding} by winding)");
+  line("grid", fmt::format("{}, origin {},{}, cell {}, largest move {}", io::kind_name(s.grid.kind), s.grid.origin[0],
+                           s.grid.origin[1], s.grid.cell(), s.grid.largest_move));
   if (const auto& given = measured.given)
-    row("as given", fmt::format("{}: {} triangles inverted, {} flat, {} vertices lost, {} edges not Delaunay",
-                                given->valid ? "valid" : "not valid", given->triangles_inverted, given->triangles_flat,
-                                given->vertices_lost, given->edges_not_delaunay));
-  row("rounds", fmt::format("{} insert, {} flip ({} flips)", s.rounds.insert, s.rounds.flip, s.flips));
-  row("time", fmt::format("{:.1f} ms (building {:.1f}, phases {:.1f}; core {:.1f}), read {:.1f}", s.ms.call, s.ms.build,
-                          s.ms.full, s.ms.core, s.ms.read));
-  row("", fmt::format("order {:.1f}, insert {:.1f}, constrain {:.1f}, flip {:.1f}, check {:.1f}, output {:.1f}",
-                      s.ms.order, s.ms.insert, s.ms.constrain, s.ms.flip, s.ms.check, s.ms.output));
-  row("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
-  row("device", fmt::format("{} ({}, driver {})", s.device, s.platform, s.driver));
+    line("as given", fmt::format("{}: {} triangles inverted, {} flat, {} vertices lost, {} edges not Delaunay",
+                                 given->valid ? "valid" : "not valid", given->triangles_inverted, given->triangles_flat,
+                                 given->vertices_lost, given->edges_not_delaunay));
+  row("rounds", "{rounds_insert} insert, {rounds_flip} flip ({flips} flips)");
+  line("time",
+       fmt::vformat("{ms_call:.1f} ms (building {ms_build:.1f}, phases {ms_full:.1f}; core {ms_core:.1f})", values) +
+           fmt::format(", read {:.1f}", s.ms.read));
+  row("",
+      "order {ms_order:.1f}, insert {ms_insert:.1f}, constrain {ms_constrain:.1f}, flip {ms_flip:.1f}, check "
+      "{ms_check:.1f}, output {ms_output:.1f}");
+  line("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
+  row("device", "{device} ({platform}, driver {driver})");
   return table;
 }
 

@@ -5,40 +5,10 @@
 #include <exception>
 #include <new>
 
+#include <gcdt/statuses.hpp>
 #include <gcdt/types.hpp>
 
 namespace gcdt::detail {
-
-inline Status status_of(std::int32_t code) {
-  switch (code) {
-    case GCDT_OK: return Status::ok;
-    case GCDT_ERROR_COORDINATE_NOT_FINITE: return Status::coordinate_not_finite;
-    case GCDT_ERROR_COORDINATE_OUTSIDE_GRID: return Status::coordinate_outside_grid;
-    case GCDT_ERROR_INDEX_OUT_OF_RANGE: return Status::index_out_of_range;
-    case GCDT_ERROR_TOO_MANY_VERTICES: return Status::too_many_vertices;
-    case GCDT_ERROR_CONSTRAINTS_CROSS: return Status::constraints_cross;
-    case GCDT_ERROR_NO_DEVICE: return Status::no_device;
-    case GCDT_ERROR_ROUND_LIMIT: return Status::round_limit;
-    case GCDT_ERROR_CHECK_FAILED: return Status::check_failed;
-    case GCDT_ERROR_CANCELLED: return Status::cancelled;
-    case GCDT_ERROR_WORKSPACE_TOO_SMALL: return Status::workspace_too_small;
-    case GCDT_ERROR_BUFFER_TOO_SMALL: return Status::buffer_too_small;
-    case GCDT_ERROR_WRONG_CONTEXT: return Status::wrong_context;
-    case GCDT_ERROR_BUFFER_ACCESS: return Status::buffer_access;
-    case GCDT_ERROR_BUFFERS_OVERLAP: return Status::buffers_overlap;
-    case GCDT_ERROR_IN_USE: return Status::in_use;
-    case GCDT_ERROR_VERTICES_COINCIDE: return Status::vertices_coincide;
-    case GCDT_ERROR_OUT_OF_MEMORY:
-    case -4:   // CL_MEM_OBJECT_ALLOCATION_FAILURE
-    case -5:   // CL_OUT_OF_RESOURCES
-    case -6:   // CL_OUT_OF_HOST_MEMORY
-    case -61:  // CL_INVALID_BUFFER_SIZE
-      return Status::out_of_memory;
-    case GCDT_ERROR_INVALID_ARGUMENT:
-    case GCDT_ERROR_STRUCT_SIZE: return Status::invalid_argument;
-    default: return Status::device_failed;
-  }
-}
 
 /// Throws what the last failed call of this thread said, unless `code` is GCDT_OK. Pairs that cross are taken from
 /// `solver`, which has all of them.
@@ -100,17 +70,17 @@ inline gcdt_input input(Points points, Constraints constraints) {
   gcdt_input c = GCDT_INPUT_INIT;
   c.coordinate_type = coordinate_type(points.type());
   c.vertices = points.data(), c.vertex_count = points.size();
-  c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data), c.constraint_count = constraints.size;
+  c.constraints = reinterpret_cast<const std::uint32_t*>(constraints.data()), c.constraint_count = constraints.size();
   return c;
 }
 
 inline gcdt_mesh mesh(const MeshView& mesh) {
   gcdt_mesh view = GCDT_MESH_INIT;
-  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data);
-  view.triangle_count = mesh.triangles.size;
+  view.triangles = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data());
+  view.triangle_count = mesh.triangles.size();
   view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
   view.constrained = mesh.constrained;
-  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data), view.added_count = mesh.added.size;
+  view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data()), view.added_count = mesh.added.size();
   return view;
 }
 
@@ -168,6 +138,22 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
   return c;
 }
 
+/// The handle that call(options as C has them, where to put it) makes. What the progress function throws comes through,
+/// and so do errors of the call; `solver`, which may be null, is as for check().
+template <class Handle, class Call>
+Handle* made(const Options& options, const gcdt_solver* solver, void (*release)(Handle*), Call&& call) {
+  ProgressCall progress{&options.progress, nullptr};
+  const gcdt_options given = detail::options(options, progress);
+  Handle* handle = nullptr;
+  const std::int32_t status = call(given, &handle);
+  if (progress.thrown) {
+    release(handle);
+    std::rethrow_exception(progress.thrown);
+  }
+  check(status, solver);
+  return handle;
+}
+
 using LogFunction = std::function<void(int level, const char* message)>;
 
 inline std::unique_ptr<LogFunction> boxed(LogFunction log) {
@@ -209,31 +195,11 @@ inline Statistics statistics(const gcdt_result* result) {
   c.struct_size = sizeof c;
   check(gcdt_result_statistics(result, &c));
   Statistics s;
-  s.n = c.n, s.m = c.m, s.vertices_merged = c.vertices_merged;
-  s.constraints_zero = c.constraints_zero, s.constraints_pieces = c.constraints_pieces;
-  s.constraints_overlapping = c.constraints_overlapping;
-  s.crossings = c.crossings, s.constraints_dropped = c.constraints_dropped;
-  s.vertices_added = c.vertices_added, s.triangles = c.triangles;
-  s.constraints_split = c.constraints_split, s.constraint_move = c.constraint_move;
+#define GCDT_STATISTIC(member, name) s.name = c.member;
+#define GCDT_STATISTIC_HIDDEN GCDT_STATISTIC
+#define GCDT_STATISTIC_TEXT GCDT_STATISTIC
+#include <gcdt/statistics.def>
   s.grid = grid(c.grid);
-  s.ms.core = c.ms_core, s.ms.full = c.ms_full, s.ms.build = c.ms_build, s.ms.order = c.ms_order;
-  s.ms.insert = c.ms_insert, s.ms.constrain = c.ms_constrain, s.ms.flip = c.ms_flip;
-  s.ms.check = c.ms_check, s.ms.output = c.ms_output;
-  s.rounds.insert = c.rounds_insert, s.rounds.flip = c.rounds_flip;
-  s.flips = c.flips, s.history_depth = c.history_depth, s.location_steps = c.location_steps;
-  s.launches = c.launches, s.read_backs = c.read_backs, s.crossed_pairs = c.crossed_pairs;
-  s.peak_device_bytes = c.peak_device_bytes, s.held_device_bytes = c.held_device_bytes;
-  s.device = c.device, s.driver = c.driver, s.platform = c.platform, s.version = c.version;
-  s.cases.edge_splits = c.edge_splits, s.cases.constraint_hits = c.constraint_hits;
-  s.cases.existing_edges = c.existing_edges, s.cases.pieces_walked = c.pieces_walked;
-  s.cases.chain_vertices = c.chain_vertices, s.cases.holes = c.holes;
-  s.cases.symbolic_chain_vertices = c.symbolic_chain_vertices;
-  s.ms.clean = c.ms_clean, s.ms.domain = c.ms_domain, s.regions = c.regions, s.triangles_removed = c.triangles_removed;
-  s.deepest = c.deepest, s.open_parity = c.open_parity, s.open_winding = c.open_winding;
-  s.ms.call = c.ms_call, s.ms.walk = c.ms_walk, s.ms.gather = c.ms_gather;
-  s.cases.pairs_cut_one_corner = c.pairs_cut_one_corner, s.cases.pairs_from_one_corner = c.pairs_from_one_corner;
-  s.cases.pairs_cut_two_corners = c.pairs_cut_two_corners, s.cases.pairs_cut_and_from = c.pairs_cut_and_from;
-  s.vertices_rounded_together = c.vertices_rounded_together;
   s.rounded_pair = {c.rounded_pair[0], c.rounded_pair[1]};
   for (std::size_t i = 0; const char* note = gcdt_result_note(result, i); ++i) s.notes.emplace_back(note);
   return s;

@@ -210,6 +210,8 @@ typedef struct gcdt_rings {
 GCDT_API int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, uint32_t* constraints,
                                        uint64_t capacity);
 
+/* ---- Options ----------------------------------------------------------------------------------------------- */
+
 /* What happens to constraints whose interiors cross, after they were split at all vertices on them. */
 enum {
   GCDT_CROSSING_REJECT = 0, /* GCDT_ERROR_CONSTRAINTS_CROSS */
@@ -266,6 +268,8 @@ typedef struct gcdt_options {
     sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
         NULL, 0, 0                                                                                                 \
   }
+
+/* ---- Triangulation ----------------------------------------------------------------------------------------- */
 
 /* The CDT of `input` (paper: Fan et al., gCDT, 2026, sections 4 to 8). `options` may be null. Fewer than three
  * distinct vertices, or all on one line: no triangles and a note, no error. The result stays in device memory until it
@@ -326,46 +330,10 @@ GCDT_API int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* dest
 GCDT_API int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void* const* destinations,
                                          const uint64_t* capacities, size_t count);
 
-/* ---- Meshes that are there already --------------------------------------------------------------------------- */
-
-/* A result of a mesh made earlier, by this library or another: to be asked all that a result is asked. `input` has its
- * vertices, and the constraints to be flagged, which run along its edges or outside of it; of `mesh` only `triangles`
- * are read, counter-clockwise, which keep their numbers and first corners. They need not be Delaunay, nor cover the
- * convex hull, nor be connected. Of `options` (may be null) grid, progress and check are read; crossing, domain and
- * regions must be 0. Proved on the way, on the grid, which is chosen as by gcdt_triangulate: triangles do not overlap,
- * and no vertex of `input` is inside one or inside an edge; else GCDT_ERROR_CHECK_FAILED, with indices: the triangle,
- * or the constraint that crosses an edge. A corner that does not exist: GCDT_ERROR_INVALID_ARGUMENT, indices: triangle,
- * corner. What lies between mesh and convex hull is triangulated, too, but not in the result: triangles_removed of the
- * statistics. Costs about as much as gcdt_triangulate with all edges as constraints. Blocks. */
-GCDT_API int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
-                            const gcdt_options* options, gcdt_result** result);
-
-/* ---- Points in the mesh ------------------------------------------------------------------------------------ */
-
-/* For `count` points in host memory (coordinate_type as for gcdt_input), on the device: triangles[i] is the least
- * triangle that holds point i, its border included, or -1; weights (may be null) its barycentric weights, three a point
- * in the order of the corners, 0 outside. Points are rounded to the grid as vertices are, and the answer is exact
- * there; what is not on the grid is outside. GCDT_ERROR_COORDINATE_NOT_FINITE: indices: point, axis. Takes about 100
- * bytes of device memory a point, for 2^20 points at a time, and 8 bytes a vertex until the result is released. Blocks.
- */
-GCDT_API int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
-                             int32_t* triangles, double* weights);
-
-/* The same for the values there, linear in each triangle: vertex_values has one number a vertex, those of the input
- * first, then those of added ones (gcdt_added_values), of which those of corners (representatives) are read; values[i]
- * is `outside` where no triangle is. Summed on the host. */
-GCDT_API int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
-                                  const double* vertex_values, double outside, double* values);
-
-/* Values for the `count` vertices that GCDT_CROSSING_SPLIT has added to `input`: at each the mean of what the two
- * constraints of its pair have, linear between their ends, at their points nearest to it. added: count x 2 coordinates
- * (gcdt_grid_coordinates); crossings: GCDT_ADDED_CROSSINGS; vertex_values: one a vertex of the input; values: `count`,
- * the caller's. In double precision on the host. GCDT_ERROR_INVALID_ARGUMENT: a constraint that does not exist. */
-GCDT_API int32_t gcdt_added_values(const gcdt_input* input, const double* added, const uint32_t* crossings,
-                                   uint64_t count, const double* vertex_values, double* values);
-
 /* Hands the result's device memory back to its solver, for the next call. Null is allowed. */
 GCDT_API void gcdt_result_release(gcdt_result* result);
+
+/* ---- The grid ---------------------------------------------------------------------------------------------- */
 
 /* The integer grid on which everything is exact: vertex (x, y) stands at (round((x - origin[0]) / cell),
  * round((y - origin[1]) / cell)), half to even, in [0, 2^31 - 1]^2. */
@@ -396,6 +364,12 @@ GCDT_API int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinat
 
 /* The double nearest to the edge of a cell. */
 GCDT_API double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent);
+
+/* The grid that gcdt_triangulate chooses for the vertices of `input`, by host arithmetic; with `fixed` not null, that
+ * of its fixed_grid and grid_... members if fixed_grid is 1. Sets grid->struct_size. */
+GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid);
+
+/* ---- Statistics, quality and notes of a result ------------------------------------------------------------- */
 
 typedef struct gcdt_statistics {
   size_t struct_size;
@@ -452,6 +426,44 @@ GCDT_API int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality)
 /* Remarks such as that all vertices lie on one line; null from the last on. The result's, until it is released. */
 GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
 
+/* ---- Meshes that are there already ------------------------------------------------------------------------- */
+
+/* A result of a mesh made earlier, by this library or another: to be asked all that a result is asked. `input` has its
+ * vertices, and the constraints to be flagged, which run along its edges or outside of it; of `mesh` only `triangles`
+ * are read, counter-clockwise, which keep their numbers and first corners. They need not be Delaunay, nor cover the
+ * convex hull, nor be connected. Of `options` (may be null) grid, progress and check are read; crossing, domain and
+ * regions must be 0. Proved on the way, on the grid, which is chosen as by gcdt_triangulate: triangles do not overlap,
+ * and no vertex of `input` is inside one or inside an edge; else GCDT_ERROR_CHECK_FAILED, with indices: the triangle,
+ * or the constraint that crosses an edge. A corner that does not exist: GCDT_ERROR_INVALID_ARGUMENT, indices: triangle,
+ * corner. What lies between mesh and convex hull is triangulated, too, but not in the result: triangles_removed of the
+ * statistics. Costs about as much as gcdt_triangulate with all edges as constraints. Blocks. */
+GCDT_API int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
+                            const gcdt_options* options, gcdt_result** result);
+
+/* ---- Points in the mesh ------------------------------------------------------------------------------------ */
+
+/* For `count` points in host memory (coordinate_type as for gcdt_input), on the device: triangles[i] is the least
+ * triangle that holds point i, its border included, or -1; weights (may be null) its barycentric weights, three a point
+ * in the order of the corners, 0 outside. Points are rounded to the grid as vertices are, and the answer is exact
+ * there; what is not on the grid is outside. GCDT_ERROR_COORDINATE_NOT_FINITE: indices: point, axis. Takes about 100
+ * bytes of device memory a point, for 2^20 points at a time, and 8 bytes a vertex until the result is released. Blocks.
+ */
+GCDT_API int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
+                             int32_t* triangles, double* weights);
+
+/* The same for the values there, linear in each triangle: vertex_values has one number a vertex, those of the input
+ * first, then those of added ones (gcdt_added_values), of which those of corners (representatives) are read; values[i]
+ * is `outside` where no triangle is. Summed on the host. */
+GCDT_API int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
+                                  const double* vertex_values, double outside, double* values);
+
+/* Values for the `count` vertices that GCDT_CROSSING_SPLIT has added to `input`: at each the mean of what the two
+ * constraints of its pair have, linear between their ends, at their points nearest to it. added: count x 2 coordinates
+ * (gcdt_grid_coordinates); crossings: GCDT_ADDED_CROSSINGS; vertex_values: one a vertex of the input; values: `count`,
+ * the caller's. In double precision on the host. GCDT_ERROR_INVALID_ARGUMENT: a constraint that does not exist. */
+GCDT_API int32_t gcdt_added_values(const gcdt_input* input, const double* added, const uint32_t* crossings,
+                                   uint64_t count, const double* vertex_values, double* values);
+
 /* ---- Memory ------------------------------------------------------------------------------------------------ */
 
 /* The device memory that triangulating n vertices and m constraints needs at most, in bytes, and so the size of a
@@ -463,7 +475,7 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
  * the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 
-/* ---- Verification, on the host and on the device ------------------------------------------------------------ */
+/* ---- Verification, on the host and on the device ----------------------------------------------------------- */
 
 /* A mesh to be verified; triangle order and first corners are free. The caller's, read only. */
 struct gcdt_mesh {
@@ -477,10 +489,6 @@ struct gcdt_mesh {
 };
 #define GCDT_MESH_INIT \
   { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
-
-/* The grid that gcdt_triangulate chooses for the vertices of `input`, by host arithmetic; with `fixed` not null, that
- * of its fixed_grid and grid_... members if fixed_grid is 1. Sets grid->struct_size. */
-GCDT_API int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid);
 
 /* Proves that `mesh` is the CDT of `input` on `grid`, by exact arithmetic on the host that shares no code with the
  * solver: GCDT_OK, or GCDT_ERROR_NOT_VALID and gcdt_last_error(NULL) with the first failure. Never another error for
@@ -511,6 +519,7 @@ GCDT_API int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* me
  * GCDT_ERROR_CHECK_FAILED names the first fault. For less trust in the device see gcdt_verify. Blocks. */
 GCDT_API int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh,
                             const gcdt_options* options);
+
 /* What a mesh that is valid on the grid is worth at the coordinates that were given, which may have been rounded. */
 typedef struct gcdt_assessment {
   size_t struct_size;

@@ -41,8 +41,8 @@ using Log = std::function<void(int level, const char* message)>;
 /// The doubles nearest to the coordinates of grid points; see gcdt_grid_coordinates.
 inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Span<std::array<std::int32_t, 2>> points) {
   const gcdt_grid at = detail::grid(grid);
-  std::vector<std::array<double, 2>> coordinates(points.size);
-  detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data), points.size,
+  std::vector<std::array<double, 2>> coordinates(points.size());
+  detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data()), points.size(),
                                       reinterpret_cast<double*>(coordinates.data())));
   return coordinates;
 }
@@ -51,21 +51,21 @@ inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Spa
 /// invalid_argument if there is not one value for each vertex, or not one pair for each added one.
 inline std::vector<double> added_values(Points vertices, Constraints constraints, Span<std::array<double, 2>> added,
                                         Span<Constraint> crossings, Span<double> vertex_values) {
-  if (vertex_values.size != vertices.size() || crossings.size != added.size)
+  if (vertex_values.size() != vertices.size() || crossings.size() != added.size())
     throw Error(Status::invalid_argument, "there is not one value for each vertex, or not one pair for each added one");
   const gcdt_input input = detail::input(vertices, constraints);
-  std::vector<double> values(added.size);
-  detail::check(gcdt_added_values(&input, reinterpret_cast<const double*>(added.data),
-                                  reinterpret_cast<const std::uint32_t*>(crossings.data), added.size,
-                                  vertex_values.data, values.data()));
+  std::vector<double> values(added.size());
+  detail::check(gcdt_added_values(&input, reinterpret_cast<const double*>(added.data()),
+                                  reinterpret_cast<const std::uint32_t*>(crossings.data()), added.size(),
+                                  vertex_values.data(), values.data()));
   return values;
 }
 
 /// The grid points to which coordinates are rounded; see gcdt_grid_points.
 inline std::vector<std::array<std::int32_t, 2>> grid_points(const Grid& grid, Span<std::array<double, 2>> coordinates) {
   const gcdt_grid at = detail::grid(grid);
-  std::vector<std::array<std::int32_t, 2>> points(coordinates.size);
-  detail::check(gcdt_grid_points(&at, reinterpret_cast<const double*>(coordinates.data), coordinates.size,
+  std::vector<std::array<std::int32_t, 2>> points(coordinates.size());
+  detail::check(gcdt_grid_points(&at, reinterpret_cast<const double*>(coordinates.data()), coordinates.size(),
                                  reinterpret_cast<std::int32_t*>(points.data())));
   return points;
 }
@@ -76,8 +76,9 @@ inline std::vector<Constraint> ring_constraints(Points points, Span<std::uint64_
                                                 Span<std::uint64_t> polygon_offsets = {}) {
   const gcdt_input input = detail::input(points, {});
   gcdt_rings rings = GCDT_RINGS_INIT;
-  rings.ring_offsets = ring_offsets.data, rings.ring_count = ring_offsets.size - (ring_offsets.size > 0);
-  rings.polygon_offsets = polygon_offsets.data, rings.polygon_count = polygon_offsets.size - (polygon_offsets.size > 0);
+  rings.ring_offsets = ring_offsets.data(), rings.ring_count = ring_offsets.size() - !ring_offsets.empty();
+  rings.polygon_offsets = polygon_offsets.data(),
+  rings.polygon_count = polygon_offsets.size() - !polygon_offsets.empty();
   std::vector<Constraint> constraints(points.size());
   detail::check(
       gcdt_ring_constraints(&input, &rings, reinterpret_cast<std::uint32_t*>(constraints.data()), constraints.size()));
@@ -97,33 +98,12 @@ class Result {
     return static_cast<std::size_t>(gcdt_result_count(handle_.get(), array));
   }
 
-  /// Copies to host memory; see the members of Triangulation. Each blocks.
-  std::vector<std::array<std::uint32_t, 3>> triangles() const {
-    return copy<std::array<std::uint32_t, 3>>(GCDT_TRIANGLES);
-  }
-  std::vector<std::array<std::int32_t, 3>> neighbours() const {
-    return copy<std::array<std::int32_t, 3>>(GCDT_NEIGHBOURS);
-  }
-  std::vector<std::uint8_t> constrained() const { return copy<std::uint8_t>(GCDT_CONSTRAINED); }
-  std::vector<std::uint32_t> representative() const { return copy<std::uint32_t>(GCDT_REPRESENTATIVES); }
-  std::vector<Constraint> pieces() const { return copy<Constraint>(GCDT_PIECES); }
-  std::vector<std::uint32_t> source_offsets() const { return copy<std::uint32_t>(GCDT_SOURCE_OFFSETS); }
-  std::vector<std::uint32_t> sources() const { return copy<std::uint32_t>(GCDT_SOURCES); }
-  std::vector<std::uint32_t> dropped() const { return copy<std::uint32_t>(GCDT_DROPPED); }
-  std::vector<std::uint32_t> region() const { return copy<std::uint32_t>(GCDT_REGIONS); }
-  std::vector<std::uint32_t> depth() const { return copy<std::uint32_t>(GCDT_DEPTHS); }
-  std::vector<std::int32_t> winding() const { return copy<std::int32_t>(GCDT_WINDINGS); }
-  std::vector<std::int32_t> region_seed() const { return copy<std::int32_t>(GCDT_REGION_SEEDS); }
-  /// Made on demand; see GCDT_VERTEX_TRIANGLES, GCDT_HULL and GCDT_EDGE_PIECES.
-  std::vector<std::int32_t> vertex_triangles() const { return copy<std::int32_t>(GCDT_VERTEX_TRIANGLES); }
-  std::vector<std::uint32_t> hull() const { return copy<std::uint32_t>(GCDT_HULL); }
-  std::vector<std::array<std::int32_t, 3>> edge_pieces() const {
-    return copy<std::array<std::int32_t, 3>>(GCDT_EDGE_PIECES);
-  }
-  std::vector<std::array<std::int32_t, 2>> added_on_grid() const {
-    return copy<std::array<std::int32_t, 2>>(GCDT_ADDED);
-  }
-  std::vector<Constraint> added_crossing() const { return copy<Constraint>(GCDT_ADDED_CROSSINGS); }
+  /// Copies to host memory, by the names of the arrays in gcdt/arrays.def: triangles(), neighbours() and so on, and
+  /// those made on demand: vertex_triangles(), hull() and edge_pieces(). Each blocks.
+#define GCDT_ARRAY(number, name, type, width, ...) \
+  std::vector<detail::Element<type, width>> name() const { return copy<detail::Element<type, width>>(number); }
+#define GCDT_DERIVED_ARRAY GCDT_ARRAY
+#include <gcdt/arrays.def>
   Statistics statistics() const { return detail::statistics(handle_.get()); }
 
   /// Areas and angles, measured on the device. Blocks.
@@ -146,11 +126,11 @@ class Result {
   /// The values at points, linear in each triangle; `vertex_values`: one a vertex, added ones last. See
   /// gcdt_interpolate. Throws invalid_argument if they are not as many. Blocks.
   std::vector<double> interpolate(Points points, Span<double> vertex_values, double outside) const {
-    if (vertex_values.size != count(GCDT_REPRESENTATIVES))
+    if (vertex_values.size() != count(GCDT_REPRESENTATIVES))
       throw Error(Status::invalid_argument, "there is not one value for each vertex");
     std::vector<double> values(points.size());
     detail::check(gcdt_interpolate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
-                                   vertex_values.data, outside, values.data()));
+                                   vertex_values.data(), outside, values.data()));
     return values;
   }
 
@@ -160,20 +140,8 @@ class Result {
     const double before = statistics().ms.call;
     Triangulation all;
     Copies copies(*this);
-    copies.add(GCDT_TRIANGLES, all.triangles);
-    copies.add(GCDT_NEIGHBOURS, all.neighbours);
-    copies.add(GCDT_CONSTRAINED, all.constrained);
-    copies.add(GCDT_REPRESENTATIVES, all.representative);
-    copies.add(GCDT_PIECES, all.pieces);
-    copies.add(GCDT_SOURCE_OFFSETS, all.source_offsets);
-    copies.add(GCDT_SOURCES, all.sources);
-    copies.add(GCDT_DROPPED, all.dropped);
-    copies.add(GCDT_REGIONS, all.region);
-    copies.add(GCDT_DEPTHS, all.depth);
-    copies.add(GCDT_WINDINGS, all.winding);
-    copies.add(GCDT_REGION_SEEDS, all.region_seed);
-    copies.add(GCDT_ADDED, all.added_on_grid);
-    copies.add(GCDT_ADDED_CROSSINGS, all.added_crossing);
+#define GCDT_ARRAY(number, name, ...) copies.add(number, all.name);
+#include <gcdt/arrays.def>
     copies.run();
     all.statistics = statistics();
     all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
@@ -251,9 +219,9 @@ class Solver {
   /// progress function throws. Blocks until the mesh is complete.
   Result solve(Points points, Constraints constraints = {}, const Options& options = {}) {
     const gcdt_input input = detail::input(points, constraints);
-    return solved(options, [&](const gcdt_options& given, gcdt_result** result) {
-      return gcdt_triangulate(handle_.get(), &input, &given, result);
-    });
+    return Result(detail::made<gcdt_result>(
+        options, handle(), gcdt_result_release,
+        [&](const gcdt_options& given, auto** result) { return gcdt_triangulate(handle(), &input, &given, result); }));
   }
   /// The same, copied to host memory.
   Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {}) {
@@ -269,27 +237,13 @@ class Solver {
     MeshView view;
     view.triangles = triangles;
     const gcdt_mesh mesh = detail::mesh(view);
-    return solved(options, [&](const gcdt_options& given, gcdt_result** result) {
-      return gcdt_adopt(handle_.get(), &input, &mesh, &given, result);
-    });
+    return Result(detail::made<gcdt_result>(
+        options, handle(), gcdt_result_release,
+        [&](const gcdt_options& given, auto** result) { return gcdt_adopt(handle(), &input, &mesh, &given, result); }));
   }
 
   /// Gives the device memory back that is kept and that no result holds.
   void trim() { detail::check(gcdt_solver_trim(handle_.get())); }
-
-  /// For gcdt_cl.hpp: calls `f` with the options as C has them, and lets exceptions of the progress function through.
-  template <class F>
-  Result solved(const Options& options, F&& f) {
-    detail::ProgressCall progress{&options.progress, nullptr};
-    gcdt_result* result = nullptr;
-    const std::int32_t status = f(detail::options(options, progress), &result);
-    if (progress.thrown) {
-      gcdt_result_release(result);
-      std::rethrow_exception(progress.thrown);
-    }
-    detail::check(status, handle_.get());
-    return Result(result);
-  }
 
  private:
   struct Release {

@@ -54,7 +54,7 @@ inline Solver make_solver(const ::cl::CommandQueue& queue, Log log = {}) {
 inline Pool make_pool(const std::vector<::cl::CommandQueue>& queues, Log log = {}, Trace trace = {}) {
   std::unique_ptr<Log> kept_log = detail::boxed(std::move(log));
   std::unique_ptr<Trace> kept_trace = detail::boxed(std::move(trace));
-  const gcdt_pool_options options = Pool::pool_options(kept_log.get(), kept_trace.get());
+  const gcdt_pool_options options = detail::pool_options(kept_log.get(), kept_trace.get());
   std::vector<cl_command_queue> handles;
   for (const ::cl::CommandQueue& queue : queues) handles.push_back(queue());
   gcdt_pool* pool = nullptr;
@@ -78,10 +78,11 @@ inline Result solve(Solver& solver, const DevicePoints& points, const DeviceCons
   input.vertex_offset = points.offset, input.vertex_count = points.count;
   input.constraints = constraints.buffer();
   input.constraint_offset = constraints.offset, input.constraint_count = constraints.count;
-  return solver.solved(options, [&](const gcdt_options& given, gcdt_result** result) {
-    return gcdt_cl_triangulate(solver.handle(), &input, &given, static_cast<cl_uint>(events.size()),
-                               detail::handles(events), result);
-  });
+  return Result(detail::made<gcdt_result>(
+      options, solver.handle(), gcdt_result_release, [&](const gcdt_options& given, auto** result) {
+        return gcdt_cl_triangulate(solver.handle(), &input, &given, static_cast<cl_uint>(events.size()),
+                                   detail::handles(events), result);
+      }));
 }
 
 /// As Pool::triangulate, from device memory by commands in `queue` after `events`; see gcdt_cl_pool_triangulate.
@@ -93,10 +94,11 @@ inline BatchResult triangulate(Pool& pool, const ::cl::CommandQueue& queue, cons
   input.problem_count = batch.problems;
   input.vertices = batch.vertices(), input.vertex_offsets = batch.vertex_offsets();
   input.constraints = batch.constraints(), input.constraint_offsets = batch.constraint_offsets();
-  return Pool::triangulated(options, [&](const gcdt_options& given, gcdt_batch** result) {
-    return gcdt_cl_pool_triangulate(pool.handle(), queue(), &input, &given, static_cast<cl_uint>(events.size()),
-                                    detail::handles(events), result);
-  });
+  return BatchResult(
+      detail::made<gcdt_batch>(options, nullptr, gcdt_batch_release, [&](const gcdt_options& given, auto** result) {
+        return gcdt_cl_pool_triangulate(pool.handle(), queue(), &input, &given, static_cast<cl_uint>(events.size()),
+                                        detail::handles(events), result);
+      }));
 }
 
 /// An array of all problems into `destination`, where `capacity` elements from `offset` on may be written, and where

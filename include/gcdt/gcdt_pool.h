@@ -34,16 +34,20 @@ typedef struct gcdt_pool_options {
 #define GCDT_POOL_OPTIONS_INIT \
   { sizeof(gcdt_pool_options), NULL, NULL, NULL, NULL, NULL }
 
-/* A pool of devices, each with an OpenCL context and programs, and one or more lanes: a queue and memory, which it
- * keeps, and in calls a thread. A GPU has three, so that it works for one while the host puts the others' problems
- * together and takes their results, each with 4 MiB of pinned host memory and, in large runs, a second thread that
- * makes room for results; in traces lane k of a device has the number of the device plus k times the number of devices.
- * Of a CPU beside GPUs all cores but two for each such lane are used, if it can be divided. The CPU's driver may
- * compile kernels only when they are first launched, for seconds: so, before it takes part in a first call with given
- * rules for crossings, domains or regions, the CPU launches what it may need for problems of the pool's own, while the
- * GPUs work; that call, whatever its batch, does not return before this is done or the call is cancelled. If the CPU is
- * slower than an eighth of a GPU it sits out most calls, unless it is needed. Devices that fail are reported
- * (gcdt_pool_device_get); an error only if all do. `options` may be null. */
+/* A pool of the devices that `options` (may be null) choose. *pool is the caller's, for gcdt_pool_release. Blocks while
+ * programs are built. As a solver, a pool belongs to one thread at a time, distinct pools to distinct threads; it
+ * starts threads of its own during calls. It keeps the programs, the device memory and the pinned host memory that
+ * calls have needed for the next ones.
+ *
+ * Errors: GCDT_ERROR_NO_DEVICE if nothing fits the choice. A device that fails is left out, and
+ * gcdt_pool_device_get says why; if all do the call fails with every device's reason, as gcdt_pool_triangulate does.
+ *
+ * What a pool decides itself: a CPU beside GPUs leaves cores to the threads that feed them, where it can be divided,
+ * and sits calls out to which it would add little. Its driver may compile kernels for seconds when they are first
+ * launched, so that the first call with other rules for crossings, domains or regions may take that much longer.
+ *
+ * Traces: a device may work on several runs at once, its lanes. Lane k of device d has the device_number
+ * d + k * gcdt_pool_device_count. */
 GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
 
 /* Null is allowed. Batches may be released before or after. */

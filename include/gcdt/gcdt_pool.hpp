@@ -2,6 +2,8 @@
 // The C++17 interface to pools of devices and batches of problems, header-only over gcdt_pool.h, which has the rules.
 #pragma once
 
+#include <tuple>
+
 #include <gcdt/gcdt_pool.h>
 #include <gcdt/gcdt.hpp>
 
@@ -80,35 +82,13 @@ class BatchResult {
     return {c.vertices_rounded_together, {c.rounded_pair[0], c.rounded_pair[1]}};
   }
 
-  /// The problem's arrays; see the members of Triangulation. Empty if it has an error.
-  Span<std::array<std::uint32_t, 3>> triangles(std::size_t problem) const {
-    return array<std::array<std::uint32_t, 3>>(problem, GCDT_TRIANGLES);
+  /// The problem's arrays by their names in gcdt/arrays.def: triangles(p), neighbours(p) and so on. Empty if it has an
+  /// error, and where the options do not ask for them.
+#define GCDT_ARRAY(number, name, type, width, ...)                     \
+  Span<detail::Element<type, width>> name(std::size_t problem) const { \
+    return array<detail::Element<type, width>>(problem, number);       \
   }
-  Span<std::array<std::int32_t, 3>> neighbours(std::size_t problem) const {
-    return array<std::array<std::int32_t, 3>>(problem, GCDT_NEIGHBOURS);
-  }
-  Span<std::uint8_t> constrained(std::size_t problem) const { return array<std::uint8_t>(problem, GCDT_CONSTRAINED); }
-  Span<std::uint32_t> representative(std::size_t problem) const {
-    return array<std::uint32_t>(problem, GCDT_REPRESENTATIVES);
-  }
-  Span<Constraint> pieces(std::size_t problem) const { return array<Constraint>(problem, GCDT_PIECES); }
-  Span<std::uint32_t> source_offsets(std::size_t problem) const {
-    return array<std::uint32_t>(problem, GCDT_SOURCE_OFFSETS);
-  }
-  Span<std::uint32_t> sources(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_SOURCES); }
-  /// Empty unless asked for (Options::domain, regions).
-  Span<std::uint32_t> region(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_REGIONS); }
-  Span<std::uint32_t> depth(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DEPTHS); }
-  Span<std::int32_t> winding(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_WINDINGS); }
-  Span<std::int32_t> region_seed(std::size_t problem) const { return array<std::int32_t>(problem, GCDT_REGION_SEEDS); }
-  Span<std::uint32_t> dropped(std::size_t problem) const { return array<std::uint32_t>(problem, GCDT_DROPPED); }
-  /// Empty unless constraints were split (Crossing::split); grid_coordinates has the coordinates.
-  Span<std::array<std::int32_t, 2>> added_on_grid(std::size_t problem) const {
-    return array<std::array<std::int32_t, 2>>(problem, GCDT_ADDED);
-  }
-  Span<Constraint> added_crossing(std::size_t problem) const {
-    return array<Constraint>(problem, GCDT_ADDED_CROSSINGS);
-  }
+#include <gcdt/arrays.def>
 
  private:
   gcdt_problem info(std::size_t problem) const {
@@ -130,6 +110,32 @@ class BatchResult {
   std::unique_ptr<gcdt_batch, Release> handle_;
 };
 
+namespace detail {
+
+/// What the batch has to say of a problem without an error.
+inline Statistics statistics(const BatchResult& batch, std::size_t problem) {
+  Statistics s;
+  s.grid = batch.grid(problem);
+  std::tie(s.vertices_rounded_together, s.rounded_pair) = batch.rounded_together(problem);
+  const SplitReport split = batch.split(problem);
+  s.crossings = split.crossings, s.vertices_added = split.vertices_added;
+  s.constraints_split = split.constraints_split, s.constraint_move = split.constraint_move;
+  return s;
+}
+
+/// A copy of the problem's arrays, and the same.
+inline Triangulation triangulation(const BatchResult& batch, std::size_t problem) {
+  Triangulation all;
+#define GCDT_ARRAY(number, name, ...) all.name.assign(batch.name(problem).begin(), batch.name(problem).end());
+#include <gcdt/arrays.def>
+  all.statistics = statistics(batch, problem);
+  all.statistics.triangles = all.triangles.size();
+  all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
+  return all;
+}
+
+}  // namespace detail
+
 /// A device of a pool: what it is, why it was taken out, and its part in the last batch.
 struct PoolDevice {
   DeviceInfo info;
@@ -138,6 +144,18 @@ struct PoolDevice {
   double ms_busy = 0;
 };
 
+namespace detail {
+
+/// `log` and `trace` may be null.
+inline gcdt_pool_options pool_options(LogFunction* log, Trace* trace) {
+  gcdt_pool_options c = GCDT_POOL_OPTIONS_INIT;
+  if (log) c.log = call_log, c.log_user = log;
+  if (trace) c.trace = call_trace, c.trace_user = trace;
+  return c;
+}
+
+}  // namespace detail
+
 /// Triangulates batches on any set of devices. One object by one thread at a time. Move-only.
 class Pool {
  public:
@@ -145,7 +163,7 @@ class Pool {
   /// or what all devices failed with.
   explicit Pool(const std::string& devices = {}, Log log = {}, Trace trace = {})
       : log_(detail::boxed(std::move(log))), trace_(detail::boxed(std::move(trace))) {
-    gcdt_pool_options options = pool_options(log_.get(), trace_.get());
+    gcdt_pool_options options = detail::pool_options(log_.get(), trace_.get());
     options.devices = devices.c_str();
     gcdt_pool* pool = nullptr;
     detail::check(gcdt_pool_create(&options, &pool));
@@ -180,46 +198,25 @@ class Pool {
   BatchResult triangulate(const BatchView& batch, const Options& options = {}) {
     gcdt_batch_input input = GCDT_BATCH_INPUT_INIT;
     input.coordinate_type = detail::coordinate_type(batch.vertices.type());
-    input.problem_count = batch.vertex_offsets.size > 0 ? batch.vertex_offsets.size - 1 : 0;
-    const bool right = batch.constraint_offsets.size == batch.vertex_offsets.size ||
-                       (batch.constraint_offsets.size == 0 && batch.constraints.size == 0);
+    input.problem_count = batch.vertex_offsets.empty() ? 0 : batch.vertex_offsets.size() - 1;
+    const bool right = batch.constraint_offsets.size() == batch.vertex_offsets.size() ||
+                       (batch.constraint_offsets.empty() && batch.constraints.empty());
     if (!right) throw Error(Status::invalid_argument, "constraint_offsets and vertex_offsets are not of one length");
     if (input.problem_count > 0 && batch.vertex_offsets[input.problem_count] > batch.vertices.size())
       throw Error(Status::invalid_argument, "vertex_offsets go beyond the vertices");
-    if (input.problem_count > 0 && batch.constraint_offsets.size > 0 &&
-        batch.constraint_offsets[input.problem_count] > batch.constraints.size)
+    if (input.problem_count > 0 && !batch.constraint_offsets.empty() &&
+        batch.constraint_offsets[input.problem_count] > batch.constraints.size())
       throw Error(Status::invalid_argument, "constraint_offsets go beyond the constraints");
-    input.vertices = batch.vertices.data(), input.vertex_offsets = batch.vertex_offsets.data;
-    input.constraints = reinterpret_cast<const std::uint32_t*>(batch.constraints.data);
-    input.constraint_offsets = batch.constraint_offsets.data;
-    return triangulated(options, [&](const gcdt_options& given, gcdt_batch** result) {
-      return gcdt_pool_triangulate(handle_.get(), &input, &given, result);
-    });
+    input.vertices = batch.vertices.data(), input.vertex_offsets = batch.vertex_offsets.data();
+    input.constraints = reinterpret_cast<const std::uint32_t*>(batch.constraints.data());
+    input.constraint_offsets = batch.constraint_offsets.data();
+    return BatchResult(
+        detail::made<gcdt_batch>(options, nullptr, gcdt_batch_release, [&](const gcdt_options& given, auto** result) {
+          return gcdt_pool_triangulate(handle(), &input, &given, result);
+        }));
   }
   BatchResult triangulate(const Batch& batch, const Options& options = {}) {
     return triangulate(batch.view(), options);
-  }
-
-  /// What `call` makes, given the C options; for gcdt_cl.hpp.
-  template <class Call>
-  static BatchResult triangulated(const Options& options, Call&& call) {
-    detail::ProgressCall progress{&options.progress, nullptr};
-    const gcdt_options given = detail::options(options, progress);
-    gcdt_batch* result = nullptr;
-    const std::int32_t status = call(given, &result);
-    if (progress.thrown) {
-      gcdt_batch_release(result);
-      std::rethrow_exception(progress.thrown);
-    }
-    detail::check(status);
-    return BatchResult(result);
-  }
-  /// For gcdt_cl.hpp. Either may be null.
-  static gcdt_pool_options pool_options(Log* log, Trace* trace) {
-    gcdt_pool_options options = GCDT_POOL_OPTIONS_INIT;
-    if (log) options.log = detail::call_log, options.log_user = log;
-    if (trace) options.trace = detail::call_trace, options.trace_user = trace;
-    return options;
   }
 
  private:

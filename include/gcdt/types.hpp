@@ -18,21 +18,26 @@
 
 namespace gcdt {
 
-/// A view of `size` elements at `data`, owned by the caller.
+/// A view of elements that the caller owns, read only: what std::span<const T> is in C++20.
 template <class T>
-struct Span {
-  const T* data = nullptr;
-  std::size_t size = 0;
-
+class Span {
+ public:
   Span() = default;
-  Span(const T* first, std::size_t count) : data(first), size(count) {}
-  Span(const std::vector<T>& values) : data(values.data()), size(values.size()) {}
+  Span(const T* first, std::size_t count) : data_(first), size_(count) {}
+  Span(const std::vector<T>& values) : Span(values.data(), values.size()) {}
   template <std::size_t N>
-  Span(const std::array<T, N>& values) : data(values.data()), size(N) {}
+  Span(const std::array<T, N>& values) : Span(values.data(), N) {}
 
-  const T& operator[](std::size_t i) const { return data[i]; }
-  const T* begin() const { return data; }
-  const T* end() const { return data + size; }
+  const T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+
+ private:
+  const T* data_ = nullptr;
+  std::size_t size_ = 0;
 };
 
 /// A view of the input vertices: `count` pairs (x, y) of one number type, tightly packed.
@@ -43,10 +48,10 @@ class Points {
   enum class Type { float64, float32, int32, int64 };
 
   Points() = default;
-  Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data, p.size) {}
-  Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data, p.size) {}
-  Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data, p.size) {}
-  Points(Span<std::array<std::int64_t, 2>> p) : Points(Type::int64, p.data, p.size) {}
+  Points(Span<std::array<double, 2>> p) : Points(Type::float64, p.data(), p.size()) {}
+  Points(Span<std::array<float, 2>> p) : Points(Type::float32, p.data(), p.size()) {}
+  Points(Span<std::array<std::int32_t, 2>> p) : Points(Type::int32, p.data(), p.size()) {}
+  Points(Span<std::array<std::int64_t, 2>> p) : Points(Type::int64, p.data(), p.size()) {}
   Points(const std::vector<std::array<double, 2>>& p) : Points(Span<std::array<double, 2>>(p)) {}
   Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
   Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}
@@ -272,36 +277,31 @@ struct Quality {
   std::uint64_t least_doubled = 0, largest_doubled = 0, doubled = 0;  ///< twice the same in cells, exactly
 };
 
+namespace detail {
+
+/// An element of an array: `width` numbers of a type.
+template <class T, std::size_t width>
+struct ElementOf {
+  using Type = std::array<T, width>;
+};
+template <class T>
+struct ElementOf<T, 1> {
+  using Type = T;
+};
+template <class T, std::size_t width>
+using Element = typename ElementOf<T, width>::Type;
+
+}  // namespace detail
+
 /// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
 struct Triangulation {
-  /// Corners, counter-clockwise; canonical order: each triangle starts with its first vertex in
-  /// Z-order of the grid, and triangles are sorted by the Z-order of their first, then second vertex.
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  /// neighbours[t][k] is the triangle across the edge opposite corner k of t, or -1.
-  std::vector<std::array<std::int32_t, 3>> neighbours;
-  /// Bit k of constrained[t]: the edge opposite corner k of t is (part of) a constraint.
-  std::vector<std::uint8_t> constrained;
-  /// representative[v]: the vertex that stands for input vertex v; the least number of its grid point.
-  /// Added vertices follow those of the input, and stand for themselves.
-  std::vector<std::uint32_t> representative;
-  /// The constraints after cleaning: ends (Z-order of the ends), sorted by that order.
-  std::vector<Constraint> pieces;
-  /// sources[source_offsets[i] .. source_offsets[i + 1]): the input constraints that run along
-  /// pieces[i], ascending. source_offsets has pieces.size() + 1 elements.
-  std::vector<std::uint32_t> source_offsets, sources;
-  /// The input constraints dropped under Crossing::drop, ascending.
-  std::vector<std::uint32_t> dropped;
-  /// One a triangle if Options::domain or regions ask for them, else empty. region: of the convex hull's regions,
-  /// numbered by their least triangles. depth: the least number of constrained edges between region and outside.
-  /// winding: how often the constraints wind around it counter-clockwise, counted inwards along a shortest way.
-  std::vector<std::uint32_t> region, depth;
-  std::vector<std::int32_t> winding;
-  std::vector<std::int32_t> region_seed;  ///< the least of Options::region_seeds in the region, or -1
-  /// The vertices added under Crossing::split, in order of (x, y); their numbers follow those of the input. On
-  /// the grid, as the doubles nearest to that, and the least pair of input constraints that cross in each one's pixel.
-  std::vector<std::array<std::int32_t, 2>> added_on_grid;
+  /// One vector for each array of gcdt/arrays.def, which says what is in it: triangles, neighbours, constrained,
+  /// representative, pieces, source_offsets, sources, dropped, added_on_grid, added_crossing, region, depth, winding
+  /// and region_seed.
+#define GCDT_ARRAY(number, name, type, width, ...) std::vector<detail::Element<type, width>> name;
+#include <gcdt/arrays.def>
+  /// The vertices of added_on_grid, as the doubles nearest to that.
   std::vector<std::array<double, 2>> added;
-  std::vector<Constraint> added_crossing;
   Statistics statistics;
 };
 

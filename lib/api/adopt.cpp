@@ -40,7 +40,7 @@ int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
         throw mesh_error(error, constraints, edges);
       }
       return adopt(state.runtime, state.primitives, std::move(whole), triangles,
-                   static_cast<std::uint32_t>(constraints.size));
+                   static_cast<std::uint32_t>(constraints.size()));
     });
   });
 }

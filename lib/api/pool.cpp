@@ -67,10 +67,9 @@ std::pair<const ForestResult*, std::size_t> place_of(const gcdt_batch& batch, st
 }
 
 View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
-  const std::size_t bytes = gcdt_element_bytes(array);
-  if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
+  const std::size_t bytes = known_array(array).element_bytes;
   const auto kind = static_cast<std::size_t>(array);
-  if (batch.made.errors.count(static_cast<std::uint32_t>(problem)) > 0 || kind >= ForestResult::array_count) return {};
+  if (batch.made.errors.count(static_cast<std::uint32_t>(problem)) > 0 || kind >= array_slots) return {};
   const auto [result, place] = place_of(batch, problem);
   if (result->begins[kind].empty()) return {};
   const std::uint64_t begin = result->begins[kind][place], end = result->begins[kind][place + 1];
@@ -103,8 +102,7 @@ Error too_small(std::uint64_t elements, std::uint64_t capacity) {
 
 void copy_batch(const gcdt_batch& batch, std::int32_t array, void* destination, std::uint64_t capacity,
                 std::uint64_t* offsets) {
-  const std::uint64_t problems = batch.made.places.size(), bytes = gcdt_element_bytes(array);
-  if (bytes == 0) throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(array));
+  const std::uint64_t problems = batch.made.places.size(), bytes = known_array(array).element_bytes;
   std::uint64_t all = 0;
   for (std::uint64_t p = 0; p < problems; ++p) all += view(batch, p, array).count;
   if (destination && capacity < all) throw too_small(all, capacity);

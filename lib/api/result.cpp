@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstring>
-#include <iterator>
 
 #include "api/state.hpp"
 #include "query/quality.hpp"
@@ -12,65 +11,26 @@
 using namespace gcdt;
 using namespace gcdt::api;
 
-namespace {
-
-// By number; 0: there is no such array. GCDT_TRIANGLES ... GCDT_ADDED_CROSSINGS; from 16 on GCDT_REGIONS ...; from 24
-// on GCDT_VERTEX_TRIANGLES ...
-constexpr std::size_t element_bytes[] = {12, 12, 1, 4, 8, 4, 4, 4, 8, 8, 0, 0, 0, 0,
-                                         0,  0,  4, 4, 4, 4, 0, 0, 0, 0, 4, 4, 12};
-
-}  // namespace
-
 std::uint64_t gcdt_result::count(std::int32_t number) const {
-  switch (number) {
-    case GCDT_TRIANGLES:
-    case GCDT_NEIGHBOURS:
-    case GCDT_CONSTRAINED:
-    case GCDT_EDGE_PIECES: return data.mesh.triangles;
-    case GCDT_REPRESENTATIVES:
-    case GCDT_VERTEX_TRIANGLES: return data.representatives.size();
-    case GCDT_PIECES: return data.pieces.count;
-    case GCDT_SOURCE_OFFSETS: return std::uint64_t{data.pieces.count} + 1;
-    case GCDT_SOURCES: return data.pieces.source_count;
-    case GCDT_DROPPED: return data.dropped.size();
-    case GCDT_ADDED:
-    case GCDT_ADDED_CROSSINGS: return data.added.count;
-    case GCDT_REGIONS:
-    case GCDT_DEPTHS:
-    case GCDT_WINDINGS:
-    case GCDT_REGION_SEEDS: return data.regions.region.size();
-    case GCDT_HULL: return hull_count(data);
-  }
-  return 0;
+  const ResultArray* array = result_array(number);
+  return array ? elements(data, *array) : 0;
 }
 
 Array gcdt_result::array(std::int32_t number) const {
-  auto found = [&](const auto& buffer) { return Array{buffer.handle(), count(number), gcdt_element_bytes(number)}; };
-  runtime::Runtime& runtime = state->runtime;
-  switch (number) {
-    case GCDT_TRIANGLES: return found(data.mesh.corners);
-    case GCDT_NEIGHBOURS: return found(data.mesh.neighbours);
-    case GCDT_CONSTRAINED: return found(data.mesh.constrained);
-    case GCDT_REPRESENTATIVES: return found(data.representatives);
-    case GCDT_PIECES: return found(data.pieces.ends);
-    case GCDT_SOURCE_OFFSETS: return found(data.pieces.source_offsets);
-    case GCDT_SOURCES: return found(data.pieces.sources);
-    case GCDT_DROPPED: return found(data.dropped);
-    case GCDT_ADDED: return found(data.added.points);
-    case GCDT_ADDED_CROSSINGS: return found(data.added.crossing);
-    case GCDT_REGIONS: return found(data.regions.region);
-    case GCDT_DEPTHS: return found(data.regions.depth);
-    case GCDT_WINDINGS: return found(data.regions.winding);
-    case GCDT_REGION_SEEDS: return found(data.regions.seed);
-    case GCDT_VERTEX_TRIANGLES: return found(derived.vertex_triangles(runtime, data));
-    case GCDT_HULL: return found(derived.hull(runtime, state->primitives, data));
-    case GCDT_EDGE_PIECES: return found(derived.edge_pieces(runtime, data));
-  }
+  const ResultArray& array = known_array(number);
+  const cl_mem memory =
+      array.derive ? array.derive(state->runtime, state->primitives, derived, data) : array.memory(data);
+  return {memory, elements(data, array), array.element_bytes};
+}
+
+const ResultArray& gcdt::api::known_array(std::int32_t number) {
+  if (const ResultArray* array = result_array(number)) return *array;
   throw Error(Status::invalid_argument, "no array of a result has the number " + std::to_string(number));
 }
 
 size_t gcdt_element_bytes(int32_t array) {
-  return array >= 0 && static_cast<std::size_t>(array) < std::size(element_bytes) ? element_bytes[array] : 0;
+  const ResultArray* found = result_array(array);
+  return found ? found->element_bytes : 0;
 }
 
 uint64_t gcdt_result_count(const gcdt_result* result, int32_t array) { return result ? result->count(array) : 0; }
@@ -119,33 +79,11 @@ int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* stati
   return guarded_call(result ? result->state.get() : nullptr, [&] {
     const Statistics& s = result->data.statistics;
     gcdt_statistics c = {};
-    c.n = s.n, c.m = s.m, c.vertices_merged = s.vertices_merged;
-    c.constraints_zero = s.constraints_zero, c.constraints_pieces = s.constraints_pieces;
-    c.constraints_overlapping = s.constraints_overlapping;
-    c.crossings = s.crossings, c.constraints_dropped = s.constraints_dropped;
-    c.vertices_added = s.vertices_added, c.triangles = s.triangles;
+#define GCDT_STATISTIC(member, name) c.member = s.name;
+#define GCDT_STATISTIC_HIDDEN GCDT_STATISTIC
+#define GCDT_STATISTIC_TEXT(member, name) c.member = s.name.c_str();
+#include <gcdt/statistics.def>
     c.grid = write_grid(s.grid);
-    c.ms_core = s.ms.core, c.ms_full = s.ms.full, c.ms_build = s.ms.build, c.ms_order = s.ms.order;
-    c.ms_insert = s.ms.insert, c.ms_constrain = s.ms.constrain, c.ms_flip = s.ms.flip;
-    c.ms_check = s.ms.check, c.ms_output = s.ms.output;
-    c.rounds_insert = s.rounds.insert, c.rounds_flip = s.rounds.flip;
-    c.flips = s.flips, c.history_depth = s.history_depth, c.location_steps = s.location_steps;
-    c.launches = s.launches, c.read_backs = s.read_backs, c.crossed_pairs = s.crossed_pairs;
-    c.peak_device_bytes = s.peak_device_bytes, c.held_device_bytes = s.held_device_bytes;
-    c.edge_splits = s.cases.edge_splits, c.constraint_hits = s.cases.constraint_hits;
-    c.existing_edges = s.cases.existing_edges, c.pieces_walked = s.cases.pieces_walked;
-    c.chain_vertices = s.cases.chain_vertices, c.holes = s.cases.holes;
-    c.symbolic_chain_vertices = s.cases.symbolic_chain_vertices;
-    c.device = s.device.c_str(), c.driver = s.driver.c_str();
-    c.platform = s.platform.c_str(), c.version = s.version.c_str();
-    c.ms_clean = s.ms.clean, c.ms_domain = s.ms.domain, c.regions = s.regions,
-    c.triangles_removed = s.triangles_removed;
-    c.deepest = s.deepest, c.open_parity = s.open_parity, c.open_winding = s.open_winding;
-    c.constraints_split = s.constraints_split, c.constraint_move = s.constraint_move;
-    c.ms_call = s.ms.call, c.ms_walk = s.ms.walk, c.ms_gather = s.ms.gather;
-    c.pairs_cut_one_corner = s.cases.pairs_cut_one_corner, c.pairs_from_one_corner = s.cases.pairs_from_one_corner;
-    c.pairs_cut_two_corners = s.cases.pairs_cut_two_corners, c.pairs_cut_and_from = s.cases.pairs_cut_and_from;
-    c.vertices_rounded_together = s.vertices_rounded_together;
     std::copy(s.rounded_pair.begin(), s.rounded_pair.end(), c.rounded_pair);
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });

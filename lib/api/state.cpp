@@ -2,6 +2,8 @@
 // The C interface: statuses, devices, solvers, triangulation of host arrays.
 #include "api/state.hpp"
 
+#include <gcdt/statuses.hpp>
+
 using namespace gcdt;
 
 namespace gcdt::api {
@@ -29,29 +31,8 @@ void cut(char (&to)[N], const std::string& from) {
 
 std::int32_t code_of(const Error& error) {
   if (error.opencl_code() != 0) return error.opencl_code();
-  switch (error.status()) {
-    case Status::ok: return GCDT_OK;
-    case Status::invalid_argument: return GCDT_ERROR_INVALID_ARGUMENT;
-    case Status::coordinate_not_finite: return GCDT_ERROR_COORDINATE_NOT_FINITE;
-    case Status::coordinate_outside_grid: return GCDT_ERROR_COORDINATE_OUTSIDE_GRID;
-    case Status::index_out_of_range: return GCDT_ERROR_INDEX_OUT_OF_RANGE;
-    case Status::too_many_vertices: return GCDT_ERROR_TOO_MANY_VERTICES;
-    case Status::constraints_cross: return GCDT_ERROR_CONSTRAINTS_CROSS;
-    case Status::no_device: return GCDT_ERROR_NO_DEVICE;
-    case Status::device_failed: return GCDT_ERROR_DEVICE_FAILED;
-    case Status::out_of_memory: return GCDT_ERROR_OUT_OF_MEMORY;
-    case Status::round_limit: return GCDT_ERROR_ROUND_LIMIT;
-    case Status::check_failed: return GCDT_ERROR_CHECK_FAILED;
-    case Status::cancelled: return GCDT_ERROR_CANCELLED;
-    case Status::workspace_too_small: return GCDT_ERROR_WORKSPACE_TOO_SMALL;
-    case Status::buffer_too_small: return GCDT_ERROR_BUFFER_TOO_SMALL;
-    case Status::wrong_context: return GCDT_ERROR_WRONG_CONTEXT;
-    case Status::buffer_access: return GCDT_ERROR_BUFFER_ACCESS;
-    case Status::buffers_overlap: return GCDT_ERROR_BUFFERS_OVERLAP;
-    case Status::in_use: return GCDT_ERROR_IN_USE;
-    case Status::vertices_coincide: return GCDT_ERROR_VERTICES_COINCIDE;
-  }
-  return GCDT_ERROR_INTERNAL;
+  const detail::StatusRow* row = detail::row_of(error.status());
+  return row ? row->code : GCDT_ERROR_INTERNAL;
 }
 
 std::int32_t failed(State* state, std::int32_t status, const char* message, const std::vector<std::uint64_t>& indices,

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "device/step.hpp"
+#include "query/arrays.hpp"
 #include "query/derived.hpp"
 #include "solve/triangulate.hpp"
 
@@ -122,6 +123,9 @@ Grid read_grid(const gcdt_grid* grid);
 gcdt_solver_options read_solver_options(const gcdt_solver_options* options);
 runtime::Log read_log(gcdt_log_function call, void* user);
 Trace read_trace(gcdt_trace_function call, void* user);
+
+/// Throws invalid_argument for an unknown number.
+const ResultArray& known_array(std::int32_t number);
 
 /// One of the arrays of a result.
 struct Array {

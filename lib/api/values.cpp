@@ -40,7 +40,7 @@ int32_t gcdt_added_values(const gcdt_input* input, const double* added, const ui
     require((added && crossings && values) || count == 0, "added, crossings or values is null");
     require(vertex_values || points.size() == 0, "vertex_values is null");
     for (std::uint64_t i = 0; i < 2 * count; ++i) {
-      if (crossings[i] >= constraints.size)
+      if (crossings[i] >= constraints.size())
         throw Error(
             Status::invalid_argument,
             "added vertex " + std::to_string(i / 2) + ": there is no constraint " + std::to_string(crossings[i]),

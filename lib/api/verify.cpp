@@ -42,7 +42,7 @@ MeshView read_mesh(const gcdt_mesh* mesh) {
 /// As read_mesh, of a mesh made with `crossing`.
 MeshView read_mesh(const gcdt_mesh* mesh, Crossing crossing) {
   const MeshView view = read_mesh(mesh);
-  require(crossing == Crossing::split || view.added.size == 0, "only GCDT_CROSSING_SPLIT adds vertices");
+  require(crossing == Crossing::split || view.added.size() == 0, "only GCDT_CROSSING_SPLIT adds vertices");
   return view;
 }
 
@@ -144,10 +144,10 @@ int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
   return guarded_call(solver ? solver->state.get() : nullptr, [&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
     const MeshView view = read_mesh(mesh);
-    require(view.added.size == 0, "added vertices of a mesh to be checked are vertices of the input");
-    require(view.triangles.size == 0 || (view.neighbours && view.constrained),
+    require(view.added.size() == 0, "added vertices of a mesh to be checked are vertices of the input");
+    require(view.triangles.size() == 0 || (view.neighbours && view.constrained),
             "gcdt_mesh.neighbours or constrained is null");
-    require(view.triangles.size <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
+    require(view.triangles.size() <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
     require(given.constraint_count <= GCDT_MAX_CONSTRAINTS, "gcdt_input.constraint_count is too large");
     State& state = *solver->state;
     state.settle();

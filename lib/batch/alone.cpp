@@ -5,7 +5,6 @@
 
 namespace gcdt {
 
-using runtime::Buffer;
 using runtime::Runtime;
 
 namespace {
@@ -24,42 +23,16 @@ Points points_of(const BatchInput& batch, std::uint32_t p) {
 }
 
 /// Copies what a call has left on the device.
-class ResultCopy {
- public:
-  ResultCopy(Runtime& runtime, ForestResult& result) : runtime_(runtime), result_(result) {}
-
-  void run(const DeviceTriangulation& made) {
-    const OrderedMesh& mesh = made.mesh;
-    const Pieces& pieces = made.pieces;
-    take(GCDT_TRIANGLES, mesh.corners, mesh.triangles, 3);
-    take(GCDT_NEIGHBOURS, mesh.neighbours, mesh.triangles, 3);
-    take(GCDT_CONSTRAINED, mesh.constrained, mesh.triangles);
-    take(GCDT_REPRESENTATIVES, made.representatives, made.representatives.size());
-    take(GCDT_PIECES, pieces.ends, pieces.count);
-    take(GCDT_SOURCE_OFFSETS, pieces.source_offsets, std::size_t{pieces.count} + 1);
-    take(GCDT_SOURCES, pieces.sources, pieces.source_count);
-    take(GCDT_DROPPED, made.dropped, made.dropped.size());
-    take(GCDT_ADDED, made.added.points, made.added.count);
-    take(GCDT_ADDED_CROSSINGS, made.added.crossing, made.added.count);
-    if (!made.regions.region.allocated()) return;
-    take(GCDT_REGIONS, made.regions.region, mesh.triangles);
-    take(GCDT_DEPTHS, made.regions.depth, mesh.triangles);
-    take(GCDT_WINDINGS, made.regions.winding, mesh.triangles);
-    take(GCDT_REGION_SEEDS, made.regions.seed, mesh.triangles);
+void copy_alone(Runtime& runtime, const DeviceTriangulation& made, ForestResult& result) {
+  for (const ResultArray& array : result_arrays) {
+    if (array.there == There::on_demand || !has(made, array)) continue;
+    const auto slot = static_cast<std::size_t>(array.number);
+    const std::uint64_t count = elements(made, array);
+    const auto bytes = static_cast<std::size_t>(count) * array.element_bytes;
+    result.begins[slot] = {0, count};
+    runtime.read_bytes(array.memory(made), 0, result.arrays[slot].make<unsigned char>(bytes), bytes);
   }
-
- private:
-  /// `count` elements of `width` numbers each.
-  template <class T>
-  void take(int kind, const Buffer<T>& from, std::size_t count, std::size_t width = 1) {
-    const auto slot = static_cast<std::size_t>(kind);
-    result_.begins[slot] = {0, count};
-    runtime_.read(from, result_.arrays[slot].make<T>(count * width), count * width);
-  }
-
-  Runtime& runtime_;
-  ForestResult& result_;
-};
+}
 
 }  // namespace
 
@@ -70,14 +43,14 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
   const Points points = points_of(batch, number);
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[number],
                                    static_cast<std::size_t>(batch.m(number))};
-  const InputSource source = {points.size(), constraints.size, [&] {
+  const InputSource source = {points.size(), constraints.size(), [&] {
                                 return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                               }};
   runtime.memory().begin_call();
   const DeviceTriangulation made = triangulate(runtime, primitives, source, own);
   ForestResult result;
   runtime.tracer().begin_phase("copy");
-  ResultCopy(runtime, result).run(made);
+  copy_alone(runtime, made, result);
   runtime.tracer().end_phase();
   result.problems = {number};
   result.grids = {made.statistics.grid};

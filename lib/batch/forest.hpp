@@ -8,6 +8,7 @@
 
 #include "batch/forest_order.hpp"
 #include "device/upload.hpp"
+#include "query/arrays.hpp"
 #include "solve/run.hpp"
 
 namespace gcdt {
@@ -28,12 +29,12 @@ struct BatchInput {
 
 /// What one run made of some problems of a batch: every problem's arrays are what it would have alone.
 struct ForestResult {
-  static constexpr std::size_t array_count = GCDT_REGION_SEEDS + 1;
   std::vector<std::uint32_t> problems;    ///< their numbers in the batch; those of `alone` last
   std::vector<Grid> grids;                ///< of each
   std::vector<RoundedTogether> together;  ///< of each; empty: none of any
-  std::array<HostArray, array_count> arrays;
-  std::array<std::vector<std::uint64_t>, array_count> begins;  ///< elements; P + 1, or none if there is no such array
+  // By number.
+  std::array<HostArray, array_slots> arrays;
+  std::array<std::vector<std::uint64_t>, array_slots> begins;  ///< elements; P + 1, or none if there is no such array
   Statistics statistics;
   std::vector<ForestResult> alone;  ///< results of one problem each (alone.hpp)
 
@@ -59,7 +60,7 @@ struct ForestResult {
 struct Staging {
   runtime::UploadChunks chunks;
   HostArray offsets;
-  std::array<double, ForestResult::array_count> filled;
+  std::array<double, array_slots> filled;
 
   explicit Staging(runtime::Runtime& runtime) : chunks(runtime) { filled.fill(0.75); }
 };

@@ -13,15 +13,14 @@ namespace {
 constexpr std::size_t page = 4096;
 
 /// Elements that an array has room for, for n vertices and m constraints; more come only where overlaps cut pieces.
-std::uint64_t room_for(int kind, std::uint64_t n, std::uint64_t m, std::uint64_t problems) {
-  switch (kind) {
-    case GCDT_TRIANGLES:
-    case GCDT_NEIGHBOURS:
-    case GCDT_CONSTRAINED: return 2 * n;
-    case GCDT_REPRESENTATIVES: return n;
-    case GCDT_PIECES:
-    case GCDT_SOURCES: return m;
-    case GCDT_SOURCE_OFFSETS: return m + problems;
+std::uint64_t room_for(const ResultArray& array, std::uint64_t n, std::uint64_t m, std::uint64_t problems) {
+  if (array.there != There::always) return 0;
+  switch (array.per) {
+    case Per::triangle: return 2 * n;
+    case Per::vertex: return n;
+    case Per::piece:
+    case Per::source: return m;
+    case Per::piece_bound: return m + problems;
     default: return 0;
   }
 }
@@ -32,46 +31,48 @@ class Copy {
       : runtime_(runtime), ranges_(ranges), problems_(ranges.count()), staging_(staging), result_(result) {}
 
   void run(const DeviceTriangulation& made, const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
-    const OrderedMesh& mesh = made.mesh;
-    const std::size_t triangles = mesh.triangles;
-    read(mesh.corners, room<cl_uint>(GCDT_TRIANGLES, 3 * triangles), 3 * triangles);
-    read(mesh.neighbours, room<cl_int>(GCDT_NEIGHBOURS, 3 * triangles), 3 * triangles);
-    read(mesh.constrained, room<cl_uchar>(GCDT_CONSTRAINED, triangles), triangles);
-    for (const int kind : {GCDT_TRIANGLES, GCDT_NEIGHBOURS, GCDT_CONSTRAINED}) begins(kind) = wide_of(first_triangle);
-    const std::size_t inputs = ranges_.first_input.back();
-    read(made.representatives, room<cl_uint>(GCDT_REPRESENTATIVES, inputs), inputs);
-    begins(GCDT_REPRESENTATIVES).assign(ranges_.first_input.begin(), ranges_.first_input.end());
-    pieces(made.pieces, wide_of(first_piece));
-    dropped(made.dropped);
-    if (made.regions.region.allocated()) regions(made.regions, triangles);
+    const Begins triangles = wide_of(first_triangle), pieces = wide_of(first_piece);
+    const Begins inputs(ranges_.first_input.begin(), ranges_.first_input.end());
+    for (const ResultArray& array : result_arrays) {
+      if (array.there == There::on_demand || array.there == There::with_added || !has(made, array)) continue;
+      if (array.per == Per::triangle) begins(array.number) = triangles;
+      if (array.per == Per::vertex) begins(array.number) = inputs;
+      if (array.per == Per::piece) begins(array.number) = pieces;
+      if (array.per == Per::piece_bound)
+        bounds(made.pieces, pieces);
+      else
+        whole(made, array);
+    }
+    renumber_dropped(made.dropped.size());
     remember_sizes();
   }
 
  private:
-  template <class T>
-  T* room(int kind, std::size_t count) {
-    return result_.arrays[static_cast<std::size_t>(kind)].reuse<T>(count);
-  }
-  std::vector<std::uint64_t>& begins(int kind) { return result_.begins[static_cast<std::size_t>(kind)]; }
+  using Begins = std::vector<std::uint64_t>;
 
   template <class T>
-  void read(const Buffer<T>& from, T* to, std::size_t count) {
-    runtime_.read(from, to, count);
+  T* room(std::int32_t number, std::size_t count) {
+    return result_.arrays[static_cast<std::size_t>(number)].reuse<T>(count);
+  }
+  Begins& begins(std::int32_t number) { return result_.begins[static_cast<std::size_t>(number)]; }
+
+  /// The array as it is on the device, where one problem's part follows the other's.
+  void whole(const DeviceTriangulation& made, const ResultArray& array) {
+    const std::size_t bytes = elements(made, array) * array.element_bytes;
+    runtime_.read_bytes(array.memory(made), 0, room<unsigned char>(array.number, bytes), bytes);
   }
 
-  std::vector<std::uint64_t> wide_of(const Buffer<cl_uint>& buffer) {
+  Begins wide_of(const Buffer<cl_uint>& buffer) {
     std::vector<cl_uint> words(std::size_t{problems_} + 1);
-    read(buffer, words.data(), words.size());
+    runtime_.read(buffer, words.data(), words.size());
     return {words.begin(), words.end()};
   }
 
   // The source offsets of a problem start at 0 and end with one more than it has pieces.
-  void pieces(const Pieces& made, std::vector<std::uint64_t> first) {
+  void bounds(const Pieces& made, const Begins& first) {
     const std::size_t count = made.count;
-    runtime_.read_bytes(made.ends.handle(), 0, room<cl_uint2>(GCDT_PIECES, count), count * sizeof(cl_uint2));
-    read(made.sources, room<cl_uint>(GCDT_SOURCES, made.source_count), made.source_count);
     cl_uint* offsets = staging_.offsets.reuse<cl_uint>(count + 1);
-    read(made.source_offsets, offsets, count + 1);
+    runtime_.read(made.source_offsets, offsets, count + 1);
     auto* local = room<cl_uint>(GCDT_SOURCE_OFFSETS, count + problems_);
     auto &offset_begins = begins(GCDT_SOURCE_OFFSETS), &source_begins = begins(GCDT_SOURCES);
     for (std::size_t p = 0; p < problems_; ++p) {
@@ -81,36 +82,26 @@ class Copy {
     }
     offset_begins.push_back(count + problems_);
     source_begins.push_back(made.source_count);
-    begins(GCDT_PIECES) = std::move(first);
   }
 
-  void regions(const Regions& made, std::size_t triangles) {
-    read(made.region, room<cl_uint>(GCDT_REGIONS, triangles), triangles);
-    read(made.depth, room<cl_uint>(GCDT_DEPTHS, triangles), triangles);
-    read(made.winding, room<cl_int>(GCDT_WINDINGS, triangles), triangles);
-    read(made.seed, room<cl_int>(GCDT_REGION_SEEDS, triangles), triangles);
-    for (const int kind : {GCDT_REGIONS, GCDT_DEPTHS, GCDT_WINDINGS, GCDT_REGION_SEEDS})
-      begins(kind) = begins(GCDT_TRIANGLES);
-  }
-
-  void dropped(const Buffer<cl_uint>& made) {
-    auto* local = room<cl_uint>(GCDT_DROPPED, made.size());
-    read(made, local, made.size());
+  // On the device they have the numbers of the run's constraints.
+  void renumber_dropped(std::size_t count) {
+    auto* local = reinterpret_cast<cl_uint*>(result_.arrays[GCDT_DROPPED].bytes.get());
     std::size_t i = 0;
     for (std::size_t p = 0; p < problems_; ++p) {
       begins(GCDT_DROPPED).push_back(i);
-      for (; i < made.size() && local[i] < ranges_.first_constraint[p + 1]; ++i)
-        local[i] -= ranges_.first_constraint[p];
+      for (; i < count && local[i] < ranges_.first_constraint[p + 1]; ++i) local[i] -= ranges_.first_constraint[p];
     }
     begins(GCDT_DROPPED).push_back(i);
   }
 
   void remember_sizes() {
-    for (int kind = 0; kind < static_cast<int>(ForestResult::array_count); ++kind) {
-      const auto slot = static_cast<std::size_t>(kind);
-      const std::uint64_t most = room_for(kind, ranges_.first_input.back(), ranges_.first_constraint.back(), problems_);
+    for (const ResultArray& array : result_arrays) {
+      const std::uint64_t most =
+          room_for(array, ranges_.first_input.back(), ranges_.first_constraint.back(), problems_);
       if (most > 0)
-        staging_.filled[slot] = std::min(1.0, static_cast<double>(begins(kind).back()) / static_cast<double>(most));
+        staging_.filled[static_cast<std::size_t>(array.number)] =
+            std::min(1.0, static_cast<double>(begins(array.number).back()) / static_cast<double>(most));
     }
   }
 
@@ -138,11 +129,11 @@ ForestRoom::ForestRoom(const runtime::Runtime& runtime, const ProblemRanges& ran
 void ForestRoom::make(const Staging& staging, ForestResult& result, std::uint64_t n, std::uint64_t m,
                       std::uint64_t problems) {
   try {
-    for (int kind = 0; kind < static_cast<int>(ForestResult::array_count); ++kind) {
-      const auto slot = static_cast<std::size_t>(kind);
-      const std::uint64_t most = room_for(kind, n, m, problems);
+    for (const ResultArray& array : result_arrays) {
+      const auto slot = static_cast<std::size_t>(array.number);
+      const std::uint64_t most = room_for(array, n, m, problems);
       if (most == 0) continue;
-      const std::size_t bytes = most * gcdt_element_bytes(kind);
+      const std::size_t bytes = most * array.element_bytes;
       auto* memory = result.arrays[slot].make<unsigned char>(bytes);
       const auto touched = static_cast<std::size_t>(static_cast<double>(bytes) * staging.filled[slot]);
       for (std::size_t at = 0; at < touched; at += page) {

@@ -15,8 +15,8 @@ namespace {
 void prefetch([[maybe_unused]] Span<unsigned char> bytes) {
 #ifdef __GNUC__
   constexpr std::size_t line = 64;  // of a cache
-  for (std::size_t at = 0; at < std::min(bytes.size, Tuning::most_prefetched); at += line)
-    __builtin_prefetch(bytes.data + at);
+  for (std::size_t at = 0; at < std::min(bytes.size(), Tuning::most_prefetched); at += line)
+    __builtin_prefetch(bytes.data() + at);
 #endif
 }
 
@@ -26,13 +26,13 @@ void add_constraints(Upload& upload, Span<Constraint> given, std::uint64_t n, st
   // Two plain loops, for compilers that make vector instructions of such.
   std::uint32_t greatest = 0;
   for (const Constraint& c : given) greatest = std::max(greatest, std::max(c[0], c[1]));
-  if (given.size > 0 && greatest >= n) {
+  if (given.size() > 0 && greatest >= n) {
     const auto* bad = std::find_if(given.begin(), given.end(), [&](Constraint c) { return c[0] >= n || c[1] >= n; });
     invalid.errors.emplace_back(place, index_error(bad - given.begin(), (*bad)[0] >= n ? 0 : 1, n));
     return;
   }
-  for (std::size_t c = 0; c < given.size;) {
-    const auto [to, count] = upload.room<Constraint>(given.size - c);
+  for (std::size_t c = 0; c < given.size();) {
+    const auto [to, count] = upload.room<Constraint>(given.size() - c);
     for (std::size_t i = 0; i < count; ++i) to[i] = {given[c + i][0] + first_input, given[c + i][1] + first_input};
     c += count;
   }
@@ -76,7 +76,7 @@ DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (i + 1 < numbers.size()) prefetch(vertices_of(numbers[i + 1]));
       const Span<unsigned char> given = vertices_of(numbers[i]);
-      upload.append(given.data, given.size);
+      upload.append(given.data(), given.size());
     }
     upload.send();
   }

@@ -11,7 +11,7 @@ using runtime::over;
 
 runtime::Buffer<cl_uint2> stage(runtime::Runtime& runtime, Constraints constraints) {
   static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is copied as it is");
-  return runtime.upload("constraints", reinterpret_cast<const cl_uint2*>(constraints.data), constraints.size);
+  return runtime.upload("constraints", reinterpret_cast<const cl_uint2*>(constraints.data()), constraints.size());
 }
 
 Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t vertices) {

@@ -57,8 +57,8 @@ class Walker {
 
 std::vector<Segment> distinct_segments(const Sites& sites, Constraints constraints) {
   std::vector<Segment> segments;
-  segments.reserve(constraints.size);
-  for (std::uint32_t c = 0; c < constraints.size; ++c) {
+  segments.reserve(constraints.size());
+  for (std::uint32_t c = 0; c < constraints.size(); ++c) {
     const auto a = sites.representative[constraints[c][0]], b = sites.representative[constraints[c][1]];
     if (a != b) segments.push_back({std::min(a, b), std::max(a, b), c});
   }

@@ -53,15 +53,15 @@ class Rebuilt {
   /// In random order, unless some are to be dropped: then in that of the input, which decides, whatever steps that
   /// takes.
   std::string insert_whole() {
-    std::vector<char> there(constraints_.size);
-    std::string reason = insert_ordered(shuffled(constraints_.size), there);
+    std::vector<char> there(constraints_.size());
+    std::string reason = insert_ordered(shuffled(constraints_.size()), there);
     if (!reason.empty() && crossing_ == Crossing::drop) {
-      std::vector<std::uint32_t> order(constraints_.size);
+      std::vector<std::uint32_t> order(constraints_.size());
       std::iota(order.begin(), order.end(), 0u);
       insert_ordered(order, there);
       reason.clear();
     }
-    for (std::size_t c = 0; c < constraints_.size; ++c)
+    for (std::size_t c = 0; c < constraints_.size(); ++c)
       if (there[c]) paths_.push_back({end(c, 0), end(c, 1)});
     return reason;
   }
@@ -106,7 +106,7 @@ class Rebuilt {
       return std::lower_bound(segments.begin(), segments.end(), std::array{std::min(a, b), std::max(a, b)}, less) -
              segments.begin();
     };
-    for (std::size_t c = 0; c < constraints_.size; ++c)
+    for (std::size_t c = 0; c < constraints_.size(); ++c)
       if (end(c, 0) != end(c, 1))
         paths_.push_back(path_of(std::size_t(number_of(end(c, 0), end(c, 1))), end(c, 0), end(c, 1)));
     return {};
@@ -237,7 +237,7 @@ class Comparison {
 
   std::string run(const RegionView& regions) {
     auto reason = match();
-    for (std::uint32_t g = 0; g < view_.triangles.size && reason.empty(); ++g) {
+    for (std::uint32_t g = 0; g < view_.triangles.size() && reason.empty(); ++g) {
       reason = compare_edges(g);
       if (reason.empty()) reason = compare_region(g, regions);
     }
@@ -253,7 +253,7 @@ class Comparison {
   }
 
   std::string match() {
-    for (std::uint32_t g = 0; g < view_.triangles.size; ++g) {
+    for (std::uint32_t g = 0; g < view_.triangles.size(); ++g) {
       const auto key = key_of(view_.triangles[g]);
       const auto found = std::lower_bound(expected_.begin(), expected_.end(), Entry{key, 0});
       if (found == expected_.end() || found->first != key)

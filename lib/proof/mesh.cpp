@@ -45,9 +45,9 @@ std::string Mesh::prove_topology() {
 }
 
 std::string Mesh::check_triangles() const {
-  if (view_.triangles.size > 2 * sites_.distinct)
-    return say(view_.triangles.size, " triangles are more than ", sites_.distinct, " distinct vertices can have");
-  for (std::uint32_t t = 0; t < view_.triangles.size; ++t) {
+  if (view_.triangles.size() > 2 * sites_.distinct)
+    return say(view_.triangles.size(), " triangles are more than ", sites_.distinct, " distinct vertices can have");
+  for (std::uint32_t t = 0; t < view_.triangles.size(); ++t) {
     const auto& corners = view_.triangles[t];
     for (std::uint32_t v : corners) {
       if (v >= sites_.at.size()) return say(triangle_name(t), ": vertex ", v, " does not exist");
@@ -125,8 +125,8 @@ std::string Mesh::check_boundary() const {
   }
   if (count == 0) return "the mesh has no boundary";
   auto reason = check_turns(boundary_from, first, count);
-  if (reason.empty() && view_.triangles.size != 2 * sites_.distinct - 2 - count)
-    reason = say(view_.triangles.size, " triangles, but ", sites_.distinct, " distinct vertices with ", count,
+  if (reason.empty() && view_.triangles.size() != 2 * sites_.distinct - 2 - count)
+    reason = say(view_.triangles.size(), " triangles, but ", sites_.distinct, " distinct vertices with ", count,
                  " on the hull have ", 2 * sites_.distinct - 2 - count);
   return reason;
 }

@@ -70,7 +70,7 @@ class Mesh {
   /// Returns the first failure, or an empty text.
   std::string prove_topology();
 
-  std::uint32_t half_edges() const { return static_cast<std::uint32_t>(3 * view_.triangles.size); }
+  std::uint32_t half_edges() const { return static_cast<std::uint32_t>(3 * view_.triangles.size()); }
   std::uint32_t apex(std::uint32_t h) const { return view_.triangles[h / 3][h % 3]; }
   std::uint32_t from(std::uint32_t h) const { return view_.triangles[h / 3][(h % 3 + 1) % 3]; }
   std::uint32_t to(std::uint32_t h) const { return view_.triangles[h / 3][(h % 3 + 2) % 3]; }

@@ -24,16 +24,16 @@ bool before(Vertex a, Vertex b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
 std::string check_sizes(Points points, Constraints constraints) {
   if (points.size() > max_vertices) return say(points.size(), " vertices are more than ", max_vertices);
-  if (constraints.size >= none) return say(constraints.size, " constraints are more than ", none - 1);
-  for (std::size_t c = 0; c < constraints.size; ++c)
+  if (constraints.size() >= none) return say(constraints.size(), " constraints are more than ", none - 1);
+  for (std::size_t c = 0; c < constraints.size(); ++c)
     for (std::uint32_t v : constraints[c])
       if (v >= points.size()) return say("constraint ", c, ": vertex ", v, " does not exist");
   return {};
 }
 
 std::string append_added(Span<std::array<std::int32_t, 2>> added, std::vector<Vertex>& vertices) {
-  if (added.size > max_vertices - vertices.size())
-    return say(vertices.size(), " and ", added.size, " added vertices are more than ", max_vertices);
+  if (added.size() > max_vertices - vertices.size())
+    return say(vertices.size(), " and ", added.size(), " added vertices are more than ", max_vertices);
   for (const auto& [x, y] : added) {
     if (x < 0 || y < 0) return say("added vertex ", vertices.size(), " is outside the grid");
     vertices.push_back({x, y});
@@ -93,9 +93,9 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
   reason = check_added(sites, inputs);
   if (!reason.empty()) return reason;
   if (sites.flat) {
-    if (view.added.size > 0) return "vertices were added, but all are on one line";
-    if (view.triangles.size == 0) return {};
-    return say(view.triangles.size, " triangles, but the ", sites.distinct, " distinct vertices are all on one line");
+    if (view.added.size() > 0) return "vertices were added, but all are on one line";
+    if (view.triangles.size() == 0) return {};
+    return say(view.triangles.size(), " triangles, but the ", sites.distinct, " distinct vertices are all on one line");
   }
   Mesh mesh(sites, view);
   reason = mesh.prove_topology();

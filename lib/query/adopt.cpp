@@ -71,8 +71,8 @@ Buffer<cl_uint> find(Runtime& runtime, const DeviceTriangulation& whole, const O
 
 std::vector<Constraint> edges_of(Triangles triangles, std::uint64_t vertices) {
   std::vector<Constraint> edges;
-  edges.reserve(3 * triangles.size);
-  for (std::uint64_t t = 0; t < triangles.size; ++t)
+  edges.reserve(3 * triangles.size());
+  for (std::uint64_t t = 0; t < triangles.size(); ++t)
     for (std::uint64_t k = 0; k < 3; ++k) {
       const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
       if (a >= vertices)
@@ -90,13 +90,13 @@ std::vector<Constraint> edges_of(Triangles triangles, std::uint64_t vertices) {
 Error mesh_error(const Error& crossing, Constraints constraints, Span<Constraint> edges) {
   if (crossing.status() != Status::constraints_cross) return crossing;
   const std::uint64_t a = crossing.indices().at(0), b = crossing.indices().at(1);
-  auto edge = [&](std::uint64_t c) { return edges[c - constraints.size]; };
-  if (b < constraints.size)
+  auto edge = [&](std::uint64_t c) { return edges[c - constraints.size()]; };
+  if (b < constraints.size())
     return Error(Status::constraints_cross,
                  "constraints " + std::to_string(a) + " (" + named(constraints[a]) + ") and " + std::to_string(b) +
                      " (" + named(constraints[b]) + ") cross",
                  {a, b}, crossing.pair_count());
-  const bool own = a < constraints.size;
+  const bool own = a < constraints.size();
   return Error(Status::check_failed,
                (own ? "constraint " + std::to_string(a) + " (" + named(constraints[a]) + ") crosses edge "
                     : "edges " + named(edge(a)) + " and ") +
@@ -107,12 +107,12 @@ Error mesh_error(const Error& crossing, Constraints constraints, Span<Constraint
 DeviceTriangulation adopt(Runtime& runtime, Primitives& primitives, DeviceTriangulation whole, Triangles triangles,
                           std::uint32_t constraints) {
   OrderedMesh mesh;
-  mesh.triangles = static_cast<std::uint32_t>(triangles.size);
+  mesh.triangles = static_cast<std::uint32_t>(triangles.size());
   const std::size_t corners = std::size_t{3} * mesh.triangles;
   mesh.corners = runtime.allocate<cl_uint>("corners", corners);
   mesh.neighbours = runtime.allocate<cl_int>("neighbours", corners);
   mesh.constrained = runtime.allocate<cl_uchar>("flags", mesh.triangles);
-  if (corners != 0) runtime.write(mesh.corners, triangles.data->data(), corners);
+  if (corners != 0) runtime.write(mesh.corners, triangles.data()->data(), corners);
   const Buffer<cl_uint> found = find(runtime, whole, mesh, whole.kept);
   const Vertices& vertices = whole.vertices;
   const Pieces& all = whole.pieces;

@@ -13,7 +13,7 @@ namespace {
 
 Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& vertices, Constraints constraints) {
   Pieces pieces;
-  const auto count = static_cast<cl_uint>(constraints.size);
+  const auto count = static_cast<cl_uint>(constraints.size());
   pieces.count = count;
   pieces.ends = runtime.allocate<cl_uint2>("pieces", count);
   if (count == 0) return pieces;
@@ -52,13 +52,13 @@ void check_foreign(Runtime& runtime, Primitives& primitives, Points points, Cons
   const Pieces pieces = order_pieces(runtime, primitives, vertices, constraints);
   primitives.release();
   OrderedMesh ordered;
-  ordered.triangles = static_cast<std::uint32_t>(mesh.triangles.size);
+  ordered.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   const std::size_t corners = std::size_t{3} * ordered.triangles;
   ordered.corners = runtime.allocate<cl_uint>("corners to check", corners);
   ordered.neighbours = runtime.allocate<cl_int>("neighbours to check", corners);
   ordered.constrained = runtime.allocate<cl_uchar>("flags to check", ordered.triangles);
   if (corners != 0) {
-    runtime.write(ordered.corners, mesh.triangles.data->data(), corners);
+    runtime.write(ordered.corners, mesh.triangles.data()->data(), corners);
     runtime.write(ordered.neighbours, mesh.neighbours->data(), corners);
     runtime.write(ordered.constrained, mesh.constrained, ordered.triangles);
     runtime.launch("foreign", "corners_to_vertices", over(corners), static_cast<cl_uint>(corners),

@@ -26,14 +26,9 @@ std::vector<T> copied(const App& app, const Result& result, std::int32_t array) 
 
 Triangulation copied(const App& app, const Result& result) {
   Triangulation all;
-  all.triangles = copied<std::array<std::uint32_t, 3>>(app, result, GCDT_TRIANGLES);
-  all.neighbours = copied<std::array<std::int32_t, 3>>(app, result, GCDT_NEIGHBOURS);
-  all.constrained = copied<std::uint8_t>(app, result, GCDT_CONSTRAINED);
-  all.representative = copied<std::uint32_t>(app, result, GCDT_REPRESENTATIVES);
-  all.pieces = copied<Constraint>(app, result, GCDT_PIECES);
-  all.source_offsets = copied<std::uint32_t>(app, result, GCDT_SOURCE_OFFSETS);
-  all.sources = copied<std::uint32_t>(app, result, GCDT_SOURCES);
-  all.dropped = copied<std::uint32_t>(app, result, GCDT_DROPPED);
+#define GCDT_ARRAY(number, name, type, width, ...) \
+  all.name = copied<gcdt::detail::Element<type, width>>(app, result, number);
+#include <gcdt/arrays.def>
   return all;
 }
 

@@ -53,8 +53,8 @@ TEST_CASE("a batch in device memory has the bytes of one on the host, into devic
   REQUIRE(result.size() == expected.size());
   CHECK(result.statistics().failed == 1);
   CHECK(result.error(result.size() - 1)->indices() == std::vector<std::uint64_t>{0, 1});
-  for (std::int32_t array = GCDT_TRIANGLES; array <= GCDT_DROPPED; ++array) {
-    CAPTURE(array);
+  for (const auto& [array, name] : arrays()) {
+    CAPTURE(name);
     const Flat flat = flat_of(expected, array);
     const std::size_t bytes = gcdt_element_bytes(array), shift = 3 * bytes;
     std::vector<unsigned char> around(flat.bytes.size() + 2 * shift, 0xA5);

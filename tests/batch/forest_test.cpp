@@ -251,7 +251,7 @@ TEST_CASE("programs that were built for one problem are built anew for forests")
   const Workload problem = workload("random_pslg", 40);
   const Points points = problem.points;
   const Constraints constraints = problem.constraints;
-  const InputSource source = {points.size(), constraints.size, [&] {
+  const InputSource source = {points.size(), constraints.size(), [&] {
                                 return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
                               }};
   gcdt::triangulate(runtime, primitives, source, Options());

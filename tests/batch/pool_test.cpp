@@ -22,7 +22,7 @@ TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
   const std::vector<Workload> equal(2000, workload("random_pslg", 5));
   const BatchResult result = pool.triangulate(batch_of(equal));
   const Triangulation one = solver().triangulate(equal[0].points, equal[0].constraints);
-  for (std::size_t p = 0; p < equal.size(); ++p) CHECK(difference(part_of(result, p), one) == "");
+  for (std::size_t p = 0; p < equal.size(); ++p) CHECK(difference(detail::triangulation(result, p), one) == "");
 }
 
 TEST_CASE("one problem of 1,000,000 vertices beside 10,000 of 20") {
@@ -43,12 +43,13 @@ TEST_CASE("all types of coordinates, and options, as for one problem") {
   options.check = false;
   Pool pool(testDevice());
   const Triangulation expected = solver().triangulate(input.points, input.constraints, options);
-  CHECK(
-      difference(part_of(pool.triangulate({input.points, offsets, input.constraints, constraint_offsets}, options), 0),
-                 expected) == "");
+  CHECK(difference(detail::triangulation(
+                       pool.triangulate({input.points, offsets, input.constraints, constraint_offsets}, options), 0),
+                   expected) == "");
   std::vector<std::array<float, 2>> floats;
   for (const Int2& p : input.points) floats.push_back({float(p[0]), float(p[1])});
-  CHECK(difference(part_of(pool.triangulate({floats, offsets, input.constraints, constraint_offsets}, options), 0),
+  CHECK(difference(detail::triangulation(
+                       pool.triangulate({floats, offsets, input.constraints, constraint_offsets}, options), 0),
                    expected) == "");
 }
 
@@ -67,8 +68,8 @@ TEST_CASE("the ragged copy is the problems' arrays one after the other") {
   Pool pool(testDevice());
   const BatchResult result = pool.triangulate(batch_of(problems));
   std::vector<std::uint64_t> offsets(problems.size() + 1);
-  for (std::int32_t array = GCDT_TRIANGLES; array <= GCDT_DROPPED; ++array) {
-    CAPTURE(array);
+  for (const auto& [array, name] : arrays()) {
+    CAPTURE(name);
     REQUIRE(gcdt_batch_copy(result.handle(), array, nullptr, 0, offsets.data()) == GCDT_OK);
     const std::size_t bytes = gcdt_element_bytes(array);
     std::vector<unsigned char> flat(offsets.back() * bytes + 1, 77);
@@ -111,7 +112,7 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   } catch (const Error& error) {
     CHECK(error.status() == Status::cancelled);
   }
-  CHECK(pool.triangulate({points, right, {}, {}}).triangles(0).size == 1);
+  CHECK(pool.triangulate({points, right, {}, {}}).triangles(0).size() == 1);
   CHECK(gcdt_pool_triangulate(nullptr, nullptr, nullptr, nullptr) == GCDT_ERROR_INVALID_ARGUMENT);
   for (const char* none : {"no such device", "cpu,no such device", ",", "99"}) CHECK_THROWS_AS(Pool{none}, Error);
 }

@@ -32,7 +32,7 @@ std::string domain_fault(Points points, Constraints constraints, const Triangula
   if (mesh.region.size() != mesh.triangles.size() || mesh.depth.size() != mesh.triangles.size() ||
       mesh.winding.size() != mesh.triangles.size() || mesh.region_seed.size() != mesh.triangles.size())
     return "not one region, depth, winding and seed a triangle";
-  if (mesh.statistics.peak_device_bytes > required_bytes(points.size(), constraints.size))
+  if (mesh.statistics.peak_device_bytes > required_bytes(points.size(), constraints.size()))
     return "more device memory than required_bytes says";
   return verify_domain(points, constraints, view(mesh), said(mesh), mesh.statistics.grid, options).reason;
 }

@@ -36,9 +36,10 @@ Error errorOf(Points points, Constraints constraints = {}, const Options& option
 }
 
 bool sameBytes(const Triangulation& a, const Triangulation& b) {
-  return a.triangles == b.triangles && a.neighbours == b.neighbours && a.constrained == b.constrained &&
-         a.representative == b.representative && a.pieces == b.pieces && a.source_offsets == b.source_offsets &&
-         a.sources == b.sources && a.dropped == b.dropped;
+#define GCDT_ARRAY(number, name, ...) \
+  if (a.name != b.name) return false;
+#include <gcdt/arrays.def>
+  return true;
 }
 
 /// Coordinates of every triangle, corner by corner.

@@ -32,11 +32,21 @@ struct RaggedBatch {
   }
 };
 
+/// Those that problems of a batch may have: number and name.
+inline std::vector<std::pair<std::int32_t, const char*>> arrays() {
+  return {
+#define GCDT_ARRAY(number, name, ...) {number, #name},
+#include <gcdt/arrays.def>
+  };
+}
+
+/// Empty if the run has no such array.
 template <class T>
-std::vector<T> array_of(const ForestResult& forest, std::size_t place, int array) {
-  const auto kind = static_cast<std::size_t>(array);
-  const auto& begins = forest.begins[kind];
-  const T* all = reinterpret_cast<const T*>(forest.arrays[kind].bytes.get());
+std::vector<T> array_of(const ForestResult& forest, std::size_t place, std::int32_t number, const std::vector<T>&) {
+  const auto slot = static_cast<std::size_t>(number);
+  const auto& begins = forest.begins.at(slot);
+  if (begins.empty()) return {};
+  const T* all = reinterpret_cast<const T*>(forest.arrays.at(slot).bytes.get());
   return {all + begins[place], all + begins[place + 1]};
 }
 
@@ -45,23 +55,8 @@ inline Triangulation part_of(const ForestResult& run, std::size_t place_in_run) 
   const auto [found, place] = run.at(place_in_run);
   const ForestResult& forest = *found;
   Triangulation part;
-  part.triangles = array_of<std::array<std::uint32_t, 3>>(forest, place, GCDT_TRIANGLES);
-  part.neighbours = array_of<std::array<std::int32_t, 3>>(forest, place, GCDT_NEIGHBOURS);
-  part.constrained = array_of<std::uint8_t>(forest, place, GCDT_CONSTRAINED);
-  part.representative = array_of<std::uint32_t>(forest, place, GCDT_REPRESENTATIVES);
-  part.pieces = array_of<Constraint>(forest, place, GCDT_PIECES);
-  part.source_offsets = array_of<std::uint32_t>(forest, place, GCDT_SOURCE_OFFSETS);
-  part.sources = array_of<std::uint32_t>(forest, place, GCDT_SOURCES);
-  part.dropped = array_of<std::uint32_t>(forest, place, GCDT_DROPPED);
-  if (!forest.begins[GCDT_REGIONS].empty()) {
-    part.region = array_of<std::uint32_t>(forest, place, GCDT_REGIONS);
-    part.depth = array_of<std::uint32_t>(forest, place, GCDT_DEPTHS);
-    part.winding = array_of<std::int32_t>(forest, place, GCDT_WINDINGS);
-  }
-  if (!forest.begins[GCDT_ADDED].empty()) {
-    part.added_on_grid = array_of<std::array<std::int32_t, 2>>(forest, place, GCDT_ADDED);
-    part.added_crossing = array_of<Constraint>(forest, place, GCDT_ADDED_CROSSINGS);
-  }
+#define GCDT_ARRAY(number, name, ...) part.name = array_of(forest, place, number, part.name);
+#include <gcdt/arrays.def>
   part.statistics.grid = forest.grids[place];
   return part;
 }
@@ -74,19 +69,9 @@ inline bool same_grid(const Grid& a, const Grid& b) {
 /// The first array that differs; empty if all bytes and the grids are equal.
 inline std::string difference(const Triangulation& a, const Triangulation& b) {
   if (!same_grid(a.statistics.grid, b.statistics.grid)) return "grid";
-  if (a.triangles != b.triangles) return "triangles";
-  if (a.neighbours != b.neighbours) return "neighbours";
-  if (a.constrained != b.constrained) return "constrained";
-  if (a.representative != b.representative) return "representative";
-  if (a.pieces != b.pieces) return "pieces";
-  if (a.source_offsets != b.source_offsets) return "source_offsets";
-  if (a.sources != b.sources) return "sources";
-  if (a.dropped != b.dropped) return "dropped";
-  if (a.region != b.region) return "region";
-  if (a.depth != b.depth) return "depth";
-  if (a.winding != b.winding) return "winding";
-  if (a.added_on_grid != b.added_on_grid) return "added_on_grid";
-  if (a.added_crossing != b.added_crossing) return "added_crossing";
+#define GCDT_ARRAY(number, name, ...) \
+  if (a.name != b.name) return #name;
+#include <gcdt/arrays.def>
   return {};
 }
 

@@ -91,23 +91,11 @@ inline Options options_of(const std::string& how, const Workload& work) {
   return options;
 }
 
-/// A problem's arrays out of a batch.
+/// As the kept hashes are made: without region_seed, which is -1 in a batch.
 inline Triangulation part_of(const BatchResult& batch, std::size_t p) {
-  const auto copy = [](auto span, auto& to) { to.assign(span.begin(), span.end()); };
-  Triangulation part;
-  copy(batch.triangles(p), part.triangles);
-  copy(batch.neighbours(p), part.neighbours);
-  copy(batch.constrained(p), part.constrained);
-  copy(batch.representative(p), part.representative);
-  copy(batch.pieces(p), part.pieces);
-  copy(batch.source_offsets(p), part.source_offsets);
-  copy(batch.sources(p), part.sources);
-  copy(batch.dropped(p), part.dropped);
-  copy(batch.region(p), part.region);
-  copy(batch.depth(p), part.depth);
-  copy(batch.winding(p), part.winding);
-  copy(batch.added_on_grid(p), part.added_on_grid);
-  copy(batch.added_crossing(p), part.added_crossing);
+  Triangulation part = detail::triangulation(batch, p);
+  part.region_seed.clear();
+  part.added.clear();
   return part;
 }
 

@@ -63,9 +63,10 @@ inline Integers integer_input(std::size_t points = 300, std::uint64_t seed = 1) 
 }
 
 inline bool same_bytes(const Triangulation& a, const Triangulation& b) {
-  return a.triangles == b.triangles && a.neighbours == b.neighbours && a.constrained == b.constrained &&
-         a.representative == b.representative && a.pieces == b.pieces && a.source_offsets == b.source_offsets &&
-         a.sources == b.sources && a.dropped == b.dropped;
+#define GCDT_ARRAY(number, name, ...) \
+  if (a.name != b.name) return false;
+#include <gcdt/arrays.def>
+  return true;
 }
 
 /// What host arrays give on the grid 0, 0, 1.

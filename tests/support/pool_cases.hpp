@@ -20,30 +20,6 @@ inline Batch batch_of(const std::vector<Workload>& problems) {
   return batch;
 }
 
-template <class T>
-std::vector<T> copied(Span<T> span) {
-  return {span.begin(), span.end()};
-}
-
-inline Triangulation part_of(const BatchResult& result, std::size_t p) {
-  Triangulation part;
-  part.triangles = copied(result.triangles(p));
-  part.neighbours = copied(result.neighbours(p));
-  part.constrained = copied(result.constrained(p));
-  part.representative = copied(result.representative(p));
-  part.pieces = copied(result.pieces(p));
-  part.source_offsets = copied(result.source_offsets(p));
-  part.sources = copied(result.sources(p));
-  part.dropped = copied(result.dropped(p));
-  part.region = copied(result.region(p));
-  part.depth = copied(result.depth(p));
-  part.winding = copied(result.winding(p));
-  part.added_on_grid = copied(result.added_on_grid(p));
-  part.added_crossing = copied(result.added_crossing(p));
-  part.statistics.grid = result.grid(p);
-  return part;
-}
-
 /// What problems have alone: a mesh or an error.
 struct Alone {
   std::vector<Triangulation> meshes;
@@ -67,7 +43,7 @@ struct Alone {
     for (std::size_t p = 0; p < meshes.size(); ++p) {
       const std::optional<Error> error = result.error(p);
       if (error) ++failed;
-      check(p, error ? error->what() : "", [&] { return part_of(result, p); });
+      check(p, error ? error->what() : "", [&] { return detail::triangulation(result, p); });
     }
     CHECK(result.statistics().failed == failed);
   }

@@ -46,7 +46,7 @@ inline std::string fault(Points points, Constraints constraints, const Triangula
   const Verification verification = verify(points, constraints, view(mesh), mesh.statistics.grid, crossing);
   if (!verification.valid) return "not valid: " + verification.reason;
   const std::uint64_t peak = mesh.statistics.peak_device_bytes;
-  if (peak > required_bytes(points.size(), constraints.size)) return "more device memory than required_bytes says";
+  if (peak > required_bytes(points.size(), constraints.size())) return "more device memory than required_bytes says";
   if (peak == 0 && !mesh.triangles.empty()) return "no device memory was counted";
   return {};
 }

@@ -1074,6 +1074,15 @@ TEST_CASE("batch uses the hole and region points of each input, or says that it 
   CHECK(said.err == "");
 }
 
+TEST_CASE("the time of inputs that batch triangulates alone is in its call, not in its writing") {
+  Session session;
+  session.write("framed.poly", framed());
+  session.good("batch framed.poly --quiet --stats s.json --domain holes");  // nothing to write
+  const auto ms = nlohmann::json::parse(session.read("s.json")).at("ms");
+  CHECK(ms.at("call").get<double>() > ms.at("write").get<double>());
+  CHECK(ms.at("write").get<double>() >= 0);
+}
+
 TEST_CASE("an outline that is open to the hull leaves no triangles of outer-holes, and a note says why") {
   Session session;
   session.write("open.poly", "4 2 0 0\n0 0 0\n1 9 0\n2 9 9\n3 0 9\n3 0\n0 0 1\n1 1 2\n2 2 3\n0\n");
