@@ -90,7 +90,7 @@ Workload make(const Input& input,
   const std::string synthetic = "synthetic_cons_";
   if (input.name.compare(0, synthetic.size(), synthetic) != 0) return test::workload(input.name, input.size);
   const int k = std::atoi(input.name.c_str() + synthetic.size());
-  return test::syntheticCons(input.size, k, [&](const std::vector<Point>& points) {
+  return test::synthetic_cons(input.size, k, [&](const std::vector<Point>& points) {
     std::vector<Segment> edges;
     for (const auto& t : triangles(points))
       for (int i = 0; i < 3; ++i) edges.push_back({std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])});

@@ -80,6 +80,7 @@ std::string statistics_json(const Statistics& statistics, const Measured& measur
 #define GCDT_STATISTIC_TEXT(member, name) GCDT_STATISTIC_OTHER(name)
 #include <gcdt/statistics.def>
   if (s.vertices_rounded_together == 0) json["rounded_pair"] = nullptr;
+  json["plan"] = measured.plan;
   if (measured.given) json["given"] = value_of(*measured.given);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -116,6 +117,7 @@ std::string statistics_table(const Statistics& s, const Measured& measured) {
       "{ms_check:.1f}, output {ms_output:.1f}");
   line("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
   row("device", "{device} ({platform}, driver {driver})");
+  line("plan", measured.plan);
   return table;
 }
 

@@ -12,6 +12,7 @@ namespace gcdt::command {
 /// What was found of a result by asking further.
 struct Measured {
   Quality quality;                  ///< as `quality`
+  std::string plan;                 ///< as `plan`: which way the input went, as the library's log says
   std::optional<Assessment> given;  ///< as `given`, if it was asked for
 };
 

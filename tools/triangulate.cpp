@@ -58,7 +58,11 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
     return !interrupted();
   };
   try {
-    Solver solver(device_number(arguments.device, arguments.quiet), {},
+    const auto log = [&](int, const char* message) {
+      const std::string text = message, plan = "plan: ";
+      if (text.compare(0, plan.size(), plan) == 0) measured.plan = text.substr(plan.size());
+    };
+    Solver solver(device_number(arguments.device, arguments.quiet), log,
                   arguments.trace.empty() ? Trace() : trace.sink());
     const Result result = solver.solve(input.vertices, input.constraints, options);
     if (!arguments.statistics.empty()) measured.quality = result.quality();

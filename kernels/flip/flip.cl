@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phase 3: parallel edge flipping with propagation (paper, section 7, algorithm 2).
 //
-// A round: every edge in the list is tested, and an illegal one claims its two faces (flip_test); an
-// edge that owns both is flipped, and its work-item goes on flipping around it, taking faces that
-// nobody claimed in this round by try-lock (flip_propagate). One round is these two kernels, or one
-// pass of flip_rounds or flip_problems, which do whole rounds inside one work-group with the same functions.
+// A round: every edge in the list is tested, and an illegal one claims its two faces (flip_test); an edge that owns
+// both is flipped, and its work-item goes on flipping around it, taking faces that nobody claimed in this round by
+// try-lock (flip_propagate). One round is these two kernels, or one pass of flip_rounds or flip_problems, which do
+// whole rounds inside one work-group with the same functions.
 //
-// The queue: the edges to be tested next have the mark GCDT_MARK_QUEUED. While they are many, that is all, and
-// a round finds them by a sweep over the marks: in order of their numbers, which is nearly the order in the plane,
-// so that neighbours are tested together (flip_sweep, flip_mark). When they are few they stand in a list too
+// The queue: the edges to be tested next have the mark GCDT_MARK_QUEUED. While they are many, that is all, and a
+// round finds them by a sweep over the marks: in order of their numbers, which is nearly the order in the plane, so
+// that neighbours are tested together (flip_sweep, flip_mark). When they are few they stand in a list too
 // (flip_gather, then flip_test and flip_propagate).
 //
-// An edge that is not queued for the next round is legal or constrained. Proof: a flip puts
-// the four edges around it into the local worklist or the queue; an edge leaves the worklist only if
-// it is constrained, has no other side, is flipped, is legal with both its faces owned here (a later
-// change of either is made here too, and puts it back), or is queued. An edge that is legal
-// against a face owned elsewhere is queued as well: two work-items that change its two
-// faces at the same time may each see the other's old face, both find it legal, and both be wrong.
+// An edge that is not queued for the next round is legal or constrained. Proof: a flip puts the four edges around it
+// into the local worklist or the queue; an edge leaves the worklist only if it is constrained, has no other side, is
+// flipped, is legal with both its faces owned here (a later change of either is made here too, and puts it back), or
+// is queued. An edge that is legal against a face owned elsewhere is queued as well: two work-items that change its
+// two faces at the same time may each see the other's old face, both find it legal, and both be wrong.
 #include "common/append.h"
 #include "flip/flip.h"
 

@@ -197,6 +197,7 @@ DeviceTriangulation run_steps(ForestRun& run, runtime::UploadChunks& chunks) {
     run.constraints = std::move(input.constraints);
     order_problems(run, std::move(input.points));
   });
+  run.tell_plan();
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
   run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
   run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });

@@ -10,9 +10,7 @@ namespace gcdt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// The most progress that is reported while lanes are busy. They may be busy though all is settled: with a rehearsal, or
-// with a run that is no longer needed.
+// The most progress that is reported while lanes are busy; all may be settled, and they rehearse, or run in vain.
 constexpr double most_told = 0.99;
 
 std::chrono::nanoseconds nanoseconds(double milliseconds) {
@@ -24,8 +22,7 @@ std::chrono::nanoseconds nanoseconds(double milliseconds) {
 Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batch_(batch), lanes_(std::move(lanes)) {
   places.resize(batch.problems);
   unsettled_ = batch.problems;
-  bytes_.reserve(batch.problems);
-  waiting_.reserve(batch.problems);
+  bytes_.reserve(batch.problems), waiting_.reserve(batch.problems);
   for (std::uint32_t p = 0; p < batch.problems; ++p) {
     bytes_.push_back(forest_bytes(1, batch.n(p), batch.m(p)));
     weight_ += weight(p);
@@ -35,8 +32,7 @@ Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batc
     } else if (batch.m(p) > GCDT_MAX_CONSTRAINTS) {
       settle(p, Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(batch.m(p))));
     } else {
-      waiting_weight_ += weight(p);
-      waiting_.push_back(p);
+      waiting_weight_ += weight(p), waiting_.push_back(p);
     }
   }
   sort_waiting();

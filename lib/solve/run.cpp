@@ -35,6 +35,13 @@ void Run::take(OrderResult ordered) {
   plan = make_plan(runtime, vertices);
 }
 
+void Run::tell_plan() const {
+  const std::string text = "plan: " + plan.text();
+  runtime.log(GCDT_LOG_INFORMATION, text);
+  runtime.tracer().begin_phase(text.c_str());
+  runtime.tracer().end_phase();
+}
+
 void Run::insert() {
   if (!mesh.face_data.allocated()) mesh = make_mesh(runtime, vertices.n(), vertices.roots);
   need_lists();

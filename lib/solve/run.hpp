@@ -55,6 +55,8 @@ struct Run {
 
   /// Takes what the order phase made, and plans what follows.
   void take(OrderResult ordered);
+  /// Says the plan in the log, and in the trace as a span of no length.
+  void tell_plan() const;
   /// Level by level: insert, then flip, so that each level goes into a Delaunay mesh (paper, section 8). The last level
   /// is left unflipped: constraints are enforced first, and located by its history tree. A plan that grows puts
   /// vertices in one after the other, each with its flips, and constraints come to a Delaunay mesh, in which they cross

@@ -86,6 +86,7 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
     run.plan = make_plan(runtime, {1, input.points.n, input.points.n});
     run.take(order(runtime, run.primitives, run.plan, std::move(input.points), options.grid));
   });
+  run.tell_plan();
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
   run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
   run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });

@@ -186,7 +186,7 @@ TEST_CASE("what a result does not have is empty, and constraints that were dropp
 }
 
 TEST_CASE("every array of a problem in a batch: of one that is split, and of one among others") {
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const std::vector<std::array<double, 2>> points = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}};
   Batch batch;
   batch.add({{1, 1}, {9, 1}, {5, 8}}, {{0, 1}});

@@ -31,7 +31,7 @@ TEST_CASE("eight threads with solvers of their own get the same bytes as one") {
       try {
         Options options;
         options.grid = FixedGrid{};
-        Solver own(testDevice());
+        Solver own(test_device());
         for (std::size_t k = 0; k < 8; ++k) {
           const std::size_t which = (i + k) % 8;
           right +=
@@ -94,9 +94,9 @@ constexpr std::size_t noise = std::size_t{4} << 20;  // of the allocator: 4 KiB 
 
 TEST_CASE("creating and destroying 1000 solvers grows no more than creating 1000 contexts") {
   CacheFolder cache;
-  { Solver warm(testDevice()); }  // the device's self-test is made once
+  { Solver warm(test_device()); }  // the device's self-test is made once
   const std::size_t contexts = growth(1000, only_a_context);
-  const std::size_t solvers = growth(1000, [] { Solver solver(testDevice()); });
+  const std::size_t solvers = growth(1000, [] { Solver solver(test_device()); });
   MESSAGE("contexts " << contexts << " solvers " << solvers);
   CHECK(solvers <= contexts + noise);
 }
@@ -111,7 +111,7 @@ TEST_CASE("loading, using and unloading the library 100 times leaves nothing and
     const auto run = reinterpret_cast<decltype(&gcdt_triangulate)>(dlsym(library, "gcdt_triangulate"));
     const auto drop = reinterpret_cast<decltype(&gcdt_result_release)>(dlsym(library, "gcdt_result_release"));
     gcdt_solver_options options = GCDT_SOLVER_OPTIONS_INIT;
-    const std::string device = testDevice();
+    const std::string device = test_device();
     options.device = device.c_str();
     gcdt_solver* solver = nullptr;
     REQUIRE(create(&options, &solver) == GCDT_OK);

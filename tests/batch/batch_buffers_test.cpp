@@ -47,7 +47,7 @@ Flat flat_of(const BatchResult& result, std::int32_t array) {
 
 TEST_CASE("a batch in device memory has the bytes of one on the host, into device memory as well") {
   const App app;
-  Pool pool(testDevice());  // with a context of its own
+  Pool pool(test_device());  // with a context of its own
   const RaggedBatch batch(problems());
   const BatchResult expected = from_host(pool, batch), result = triangulate(pool, app.queue, device_batch(app, batch));
   REQUIRE(result.size() == expected.size());
@@ -67,7 +67,7 @@ TEST_CASE("a batch in device memory has the bytes of one on the host, into devic
 }
 
 TEST_CASE("arrays that problems of a batch do not have are empty, and those that no result has an error") {
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const BatchResult result = from_host(pool, RaggedBatch(problems()));
   for (const std::int32_t array : {GCDT_ADDED, GCDT_ADDED_CROSSINGS, GCDT_REGIONS})
     CHECK(flat_of(result, array).bytes.empty());
@@ -76,7 +76,7 @@ TEST_CASE("arrays that problems of a batch do not have are empty, and those that
 
 TEST_CASE("a batch without constraints, and one of nothing, need no buffers for what is not there") {
   const App app;
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const RaggedBatch batch({uniform(50), problem({}), uniform(20)});
   DeviceBatch given = device_batch(app, batch);
   given.constraints = {}, given.constraint_offsets = {};
@@ -87,7 +87,7 @@ TEST_CASE("a batch without constraints, and one of nothing, need no buffers for 
 
 TEST_CASE("the events of the wait list come first") {
   const App app;
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const RaggedBatch batch({uniform(50)});
   const DeviceBatch given = device_batch(app, batch);
   const std::vector<std::array<double, 2>> zeros(batch.vertices.size(), {0, 0});
@@ -111,7 +111,7 @@ TEST_CASE("the events of the wait list come first") {
 
 TEST_CASE("buffers that do not hold what is said, of another context, or closed to the host are refused") {
   const App app, other;
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const RaggedBatch batch({uniform(50), uniform(20)});
   const DeviceBatch right = device_batch(app, batch);
   const auto refused = [&](const DeviceBatch& given) {

@@ -160,13 +160,13 @@ TEST_CASE("generated problems of all kinds and sizes in one forest, in several l
 TEST_CASE("many problems of one size, with constraints of all kinds") {
   std::vector<Workload> problems;
   for (const std::size_t n : {60, 500})
-    for (const std::string& name : workloadNames()) {
+    for (const std::string& name : workload_names()) {
       problems.push_back(workload(name, n));
       if (problems.back().points.size() > 1000) problems.pop_back();  // some have a least size
     }
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    problems.push_back(randomPslg(150, 9, 150, seed));          // overlaps, vertices on constraints, none of length 0
-    problems.push_back(randomPslg(400, 4000, 120, seed + 20));  // across many edges
+    problems.push_back(random_pslg(150, 9, 150, seed));          // overlaps, vertices on constraints, none of length 0
+    problems.push_back(random_pslg(400, 4000, 120, seed + 20));  // across many edges
   }
   Options options;
   options.regions = true;
@@ -179,8 +179,8 @@ TEST_CASE("problems that are inserted by one work-item each, and too large for t
 }
 
 TEST_CASE("crossing constraints in one of many problems") {
-  std::vector<Workload> problems(20, randomPslg(200, 1000, 60, 7));
-  problems.insert(problems.begin() + 3, randomCrossing(200, 1000, 60, 5));
+  std::vector<Workload> problems(20, random_pslg(200, 1000, 60, 7));
+  problems.insert(problems.begin() + 3, random_crossing(200, 1000, 60, 5));
   CHECK(check_same_as_alone(problems) == 1);
   Options drop;
   drop.crossing = Crossing::drop;
@@ -193,8 +193,8 @@ TEST_CASE("equal problems have equal parts") {
 
 std::vector<Workload> small_problems() {
   std::vector<Workload> problems = smallest_problems();
-  for (const std::string& name : workloadNames()) problems.push_back(workload(name, 60));
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) problems.push_back(randomPslg(400, 4000, 120, seed));
+  for (const std::string& name : workload_names()) problems.push_back(workload(name, 60));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) problems.push_back(random_pslg(400, 4000, 120, seed));
   problems.push_back(uniform(2048));
   return problems;
 }
@@ -214,7 +214,7 @@ TEST_CASE("problems that a work-group triangulates, on every device whose work-i
   std::vector<Workload> small;
   for (const Workload& problem : small_problems())
     if (problem.points.size() <= 256) small.push_back(problem);
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) small.push_back(randomPslg(150, 9, 150, seed));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) small.push_back(random_pslg(150, 9, 150, seed));
   REQUIRE(small.size() > 30);
   std::size_t devices = 0;
   for (const cl::Device& each : all_of_them) {

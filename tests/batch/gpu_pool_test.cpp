@@ -26,7 +26,7 @@ runtime::CallHook as_gpu(const Tuning& tuning) {
 // Which leaves cores to the GPU's lanes, and rehearses while the GPU works.
 TEST_CASE("a CPU beside a device treated as a GPU, in one pool") {
   std::vector<Workload> problems = smallest_problems();
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) problems.push_back(randomPslg(150, 1000, 40, seed));
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) problems.push_back(random_pslg(150, 1000, 40, seed));
   const runtime::CallHook hook = as_gpu(Tuning());
   DevicePool pool({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), {}}}, {}, {});
   const RaggedBatch batch(problems);
@@ -40,9 +40,9 @@ TEST_CASE("a CPU beside a device treated as a GPU, in one pool") {
 // Of a pool's GPU: lanes in one context, memory of the driver's own, results through it.
 TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups', give each problem's bytes alone") {
   std::vector<Workload> problems = smallest_problems();
-  for (const std::string& name : workloadNames()) problems.push_back(workload(name, 60));
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) problems.push_back(randomPslg(150, 9, 150, seed));
-  problems.push_back(randomCrossing(200, 1000, 60, 5));
+  for (const std::string& name : workload_names()) problems.push_back(workload(name, 60));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) problems.push_back(random_pslg(150, 9, 150, seed));
+  problems.push_back(random_crossing(200, 1000, 60, 5));
   const std::size_t group_sized = problems.size();
   problems.push_back(workload("uniform", 40000));  // one more than a group takes, and all go through rounds together
   for (const std::size_t count : {group_sized, problems.size()})

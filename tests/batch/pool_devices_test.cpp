@@ -94,7 +94,7 @@ void check_each_takes_part(const std::vector<std::pair<cl::Context, cl::Device>>
 
 TEST_CASE("the corpus, generated and smallest problems as one batch: one device") {
   const std::vector<Workload> problems = mixed_problems();
-  Pool one(testDevice());
+  Pool one(test_device());
   Alone(problems).check(one.triangulate(batch_of(problems)));
 }
 

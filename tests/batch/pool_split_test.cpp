@@ -50,7 +50,7 @@ Options splitting_on_any_grid() {
 TEST_CASE("problems that cross are split as alone: one device, and two sub-devices, on any grid and on a given one") {
   const std::vector<Workload> problems = all_problems();
   const Batch batch = batch_of(problems);
-  Pool one(testDevice()), two = make_pool(half_devices());
+  Pool one(test_device()), two = make_pool(half_devices());
   for (const Options& options : {splitting_on_any_grid(), graphs::splitting()}) {
     const Alone alone(problems, options);
     std::size_t split = 0, failed = 0;
@@ -80,7 +80,7 @@ TEST_CASE("routes that cross others are among the problems, and what is said of 
     problems.push_back(work_of(graphs::random_graph(seed, 12, 10, 12)));
     problems.push_back(work_of(graphs::random_graph(100 + seed, 40, 24, 60)));
   }
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const BatchResult result = pool.triangulate(batch_of(problems), graphs::splitting());
   std::size_t again = 0, split = 0;  // of the latter, those with a route that another constraint would cross
   for (std::size_t p = 0; p < problems.size(); ++p) {
@@ -117,7 +117,7 @@ TEST_CASE("routes that cross others are among the problems, and what is said of 
 
 TEST_CASE("the corpus with its crossings split, as one batch") {
   const std::vector<Workload> problems = corpus({"ok", "crossing", "invalid"});
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const Options options = splitting_on_any_grid();
   const Alone alone(problems, options);
   const BatchResult result = pool.triangulate(batch_of(problems), options);
@@ -143,7 +143,7 @@ TEST_CASE("all types of coordinates are read where a problem begins") {
   const graphs::Graph graph = graphs::random_graph(9, 20, 30, 400);
   const Triangulation expected = graphs::split(graph);
   REQUIRE(expected.statistics.vertices_added > 0);
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const auto check = [&](auto number) {
     using Number = decltype(number);
     std::vector<std::array<Number, 2>> points = {{7, 7}, {1, 2}, {3, 3}};  // of nobody, and of the first
@@ -164,7 +164,7 @@ TEST_CASE("all types of coordinates are read where a problem begins") {
 
 TEST_CASE("from and to device memory") {
   const App app;
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const std::vector<Workload> problems = all_problems();
   const RaggedBatch batch(problems);
   const DeviceBatch given = {Points::Type::float64,         problems.size(),
@@ -183,7 +183,7 @@ TEST_CASE("from and to device memory") {
 }
 
 TEST_CASE("a run of a problem that is split can be stopped, and the pool works on") {
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const std::vector<Workload> problems = {work_of(graphs::lattice(300, 5))};
   Options options = graphs::splitting();
   options.progress = [](const char*, double) { return false; };  // a fast device may be done at the second call

@@ -13,7 +13,7 @@ using namespace gcdt;
 using namespace gcdt::test;
 
 TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const BatchResult nothing = pool.triangulate(Batch());
   CHECK(nothing.size() == 0);
   CHECK(nothing.statistics().triangles == 0);
@@ -41,7 +41,7 @@ TEST_CASE("all types of coordinates, and options, as for one problem") {
   options.grid = FixedGrid{};
   options.crossing = Crossing::drop;
   options.check = false;
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const Triangulation expected = solver().triangulate(input.points, input.constraints, options);
   CHECK(difference(detail::triangulation(
                        pool.triangulate({input.points, offsets, input.constraints, constraint_offsets}, options), 0),
@@ -65,7 +65,7 @@ TEST_CASE("domains of a batch on two devices") {
 
 TEST_CASE("the ragged copy is the problems' arrays one after the other") {
   const std::vector<Workload> problems = smallest_problems();
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const BatchResult result = pool.triangulate(batch_of(problems));
   std::vector<std::uint64_t> offsets(problems.size() + 1);
   for (const auto& [array, name] : arrays()) {
@@ -90,7 +90,7 @@ TEST_CASE("the ragged copy is the problems' arrays one after the other") {
 }
 
 TEST_CASE("what makes no sense is refused, and the pool works on") {
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const std::vector<std::array<double, 2>> points = {{0, 0}, {1, 0}, {0, 1}};
   const std::vector<std::uint64_t> right = {0, 3}, falling = {2, 0}, beyond = {0, 4};
   const std::vector<Constraint> constraints = {{0, 1}};
@@ -131,7 +131,7 @@ TEST_CASE("a trace of a pool has every device's phases") {
 
 #ifdef __linux__
 TEST_CASE("100 batches in one process take no more memory than the first ten") {
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const auto resident = [] {
     std::size_t total = 0, pages = 0;
     std::ifstream("/proc/self/statm") >> total >> pages;

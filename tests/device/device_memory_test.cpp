@@ -47,9 +47,9 @@ cl_uint references(const cl::CommandQueue& queue) { return queue.getInfo<CL_QUEU
 TEST_CASE("a second identical call allocates nothing, and no call needs more than required_bytes") {
   Meter meter;
   {
-    Solver solver(testDevice());
+    Solver solver(test_device());
     meter.watch(solver);
-    for (const std::string& name : workloadNames()) {
+    for (const std::string& name : workload_names()) {
       const Workload work = workload(name, name == "random_pslg" ? 60 : 20000);
       CAPTURE(name);
       const Triangulation first = solver.triangulate(work.points, work.constraints);
@@ -74,7 +74,7 @@ TEST_CASE("a second identical call allocates nothing, and no call needs more tha
 
 TEST_CASE("buffers of sizes that are not asked for again do not pile up") {
   Meter meter;
-  Solver solver(testDevice());
+  Solver solver(test_device());
   meter.watch(solver);
   std::uint64_t held = 0;
   Statistics last;
@@ -88,7 +88,7 @@ TEST_CASE("buffers of sizes that are not asked for again do not pile up") {
 
 TEST_CASE("memory that the hook refuses is an error with OpenCL's code, and the solver works on") {
   Meter meter;
-  Solver solver(testDevice());
+  Solver solver(test_device());
   meter.watch(solver);
   meter.refuse = true;
   const Workload work = uniform(1000);
@@ -104,7 +104,7 @@ TEST_CASE("a result may be released after its solver, and results live side by s
   std::unique_ptr<Result> kept;
   Triangulation second;
   {
-    Solver solver(testDevice());
+    Solver solver(test_device());
     Options options;
     options.grid = FixedGrid{};
     kept = std::make_unique<Result>(solver.solve(a.points, a.constraints, options));

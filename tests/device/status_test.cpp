@@ -220,10 +220,10 @@ std::string poly(const Workload& work) {
 
 TEST_CASE("the layer is there, and does nothing unless it is told to") {
   REQUIRE(layered);
-  Solver solver(testDevice());
+  Solver solver(test_device());
   CHECK(solver.triangulate(uniform(30000).points).triangles.size() > 0);
   const Faults faults(Variables{{"GCDT_FAULT_MEMORY", "12345"}});
-  CHECK(Solver(testDevice()).device().memory_bytes == 12345);
+  CHECK(Solver(test_device()).device().memory_bytes == 12345);
 }
 
 TEST_CASE("what goes wrong has one status in the C interface, in C++ and with the application's buffers") {
@@ -233,7 +233,7 @@ TEST_CASE("what goes wrong has one status in the C interface, in C++ and with th
     Variables faults = failure.faults;
     faults.emplace_back("GCDT_FAULT_MATCHED", folder / "matched");
     const Faults scope(faults);
-    Solver own(testDevice());
+    Solver own(test_device());
     const App app;
     Solver theirs = make_solver(app.queue);
     const Workload& work = failure.work;
@@ -272,7 +272,7 @@ TEST_CASE("what goes wrong with a problem or its device has the same status in a
     const CBatch input(failure.work);
     gcdt::detail::ProgressCall progress{&failure.options.progress, nullptr};
     const gcdt_options options = gcdt::detail::options(failure.options, progress);
-    const std::string device = testDevice();
+    const std::string device = test_device();
     gcdt_pool_options pool_options = GCDT_POOL_OPTIONS_INIT;
     pool_options.devices = device.c_str();
     gcdt_pool* pool = nullptr;
@@ -291,7 +291,7 @@ TEST_CASE("what goes wrong with a problem or its device has the same status in a
     }
     gcdt_batch_release(batch);
     gcdt_pool_release(pool);
-    Pool own(testDevice());
+    Pool own(test_device());
     Batch problems;
     problems.add(failure.work.points, failure.work.constraints);
     expect_cpp(failure, in_cpp([&] {
@@ -308,7 +308,7 @@ TEST_CASE("what goes wrong has one exit status of the command, for an input and 
     const gcdt::testing::ScratchFolder folder;
     Variables faults = failure.faults;
     faults.emplace_back("GCDT_FAULT_MATCHED", folder / "matched");
-    faults.emplace_back("GCDT_DEVICE", testDevice());
+    faults.emplace_back("GCDT_DEVICE", test_device());
     const Faults scope(faults);
     const std::string in = folder.write("in.poly", poly(failure.work));
     const auto [exit, said] = command(folder, "triangulate '" + in + "' " + failure.arguments);

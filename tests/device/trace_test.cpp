@@ -25,7 +25,7 @@ struct Traced {
 
 Traced traced(const Workload& work) {
   Traced result;
-  Solver solver(testDevice(), {}, [&](const TraceSpan& span) { result.spans.push_back(span); });
+  Solver solver(test_device(), {}, [&](const TraceSpan& span) { result.spans.push_back(span); });
   solver.solve(work.points, work.constraints);  // builds
   result.spans.clear();
   result.statistics = solver.solve(work.points, work.constraints).statistics();
@@ -58,6 +58,9 @@ TEST_CASE("launches lie in their phases, one after the other, and sums agree wit
     if (phase.name != phase.phase)
       CHECK(std::any_of(outer.begin(), outer.end(),
                         [&](const TraceSpan& other) { return other.name == phase.phase && holds(other, phase); }));
+  CHECK(std::count_if(outer.begin(), outer.end(), [](const TraceSpan& span) {
+          return span.name.compare(0, 15, "plan: order by ") == 0 && span.name == span.phase;
+        }) == 1);
   const std::map<std::string, double> told = {{"order", s.ms.order},   {"insert", s.ms.insert},
                                               {"flip", s.ms.flip},     {"check", s.ms.check},
                                               {"output", s.ms.output}, {"constrain", s.ms.constrain}};
@@ -70,7 +73,7 @@ TEST_CASE("launches lie in their phases, one after the other, and sums agree wit
 
 TEST_CASE("a call that fails leaves nothing in the next one's trace") {
   std::vector<TraceSpan> spans;
-  Solver solver(testDevice(), {}, [&](const TraceSpan& span) { spans.push_back(span); });
+  Solver solver(test_device(), {}, [&](const TraceSpan& span) { spans.push_back(span); });
   const Workload work = uniform(500);
   CHECK_THROWS_AS(solver.solve(work.points, std::vector<Constraint>{{0, 500}}), Error);
   spans.clear();
@@ -82,12 +85,12 @@ TEST_CASE("a call that fails leaves nothing in the next one's trace") {
 
 TEST_CASE("what a trace function throws is dropped, and the result is the same") {
   const Workload work = uniform(500);
-  Solver throwing(testDevice(), {}, [](const TraceSpan&) { throw std::runtime_error("mine"); });
+  Solver throwing(test_device(), {}, [](const TraceSpan&) { throw std::runtime_error("mine"); });
   CHECK(throwing.triangulate(work.points).triangles == solver().triangulate(work.points).triangles);
 }
 
 TEST_CASE("options of the version without a trace are taken as before") {
-  const std::string device = testDevice();
+  const std::string device = test_device();
   gcdt_solver_options options = GCDT_SOLVER_OPTIONS_INIT;
   options.struct_size = offsetof(gcdt_solver_options, trace);
   options.device = device.c_str();

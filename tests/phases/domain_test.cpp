@@ -162,7 +162,7 @@ TEST_CASE("regions, depths, windings and kept triangles agree with the host's fl
     for (const Domain domain : all_domains) {
       CAPTURE(seed);
       CAPTURE(static_cast<int>(domain));
-      const Workload work = seed % 2 ? randomPslg(60, 40, 60 + 10 * seed, seed) : randomCrossing(40, 30, 40, seed);
+      const Workload work = seed % 2 ? random_pslg(60, 40, 60 + 10 * seed, seed) : random_crossing(40, 30, 40, seed);
       Options options = with(domain);
       options.crossing = Crossing::drop;
       Random random(seed);

@@ -182,7 +182,7 @@ TEST_CASE("a walk across a mesh of long thin triangles ends, in more than one la
 }
 
 TEST_CASE("the hull is all vertices on the boundary, counter-clockwise from the first in Z-order") {
-  for (const Workload& work : {grid(100), uniform(500), ring(64), lineAndOne(30), comb(50)}) {
+  for (const Workload& work : {grid(100), uniform(500), ring(64), line_and_one(30), comb(50)}) {
     const Result result = solver().solve(work.points);
     const Triangulation mesh = result.download();
     std::map<std::uint32_t, std::uint32_t> next;
@@ -192,7 +192,7 @@ TEST_CASE("the hull is all vertices on the boundary, counter-clockwise from the 
     const std::vector<std::uint32_t> hull = result.hull();
     REQUIRE(hull.size() == next.size());
     for (std::size_t i = 0; i < hull.size(); ++i) CHECK(next[hull[i]] == hull[(i + 1) % hull.size()]);
-    const auto place = onGrid(work.points, mesh.statistics.grid);
+    const auto place = on_grid(work.points, mesh.statistics.grid);
     auto z = [&](std::uint32_t v) { return reference::morton({place[v][0], place[v][1]}); };
     CHECK(std::all_of(hull.begin(), hull.end(), [&](std::uint32_t v) { return z(hull[0]) <= z(v); }));
     Options nothing;
@@ -206,7 +206,7 @@ TEST_CASE("the hull is all vertices on the boundary, counter-clockwise from the 
 TEST_CASE("triangles of vertices are the least, and pieces of edges have the edge's ends") {
   for (const Domain domain : {Domain::hull, Domain::even_odd})
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-      const Workload work = randomPslg(80, 30, 100, seed);
+      const Workload work = random_pslg(80, 30, 100, seed);
       Options options;
       options.domain = domain;
       const Result result = solver().solve(work.points, work.constraints, options);

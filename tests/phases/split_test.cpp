@@ -190,10 +190,10 @@ TEST_CASE("every file of the corpus can be split, and is verified") {
   Options options;
   options.crossing = Crossing::split;
   int with_crossings = 0;
-  for (const CorpusEntry& entry : readManifest(folder)) {
+  for (const CorpusEntry& entry : read_manifest(folder)) {
     if (entry.status == "invalid") continue;
     CAPTURE(entry.name);
-    const Workload work = readPoly(folder + "/" + entry.name);
+    const Workload work = read_poly(folder + "/" + entry.name);
     const Triangulation mesh = solver().triangulate(work.points, work.constraints, options);
     CHECK(static_cast<long>(mesh.statistics.crossings) == entry.crossings);
     CHECK((mesh.statistics.constraints_split > 0) == (entry.crossings > 0));

@@ -109,9 +109,9 @@ constexpr Family families[] = {{"outlined x", outlined_x},
                                {"spiral", spiral},
                                {"parabola", parabola},
                                {"grid", grid},
-                               {"nested squares", nestedSquares},
-                               {"line and one", lineAndOne},
-                               {"collinear runs", collinearRuns}};
+                               {"nested squares", nested_squares},
+                               {"line and one", line_and_one},
+                               {"collinear runs", collinear_runs}};
 
 std::uint64_t steps_of(const Workload& work, const Options& options) {
   const Triangulation mesh = solver().triangulate(work.points, work.constraints, options);
@@ -226,7 +226,7 @@ TEST_CASE("hole seeds, as many as vertices, take no more than that") {
 TEST_CASE("a sweep finds the least triangle that holds a place, in, on the border of, and beside the mesh") {
   Random random(3);
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const Workload work = randomPslg(30, 12, 10, seed);
+    const Workload work = random_pslg(30, 12, 10, seed);
     const proof::Sites sites(vertices_of(work));
     std::uint64_t steps = 0;
     proof::Completion mesh(sites, steps);

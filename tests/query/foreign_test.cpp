@@ -50,7 +50,7 @@ Triangulation shuffled(const Triangulation& mesh, Random& random) {
 TEST_CASE("meshes that are right pass, whatever their order") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Random random(seed);
-    const Workload work = randomPslg(120, 40, 100, seed);
+    const Workload work = random_pslg(120, 40, 100, seed);
     const Triangulation mesh = solver().triangulate(work.points, work.constraints);
     CHECK(said(work, mesh) == "");
     CHECK(said(work, shuffled(mesh, random)) == "");
@@ -60,7 +60,7 @@ TEST_CASE("meshes that are right pass, whatever their order") {
 }
 
 TEST_CASE("each fault is named: corners, links, flags, pieces, a triangle too few, an edge that is not Delaunay") {
-  const Workload work = randomPslg(120, 40, 100, 3);
+  const Workload work = random_pslg(120, 40, 100, 3);
   const Triangulation good = solver().triangulate(work.points, work.constraints);
   auto spoilt = [&](auto&& change) {
     Triangulation mesh = good;

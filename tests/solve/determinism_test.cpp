@@ -66,9 +66,9 @@ std::string threads(int count) {  // the old name of the variable and the new on
   return "POCL_MAX_PTHREAD_COUNT=" + std::to_string(count) + " POCL_CPU_MAX_CU_COUNT=" + std::to_string(count);
 }
 
-std::string hashHere(const Case& input) {
+std::string hash_here(const Case& input) {
   const Workload work = workload(input.name, input.size);
-  return text(resultHash(solver().triangulate(work.points, work.constraints)));
+  return text(result_hash(solver().triangulate(work.points, work.constraints)));
 }
 
 /// One and two threads give one hash in twenty runs, which is that of this process.
@@ -76,16 +76,16 @@ void check_threads(const Case& input) {
   CAPTURE(input.name);
   std::set<std::string> different;
   for (int count : {1, 2})
-    for (const std::string& hash : hashes(threads(count), testDevice(), input, 10)) different.insert(hash);
+    for (const std::string& hash : hashes(threads(count), test_device(), input, 10)) different.insert(hash);
   CHECK(different.size() == 1);
-  CHECK(different.count(hashHere(input)) == 1);
+  CHECK(different.count(hash_here(input)) == 1);
 }
 
 void check_rusticl(const Case& input) {
   CAPTURE(input.name);
   const std::vector<std::string> found = hashes("RUSTICL_ENABLE=swrast", "llvmpipe", input, 1);
   REQUIRE(found.size() == 1);
-  CHECK(found[0] == hashHere(input));
+  CHECK(found[0] == hash_here(input));
 }
 
 }  // namespace
@@ -104,15 +104,15 @@ TEST_CASE("rusticl gives the same bytes as PoCL") {  // no 64-bit atomics, no fp
 }
 
 TEST_CASE("the hash tells results apart in every array") {
-  const Workload work = randomPslg(40, 9, 60, 1);
+  const Workload work = random_pslg(40, 9, 60, 1);
   const gcdt::Triangulation mesh = solver().triangulate(work.points, work.constraints);
   REQUIRE(mesh.triangles.size() > 1);
   REQUIRE(!mesh.sources.empty());
-  std::set<std::uint64_t> values{resultHash(mesh)};
+  std::set<std::uint64_t> values{result_hash(mesh)};
   const auto with = [&](auto change) {
     gcdt::Triangulation other = mesh;
     change(other);
-    values.insert(resultHash(other));
+    values.insert(result_hash(other));
   };
   with([](auto& m) { std::swap(m.triangles[0], m.triangles[1]); });
   with([](auto& m) { m.neighbours[0][0] ^= 1; });

@@ -39,7 +39,7 @@ std::vector<std::pair<Workload, Options>> calls() {
   for (const char* name : {"uniform", "grid", "clusters", "hub", "letters", "spiral", "near_circle"})
     all.push_back({workload(name, 1000), {}});
   all.push_back({workload("uniform", 10000), {}});  // sorted by buckets
-  Workload decimals = randomPslg(200, 1000, 60, 2);
+  Workload decimals = random_pslg(200, 1000, 60, 2);
   for (Point& p : decimals.points) p = {p[0] / 100, p[1] / 100};
   all.push_back({decimals, {}});
   Options domain;
@@ -52,8 +52,8 @@ std::vector<std::pair<Workload, Options>> calls() {
   Options drop, split;
   drop.crossing = Crossing::drop, split.crossing = Crossing::split;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    all.push_back({randomCrossing(120, 1000, 40, seed), drop});
-    all.push_back({randomCrossing(120, 1000, 40, seed), split});
+    all.push_back({random_crossing(120, 1000, 40, seed), drop});
+    all.push_back({random_crossing(120, 1000, 40, seed), split});
   }
   return all;
 }
@@ -72,7 +72,7 @@ TEST_CASE("calls on a device treated as a GPU give a CPU's bytes, with usual thr
 
 TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same on a device treated as a GPU") {
   Solver gpu = as_gpu(DeviceKind::threads);
-  const Workload problem = randomPslg(300, 1000, 60, 3);
+  const Workload problem = random_pslg(300, 1000, 60, 3);
   std::vector<Point> queries;
   for (int x = -1; x <= 40; ++x)
     for (int y = -1; y <= 40; ++y) queries.push_back({25.0 * x, 25.0 * y});
@@ -111,7 +111,7 @@ TEST_CASE("a device treated as neither CPU nor GPU gives a CPU's bytes") {
 
 TEST_CASE("a device treated as a GPU gives the same triangles in any order, and finds a fault in a mesh from outside") {
   Solver gpu = as_gpu(DeviceKind::threads);
-  const Workload problem = randomPslg(300, 1000, 60, 3);
+  const Workload problem = random_pslg(300, 1000, 60, 3);
   const Triangulation expected = solver().triangulate(problem.points, problem.constraints);
   Options any_order;
   any_order.canonical = false;

@@ -52,7 +52,7 @@ TEST_CASE("the table has every workload, every way with crossings, every domain,
     if (row.name == "batch") batches.insert({row.name, row.how});
     CHECK(row.hash.size() == 16);
   }
-  for (const std::string& name : workloadNames()) {
+  for (const std::string& name : workload_names()) {
     CAPTURE(name);
     CHECK(names.count(name) == 1);
   }

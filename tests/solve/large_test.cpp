@@ -17,7 +17,7 @@ using namespace gcdt::test;
 
 namespace {
 
-std::vector<Segment> delaunayEdges(const std::vector<Point>& points) {
+std::vector<Segment> delaunay_edges(const std::vector<Point>& points) {
   using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
   using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex>>;
   std::vector<std::pair<Kernel::Point_2, std::uint32_t>> sites;
@@ -58,8 +58,8 @@ void check(const char* name, const Workload& work, const Options& options = {}) 
 
 TEST_CASE("a million uniform vertices") { check("uniform", uniform(1000000)); }
 TEST_CASE("a grid of 1024 x 1024 integer points") { check("grid", grid(1048576)); }
-TEST_CASE("12,288 exactly cocircular vertices") { check("lattice_circle", latticeCircle(12288)); }
-TEST_CASE("100,000 nearly cocircular vertices") { check("near_circle", nearCircle(100000)); }
+TEST_CASE("12,288 exactly cocircular vertices") { check("lattice_circle", lattice_circle(12288)); }
+TEST_CASE("100,000 nearly cocircular vertices") { check("near_circle", near_circle(100000)); }
 TEST_CASE("a spiral polygon of 100,000 vertices") { check("spiral", spiral(100000)); }
 TEST_CASE("letters of 98,000 vertices") { check("letters", letters(98000)); }
 TEST_CASE("200,000 vertices in clusters of very different scales") { check("clusters", clusters(200000)); }
@@ -69,13 +69,13 @@ TEST_CASE("10,000 constraints that meet in one vertex") { check("hub", hub(20000
 TEST_CASE("46,341 vertices on a parabola") { check("parabola", parabola(46341)); }
 
 TEST_CASE("a million vertices and about 150,000 short constraints") {
-  const Workload work = syntheticCons(1000000, 1, delaunayEdges);
+  const Workload work = synthetic_cons(1000000, 1, delaunay_edges);
   CHECK(work.constraints.size() > 149000);
   check("synthetic_cons_1", work);
 }
 
 TEST_CASE("a million vertices and about 150,000 long constraints") {
-  const Workload work = syntheticCons(1000000, 6, delaunayEdges);
+  const Workload work = synthetic_cons(1000000, 6, delaunay_edges);
   CHECK(work.constraints.size() > 149000);
   check("synthetic_cons_6", work);
 }

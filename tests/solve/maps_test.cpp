@@ -9,7 +9,7 @@ namespace {
 
 const std::string tests = GCDT_TEST_DATA;
 
-Workload countries() { return readPoly(tests + "/../examples/data/countries-50m.poly"); }
+Workload countries() { return read_poly(tests + "/../examples/data/countries-50m.poly"); }
 
 }  // namespace
 
@@ -38,7 +38,7 @@ TEST_CASE("with eight sides across the whole map, as the antimeridian makes them
 }
 
 TEST_CASE("the counties of the United States: three crossings, three overlaps") {
-  const Triangulation mesh = proved(readPoly(tests + "/maps/us-counties.poly"));
+  const Triangulation mesh = proved(read_poly(tests + "/maps/us-counties.poly"));
   CHECK(mesh.statistics.crossings == 3);
   CHECK(mesh.statistics.constraints_overlapping == 3);
   CHECK(mesh.statistics.vertices_added == 3);

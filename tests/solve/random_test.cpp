@@ -14,7 +14,7 @@ namespace {
 /// Delaunay edges of a third of the vertices after stretching y: long parallel constraints that cut
 /// the same triangles many times, from all sides.
 Workload stretched(std::size_t n, std::uint32_t side, std::uint64_t seed) {
-  Workload work = randomPslg(n, side, 0, seed);
+  Workload work = random_pslg(n, side, 0, seed);
   std::vector<GridPoint> subset;
   std::vector<std::uint32_t> number;
   const auto representative = representatives(integers(work.points));
@@ -31,7 +31,7 @@ Workload stretched(std::size_t n, std::uint32_t side, std::uint64_t seed) {
 }
 
 /// A triangle with an empty circle, its corners cut off by three bundles of parallel constraints.
-Workload cutCorners(std::uint64_t seed) {
+Workload cut_corners(std::uint64_t seed) {
   Random random(seed);
   Workload work{{{0, 10000}, {-8660, -5000}, {8660, -5000}}, {}};
   for (std::uint32_t bundle = 0; bundle < 3; ++bundle) {
@@ -50,7 +50,7 @@ Workload cutCorners(std::uint64_t seed) {
 }
 
 /// Empty if the result is valid and agrees with brute force and CGAL. Counts the special cases in `sum`.
-std::string faultOf(const Workload& work, Statistics::Cases& sum, Crossing crossing = Crossing::reject) try {
+std::string fault_of(const Workload& work, Statistics::Cases& sum, Crossing crossing = Crossing::reject) try {
   Options options;
   options.crossing = crossing;
   const Triangulation mesh = solver().triangulate(work.points, work.constraints, options);
@@ -75,7 +75,7 @@ TEST_CASE("hundreds of random inputs give meshes that agree with CGAL, and every
   std::size_t inputs = 0;
   const auto check = [&](const Workload& work) {
     REQUIRE(crossings(integers(work.points), work.constraints).empty());
-    CHECK(faultOf(work, sum) == "");
+    CHECK(fault_of(work, sum) == "");
     ++inputs;
   };
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -86,12 +86,12 @@ TEST_CASE("hundreds of random inputs give meshes that agree with CGAL, and every
     const std::uint32_t side = sides[seed % 6];
     CAPTURE(n);
     CAPTURE(side);
-    check(randomPslg(n, side, n * (1 + random.below(4)), seed));
+    check(random_pslg(n, side, n * (1 + random.below(4)), seed));
   }
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     CAPTURE(seed);
     check(stretched(60, seed % 2 ? 1000 : 30, seed));
-    check(cutCorners(seed));
+    check(cut_corners(seed));
   }
   CHECK(inputs == 320);
   CHECK(sum.edge_splits > 0);
@@ -108,22 +108,22 @@ TEST_CASE("hundreds of random inputs give meshes that agree with CGAL, and every
 
 TEST_CASE("drop keeps a constraint exactly if it crosses no earlier kept one") {
   Statistics::Cases sum;
-  std::size_t droppedInputs = 0;
+  std::size_t dropped_inputs = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Random random(1000 + seed);
     const std::size_t n = 4 + random.below(37);
     const std::uint32_t side = seed % 3 == 0 ? 5 : seed % 3 == 1 ? 12 : 500;
-    const Workload work = randomCrossing(n, side, 1 + random.below(2 * n), seed);
+    const Workload work = random_crossing(n, side, 1 + random.below(2 * n), seed);
     CAPTURE(seed);
-    CHECK(faultOf(work, sum, Crossing::drop) == "");
-    droppedInputs += !dropped(integers(work.points), work.constraints).empty();
+    CHECK(fault_of(work, sum, Crossing::drop) == "");
+    dropped_inputs += !dropped(integers(work.points), work.constraints).empty();
   }
-  CHECK(droppedInputs > 50);
+  CHECK(dropped_inputs > 50);
 }
 
 TEST_CASE("drop without crossings is reject") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const Workload work = randomPslg(40, 10, 80, seed);
+    const Workload work = random_pslg(40, 10, 80, seed);
     Options drop;
     drop.crossing = Crossing::drop;
     const Triangulation a = solver().triangulate(work.points, work.constraints),
@@ -139,7 +139,7 @@ TEST_CASE("reject names the number of crossing pairs and all of them, ten in its
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Random random(2000 + seed);
     const std::size_t n = 4 + random.below(37);
-    const Workload work = randomCrossing(n, seed % 2 ? 6 : 300, 2 + random.below(seed % 4 < 2 ? 8 : 60), seed);
+    const Workload work = random_crossing(n, seed % 2 ? 6 : 300, 2 + random.below(seed % 4 < 2 ? 8 : 60), seed);
     const auto expected = crossings(integers(work.points), work.constraints);
     CAPTURE(seed);
     try {

@@ -152,7 +152,7 @@ TEST_CASE("the counters count: an object and a block of memory are seen, and see
 }
 
 TEST_CASE("a batch that is released leaves no object and no byte, whether its problems fail or are split") {
-  const std::string device = testDevice();
+  const std::string device = test_device();
   gcdt_pool_options pool_options = GCDT_POOL_OPTIONS_INIT;
   pool_options.devices = device.c_str();
   gcdt_pool* pool = nullptr;
@@ -204,8 +204,8 @@ TEST_CASE("a result that is released leaves no object, no byte and no block of d
 
 TEST_CASE("a solver or a pool that is released leaves no object and no byte") {
   const Workload work = workload("random_pslg", 20);
-  leaves_nothing([&] { Solver(testDevice()).solve(work.points, work.constraints); });
+  leaves_nothing([&] { Solver(test_device()).solve(work.points, work.constraints); });
   Batch batch;
   for (int i = 0; i < 3; ++i) batch.add(work.points, work.constraints);
-  leaves_nothing([&] { Pool(testDevice()).triangulate(batch); });
+  leaves_nothing([&] { Pool(test_device()).triangulate(batch); });
 }

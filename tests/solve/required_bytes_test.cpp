@@ -24,7 +24,7 @@ std::vector<Segment> delaunay_edges(const std::vector<Point>& points) {
 }
 
 Family cons(std::size_t n, int k) {
-  return {"synthetic-cons " + std::to_string(k), syntheticCons(n, k, delaunay_edges), {}};
+  return {"synthetic-cons " + std::to_string(k), synthetic_cons(n, k, delaunay_edges), {}};
 }
 
 Options with_domain() {

@@ -133,7 +133,7 @@ TEST_CASE("a batch says of each problem what it would have said alone, and fails
     problems.push_back(p % 2 ? uniform(3 + 7 * p, p).points : crowded(3 + 7 * p, p));
   problems.push_back({});
   for (const Doubles& points : problems) batch.add(points, {});
-  Pool pool(testDevice());
+  Pool pool(test_device());
   const BatchResult made = pool.triangulate(batch);
   Options options;
   options.distinct = true;
@@ -186,7 +186,7 @@ TEST_CASE("the largest move is the nearest double, denormal or not; on a decimal
       Batch batch;
       batch.add(points, {});
       batch.add(input, {});
-      CHECK(Pool(testDevice()).triangulate(batch).grid(1).largest_move == choose_grid(points).largest_move);
+      CHECK(Pool(test_device()).triangulate(batch).grid(1).largest_move == choose_grid(points).largest_move);
     }
   Random random(1);
   for (int i = 0; i < 40; ++i) {

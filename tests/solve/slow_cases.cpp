@@ -50,7 +50,7 @@ TEST_CASE("maps: every .poly file of the folder GCDT_TEST_MAPS") {
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     if (file.path().extension() != ".poly") continue;
     CAPTURE(file.path().string());
-    const Workload map = readPoly(file.path().string());
+    const Workload map = read_poly(file.path().string());
     const Triangulation mesh = proved(map);
     print(file.path().filename().string(), mesh);
     CHECK(mesh.triangles.size() > 0);

@@ -28,7 +28,7 @@ double ms(const TraceSpan& span) { return double(span.end_ns - span.begin_ns) / 
 /// Of the second of two calls: programs are there.
 Told told(const Workload& work, const Options& options = {}) {
   Told result;
-  Solver solver(testDevice(), {}, [&](const TraceSpan& span) {
+  Solver solver(test_device(), {}, [&](const TraceSpan& span) {
     if (span.on_device)
       ++result.launches[span.name];
     else
@@ -134,7 +134,7 @@ TEST_CASE("call is the caller's clock: with copies and new arrays, and with buil
     CHECK(t.statistics.ms.full <= t.statistics.ms.call);
     CHECK(t.statistics.ms.call <= t.clock);
     check_same_time(t.statistics.ms.call, t.clock);
-    Solver fresh(testDevice());
+    Solver fresh(test_device());
     const Statistics first = fresh.triangulate(work.points, work.constraints).statistics;
     CHECK(first.ms.build > 0);
     CHECK(first.ms.build + first.ms.full <= first.ms.call);
@@ -145,7 +145,7 @@ TEST_CASE("the call of a batch is the caller's clock") {
   const Workload problem = workload("random_pslg", 60);
   Batch batch;
   for (int i = 0; i < 300; ++i) batch.add(problem.points, problem.constraints);
-  Pool pool(testDevice());
+  Pool pool(test_device());
   pool.triangulate(batch);
   const auto start = std::chrono::steady_clock::now();
   const double told = pool.triangulate(batch).statistics().ms_call;

@@ -25,7 +25,7 @@ Triangulation triangulated(const Workload& work, Crossing crossing = Crossing::r
 }
 
 /// The error that triangulating throws; fails the test if it throws none.
-Error errorOf(Points points, Constraints constraints = {}, const Options& options = {}) {
+Error error_of(Points points, Constraints constraints = {}, const Options& options = {}) {
   try {
     solver().triangulate(points, constraints, options);
   } catch (const Error& error) {
@@ -35,7 +35,7 @@ Error errorOf(Points points, Constraints constraints = {}, const Options& option
   return Error(Status::ok, "nothing was thrown");
 }
 
-bool sameBytes(const Triangulation& a, const Triangulation& b) {
+bool same_bytes(const Triangulation& a, const Triangulation& b) {
 #define GCDT_ARRAY(number, name, ...) \
   if (a.name != b.name) return false;
 #include <gcdt/arrays.def>
@@ -52,16 +52,16 @@ std::vector<std::array<Point, 3>> shape(const Workload& work, const Triangulatio
 /// A mixture of what the corpus' ideas are made of, with integer coordinates and no crossings.
 std::vector<Workload> samples() {
   std::vector<Workload> result{grid(100),
-                               latticeCircle(200),
-                               collinearRuns(80),
+                               lattice_circle(200),
+                               collinear_runs(80),
                                comb(50),
-                               nestedSquares(60),
+                               nested_squares(60),
                                hub(60),
-                               lineAndOne(30),
+                               line_and_one(30),
                                parabola(60),
-                               randomPslg(40, 8, 80, 1),
-                               randomPslg(60, 30, 120, 2),
-                               randomPslg(60, 1000, 200, 3)};
+                               random_pslg(40, 8, 80, 1),
+                               random_pslg(60, 30, 120, 2),
+                               random_pslg(60, 1000, 200, 3)};
   return result;
 }
 
@@ -82,17 +82,17 @@ Workload moved(Workload work, Map map) {
 }  // namespace
 
 TEST_CASE("every corpus file ends with its status, and its mesh is valid and agrees with CGAL") {
-  for (const CorpusEntry& entry : readManifest(folder)) {
+  for (const CorpusEntry& entry : read_manifest(folder)) {
     CAPTURE(entry.name);
-    const Workload work = readPoly(folder + "/" + entry.name);
+    const Workload work = read_poly(folder + "/" + entry.name);
     if (entry.status == "invalid") {
-      const Status status = errorOf(work.points, work.constraints).status();
+      const Status status = error_of(work.points, work.constraints).status();
       CHECK((status == Status::coordinate_not_finite || status == Status::index_out_of_range));
       continue;
     }
     Crossing crossing = Crossing::reject;
     if (entry.status == "crossing") {
-      const Error error = errorOf(work.points, work.constraints);
+      const Error error = error_of(work.points, work.constraints);
       CHECK(error.status() == Status::constraints_cross);
       CHECK(error.pair_count() == static_cast<std::uint64_t>(entry.crossings));
       crossing = Crossing::drop;
@@ -101,7 +101,7 @@ TEST_CASE("every corpus file ends with its status, and its mesh is valid and agr
       const Triangulation mesh = triangulated(work, crossing);
       CHECK(fault(work.points, work.constraints, mesh, crossing) == "");
       CHECK(static_cast<long>(mesh.triangles.size()) == entry.triangles);
-      CHECK(disagreement(onGrid(work.points, mesh.statistics.grid), work.constraints, mesh, crossing) == "");
+      CHECK(disagreement(on_grid(work.points, mesh.statistics.grid), work.constraints, mesh, crossing) == "");
       if (entry.triangles == 0) CHECK_FALSE(mesh.statistics.notes.empty());
     } catch (const Error& error) {
       FAIL_CHECK(error.what());
@@ -112,10 +112,10 @@ TEST_CASE("every corpus file ends with its status, and its mesh is valid and agr
 TEST_CASE("the minimal failing inputs of wrong constraint rules give valid meshes that agree with CGAL") {
   std::size_t files = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder + "/minimal")) {
-    const Workload work = readMinimal(file.path().string()).input;
+    const Workload work = read_minimal(file.path().string()).input;
     CAPTURE(file.path().string());
     const bool crosses = !crossings(integers(work.points), work.constraints).empty();
-    if (crosses) CHECK(errorOf(work.points, work.constraints).status() == Status::constraints_cross);
+    if (crosses) CHECK(error_of(work.points, work.constraints).status() == Status::constraints_cross);
     const Crossing crossing = crosses ? Crossing::drop : Crossing::reject;
     const Triangulation mesh = triangulated(work, crossing);
     CHECK(fault(work.points, work.constraints, mesh, crossing) == "");
@@ -126,19 +126,19 @@ TEST_CASE("the minimal failing inputs of wrong constraint rules give valid meshe
 }
 
 TEST_CASE("small inputs of every generator give valid meshes") {
-  for (const std::string& name : workloadNames()) {
+  for (const std::string& name : workload_names()) {
     const Workload work = workload(name, name == "random_pslg" ? 60 : 900);
     CAPTURE(name);
     const Triangulation mesh = triangulated(work);
     CHECK(fault(work.points, work.constraints, mesh) == "");
-    CHECK(disagreement(onGrid(work.points, mesh.statistics.grid), work.constraints, mesh) == "");
+    CHECK(disagreement(on_grid(work.points, mesh.statistics.grid), work.constraints, mesh) == "");
   }
 }
 
 TEST_CASE("few vertices, which one work-item orders, and one more give valid meshes that agree with CGAL") {
   const std::size_t few = Tuning().few_vertices;
   for (const std::size_t n : {few - 1, few, few + 1}) {
-    std::vector<Workload> all{uniform(n), grid(n), line(n), lineAndOne(n), comb(n), parabola(n)};
+    std::vector<Workload> all{uniform(n), grid(n), line(n), line_and_one(n), comb(n), parabola(n)};
     all.push_back(uniform(n));
     for (std::size_t i = 0; i < n; i += 2) all.back().points[i] = all.back().points[i / 3];
     all.push_back(Workload{std::vector<Point>(n, Point{0.1, 7}), {}});
@@ -147,7 +147,7 @@ TEST_CASE("few vertices, which one work-item orders, and one more give valid mes
       CAPTURE(&work - all.data());
       const Triangulation mesh = triangulated(work);
       CHECK(fault(work.points, work.constraints, mesh) == "");
-      CHECK(disagreement(onGrid(work.points, mesh.statistics.grid), work.constraints, mesh) == "");
+      CHECK(disagreement(on_grid(work.points, mesh.statistics.grid), work.constraints, mesh) == "");
     }
   }
 }
@@ -202,15 +202,15 @@ TEST_CASE("a quarter turn and a mirror give the same mesh but for unconstrained 
     const auto points = integers(work.points);
     const auto constrained = pieces(points, work.constraints);
     const Edges expected = classify(points, triangulated(work).triangles, constrained);
-    CHECK(triangulated(work).triangles.size() == triangleCount(points));
-    const auto edgesAfter = [&](auto map) {
+    CHECK(triangulated(work).triangles.size() == triangle_count(points));
+    const auto edges_after = [&](auto map) {
       Triangles triangles = triangulated(moved(work, map)).triangles;  // numbers are the same, so classify in place
       return classify(points, triangles, constrained);
     };
-    for (const Edges& edges : {edgesAfter([](Point p) {
+    for (const Edges& edges : {edges_after([](Point p) {
                                  return Point{-p[1], p[0]};
                                }),
-                               edgesAfter([](Point p) {
+                               edges_after([](Point p) {
                                  return Point{-p[0], -p[1]};
                                })}) {
       CHECK(edges.decided == expected.decided);
@@ -224,14 +224,14 @@ TEST_CASE("a quarter turn and a mirror give the same mesh but for unconstrained 
 }
 
 TEST_CASE("the input is not changed") {
-  const Workload work = randomCrossing(50, 10, 100, 4), copy = work;
+  const Workload work = random_crossing(50, 10, 100, 4), copy = work;
   triangulated(work, Crossing::drop);
   CHECK(work.points == copy.points);
   CHECK(work.constraints == copy.constraints);
 }
 
 TEST_CASE("duplicates are merged into the least number and can be used by constraints") {
-  Workload work = randomPslg(30, 12, 40, 5);
+  Workload work = random_pslg(30, 12, 40, 5);
   const std::uint32_t n = static_cast<std::uint32_t>(work.points.size());
   const Triangulation before = triangulated(work);
   for (std::uint32_t i = 0; i < n; ++i) work.points.push_back(work.points[n - 1 - i]);
@@ -243,14 +243,14 @@ TEST_CASE("duplicates are merged into the least number and can be used by constr
 }
 
 TEST_CASE("-0 counts as 0") {
-  const Workload zero = moved(randomPslg(40, 7, 60, 6), [](Point p) { return Point{p[0] - 3, p[1] - 3}; });
+  const Workload zero = moved(random_pslg(40, 7, 60, 6), [](Point p) { return Point{p[0] - 3, p[1] - 3}; });
   const Workload minus = moved(zero, [](Point p) { return Point{p[0] == 0 ? -0.0 : p[0], p[1] == 0 ? -0.0 : p[1]}; });
   CHECK(std::any_of(minus.points.begin(), minus.points.end(), [](Point p) { return p[0] == 0 && std::signbit(p[0]); }));
-  CHECK(sameBytes(triangulated(zero), triangulated(minus)));
+  CHECK(same_bytes(triangulated(zero), triangulated(minus)));
 }
 
 TEST_CASE("float, int32 and int64 vertices give the same bytes as the same numbers as doubles") {
-  for (const Workload& work : {randomPslg(50, 20, 80, 7), moved(grid(49), [](Point p) {
+  for (const Workload& work : {random_pslg(50, 20, 80, 7), moved(grid(49), [](Point p) {
                                  return Point{p[0] - 3, p[1] - 3};
                                })}) {
     std::vector<std::array<float, 2>> floats;
@@ -260,11 +260,11 @@ TEST_CASE("float, int32 and int64 vertices give the same bytes as the same numbe
       ints.push_back({static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1])});
     }
     const Triangulation expected = triangulated(work);
-    CHECK(sameBytes(solver().triangulate(floats, work.constraints), expected));
-    CHECK(sameBytes(solver().triangulate(ints, work.constraints), expected));
+    CHECK(same_bytes(solver().triangulate(floats, work.constraints), expected));
+    CHECK(same_bytes(solver().triangulate(ints, work.constraints), expected));
     std::vector<std::array<std::int64_t, 2>> longs;
     for (const auto& p : ints) longs.push_back({p[0], p[1]});
-    CHECK(sameBytes(solver().triangulate(longs, work.constraints), expected));
+    CHECK(same_bytes(solver().triangulate(longs, work.constraints), expected));
   }
   std::vector<std::array<float, 2>> fine;  // 24-bit fractions: exact as floats, and no integers
   Workload work;
@@ -274,7 +274,7 @@ TEST_CASE("float, int32 and int64 vertices give the same bytes as the same numbe
         {static_cast<float>(random.below(1 << 24)) * 0x1p-24f, static_cast<float>(random.below(1 << 24)) * 0x1p-24f});
     work.points.push_back({fine.back()[0], fine.back()[1]});
   }
-  CHECK(sameBytes(solver().triangulate(fine), triangulated(work)));
+  CHECK(same_bytes(solver().triangulate(fine), triangulated(work)));
 }
 
 TEST_CASE("int64 is exact up to 2^53, and beyond that an error that names the coordinate") {
@@ -285,11 +285,11 @@ TEST_CASE("int64 is exact up to 2^53, and beyond that an error that names the co
   for (const auto& p : points) doubles.push_back({double(p[0]), double(p[1])});
   const Triangulation mesh = solver().triangulate(points);
   CHECK(mesh.statistics.grid.kind == Grid::Kind::binary);
-  CHECK(sameBytes(mesh, solver().triangulate(doubles)));
+  CHECK(same_bytes(mesh, solver().triangulate(doubles)));
   CHECK(fault(points, {}, mesh) == "");
   for (const std::int64_t bad : {most + 1, -most - 1, std::numeric_limits<std::int64_t>::min()}) {
     points[2][1] = bad;
-    const Error error = errorOf(points);
+    const Error error = error_of(points);
     CHECK(error.status() == Status::coordinate_outside_grid);
     CHECK(error.indices() == std::vector<std::uint64_t>{2, 1});
     MeshView none;
@@ -311,7 +311,7 @@ TEST_CASE("the extremes of int32 are exact") {
 TEST_CASE("the grid of the result is the one the host chooses") {
   for (const char* name :
        {"grid_5x5", "decimals", "huge_values", "huge_extent", "denormals", "mixed_scales", "huge_offset"}) {
-    const Workload work = readPoly(folder + "/" + name + ".poly");
+    const Workload work = read_poly(folder + "/" + name + ".poly");
     CAPTURE(name);
     const Grid found = triangulated(work).statistics.grid, expected = choose_grid(work.points);
     CHECK(found.kind == expected.kind);
@@ -322,7 +322,7 @@ TEST_CASE("the grid of the result is the one the host chooses") {
     CHECK(found.largest_move == expected.largest_move);
   }
   CHECK(triangulated(grid(25)).statistics.grid.kind == Grid::Kind::binary);
-  CHECK(triangulated(readPoly(folder + "/decimals.poly")).statistics.grid.kind == Grid::Kind::decimal);
+  CHECK(triangulated(read_poly(folder + "/decimals.poly")).statistics.grid.kind == Grid::Kind::decimal);
   CHECK(triangulated(uniform(50)).statistics.grid.kind == Grid::Kind::rounded);
   CHECK(triangulated(uniform(50)).statistics.grid.largest_move > 0);
 }
@@ -334,12 +334,12 @@ TEST_CASE("a coordinate that is not finite is reported with vertex and axis") {
       for (const std::uint64_t axis : {0, 1}) {
         Workload work = grid(100);
         work.points[vertex][axis] = bad;
-        const Error error = errorOf(work.points);
+        const Error error = error_of(work.points);
         CHECK(error.status() == Status::coordinate_not_finite);
         CHECK(error.indices() == std::vector<std::uint64_t>{vertex, axis});
       }
   std::vector<std::array<float, 2>> floats{{0, 0}, {1, 0}, {0, std::numeric_limits<float>::quiet_NaN()}};
-  CHECK(errorOf(floats).indices() == std::vector<std::uint64_t>{2, 1});
+  CHECK(error_of(floats).indices() == std::vector<std::uint64_t>{2, 1});
 }
 
 TEST_CASE("an index out of range is reported with constraint and end") {
@@ -348,7 +348,7 @@ TEST_CASE("an index out of range is reported with constraint and end") {
       Workload work = grid(9);
       work.constraints = {{0, 1}, {3, 4}, {4, 5}};
       work.constraints[2][end] = bad;
-      const Error error = errorOf(work.points, work.constraints);
+      const Error error = error_of(work.points, work.constraints);
       CHECK(error.status() == Status::index_out_of_range);
       CHECK(error.indices() == std::vector<std::uint64_t>{2, end});
     }
@@ -358,26 +358,26 @@ TEST_CASE("a vertex outside a fixed grid is reported, one between its points is 
   Options options;
   options.grid = FixedGrid{0, 0, "0.5"};
   const std::vector<Point> outside{{0, 0}, {4, 0}, {4, 4}, {0, -1}};
-  const Error error = errorOf(outside, {}, options);
+  const Error error = error_of(outside, {}, options);
   CHECK(error.status() == Status::coordinate_outside_grid);
   CHECK(error.indices() == std::vector<std::uint64_t>{3, 1});
   const std::vector<Point> between{{0, 0}, {4.25, 0}, {4.75, 0.125}, {0, 4}};  // half to even: 4.0, 5.0; 0.125 to 0
   const Triangulation mesh = solver().triangulate(between, {}, options);
   CHECK(mesh.statistics.grid.kind == Grid::Kind::fixed);
   CHECK(mesh.statistics.grid.largest_move == 0.25);
-  CHECK(onGrid(between, mesh.statistics.grid) == std::vector<GridPoint>{{0, 0}, {8, 0}, {10, 0}, {0, 8}});
+  CHECK(on_grid(between, mesh.statistics.grid) == std::vector<GridPoint>{{0, 0}, {8, 0}, {10, 0}, {0, 8}});
   CHECK(fault(between, {}, mesh) == "");
   CHECK(mesh.triangles.size() == 2);
 }
 
 TEST_CASE("after an error the solver gives the same bytes as before") {
-  const Workload good = randomPslg(50, 9, 80, 9), crossing{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 2}, {1, 3}}};
+  const Workload good = random_pslg(50, 9, 80, 9), crossing{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 2}, {1, 3}}};
   const Triangulation before = triangulated(good);
-  CHECK(errorOf(crossing.points, crossing.constraints).status() == Status::constraints_cross);
-  CHECK(sameBytes(before, triangulated(good)));
+  CHECK(error_of(crossing.points, crossing.constraints).status() == Status::constraints_cross);
+  CHECK(same_bytes(before, triangulated(good)));
   const std::vector<Point> bad{{0, 0}, {std::nan(""), 0}, {1, 1}};
-  CHECK(errorOf(bad).status() == Status::coordinate_not_finite);
-  CHECK(sameBytes(before, triangulated(good)));
+  CHECK(error_of(bad).status() == Status::coordinate_not_finite);
+  CHECK(same_bytes(before, triangulated(good)));
 }
 
 TEST_CASE("the progress callback sees the share grow to at most one and can cancel at every call") {
@@ -393,20 +393,20 @@ TEST_CASE("the progress callback sees the share grow to at most one and can canc
     last = done;
     return ++calls > 0;
   };
-  CHECK(sameBytes(solver().triangulate(work.points, work.constraints, options), expected));
+  CHECK(same_bytes(solver().triangulate(work.points, work.constraints, options), expected));
   REQUIRE(calls > 2);
   for (const int stop : {1, 2, calls / 2, calls}) {
     int now = 0;
     options.progress = [&](const char*, double) { return ++now < stop; };
-    CHECK(errorOf(work.points, work.constraints, options).status() == Status::cancelled);
+    CHECK(error_of(work.points, work.constraints, options).status() == Status::cancelled);
     CHECK(now == stop);
   }
-  CHECK(sameBytes(triangulated(work), expected));
+  CHECK(same_bytes(triangulated(work), expected));
 }
 
 TEST_CASE("the device's own check changes no byte") {
   Options options;
   options.check = false;
   for (const Workload& work : samples())
-    CHECK(sameBytes(solver().triangulate(work.points, work.constraints, options), triangulated(work)));
+    CHECK(same_bytes(solver().triangulate(work.points, work.constraints, options), triangulated(work)));
 }

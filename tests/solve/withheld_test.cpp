@@ -130,7 +130,7 @@ constexpr char not_covered[] = "do not cover its hull once";
 
 /// Crossing constraints on a coarse lattice, so that what is rounded goes through many pixels.
 Workload tangle(std::uint64_t seed) {
-  Workload work = randomCrossing(40, 30, 14, seed);
+  Workload work = random_crossing(40, 30, 14, seed);
   for (Point& p : work.points) p = {1000 * p[0], 1000 * p[1]};
   return work;
 }

@@ -17,7 +17,7 @@ namespace {
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 2, std::size_t>;
 
 /// How many pairs of constraints cross properly, a vertex at the crossing or not.
-std::size_t properCrossings(const Workload& work) {
+std::size_t proper_crossings(const Workload& work) {
   const auto at = [&](std::uint32_t i) { return Kernel::Point_2(work.points[i][0], work.points[i][1]); };
   std::vector<Box> boxes;
   for (std::size_t c = 0; c < work.constraints.size(); ++c)
@@ -34,7 +34,7 @@ std::size_t properCrossings(const Workload& work) {
 }
 
 /// Whether every coordinate is a multiple of 2^exponent and the extent fits 31 bits of it.
-bool onBinaryGrid(const Workload& work, int exponent) {
+bool on_binary_grid(const Workload& work, int exponent) {
   double low[2] = {work.points[0][0], work.points[0][1]}, high[2] = {low[0], low[1]};
   for (const Point& p : work.points)
     for (int axis = 0; axis < 2; ++axis) {
@@ -49,22 +49,22 @@ bool onBinaryGrid(const Workload& work, int exponent) {
 }  // namespace
 
 TEST_CASE("constraints of every generator do not cross and stay exact on the grid") {
-  for (const std::string& name : workloadNames()) {
+  for (const std::string& name : workload_names()) {
     if (name == "line" || name == "random_pslg") continue;  // overlaps, crossings at vertices: below
     for (std::size_t n : {400, 5000, 98000}) {
       if (n > 5000 && name != "letters" && name != "spiral") continue;  // the others have no new shape at that size
       const Workload work = workload(name, n);
       CAPTURE(name);
       CAPTURE(n);
-      CHECK(properCrossings(work) == 0);
+      CHECK(proper_crossings(work) == 0);
       for (const Segment& s : work.constraints) REQUIRE(std::max(s[0], s[1]) < work.points.size());
-      if (!work.constraints.empty() && name != "star") CHECK((onBinaryGrid(work, 0) || onBinaryGrid(work, -29)));
+      if (!work.constraints.empty() && name != "star") CHECK((on_binary_grid(work, 0) || on_binary_grid(work, -29)));
     }
   }
 }
 
 TEST_CASE("the generators make about as many vertices as asked for") {
-  for (const std::string& name : workloadNames())
+  for (const std::string& name : workload_names())
     for (std::size_t n : {400, 12000}) {
       const std::size_t made = workload(name, n).points.size();
       CAPTURE(name);
@@ -79,7 +79,7 @@ TEST_CASE("the generators make about as many vertices as asked for") {
 TEST_CASE("random constraints are accepted exactly until they would cross") {
   std::size_t touching = 0;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
-    const Workload all = randomCrossing(20, 6, 60, seed), greedy = randomPslg(20, 6, 60, seed);
+    const Workload all = random_crossing(20, 6, 60, seed), greedy = random_pslg(20, 6, 60, seed);
     const auto points = integers(all.points);
     CHECK(all.points == greedy.points);
     CHECK(crossings(points, greedy.constraints).empty());
@@ -88,13 +88,13 @@ TEST_CASE("random constraints are accepted exactly until they would cross") {
     for (std::uint32_t c = 0; c < all.constraints.size(); ++c)
       if (!std::binary_search(without.begin(), without.end(), c)) kept.push_back(all.constraints[c]);
     CHECK(kept == greedy.constraints);
-    touching += properCrossings(greedy);
+    touching += proper_crossings(greedy);
   }
   CHECK(touching > 0);  // crossings at a vertex are kept
 }
 
 TEST_CASE("the lattice circle is 12,288 distinct points on one circle that fits the grid") {
-  const Workload work = latticeCircle(20000);
+  const Workload work = lattice_circle(20000);
   CHECK(std::set<Point>(work.points.begin(), work.points.end()).size() == 12288);
   const std::uint64_t squared = 125ull * 169 * 17 * 29 * 37 * 41 * 53 * 61 * 73 * 89;
   for (const GridPoint& p : integers(work.points)) {

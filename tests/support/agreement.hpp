@@ -17,7 +17,7 @@ namespace gcdt::test {
 
 namespace detail {
 
-inline std::string orderFault(const std::vector<GridPoint>& points, const Triangulation& mesh) {
+inline std::string order_fault(const std::vector<GridPoint>& points, const Triangulation& mesh) {
   const auto z = [&](std::uint32_t v) { return morton(points[v]); };
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto& t = mesh.triangles[i];
@@ -36,8 +36,8 @@ inline std::string orderFault(const std::vector<GridPoint>& points, const Triang
   return {};
 }
 
-inline std::string piecesFault(const std::vector<GridPoint>& points, const Triangulation& mesh,
-                               const std::map<Edge, std::vector<std::uint32_t>>& expected) {
+inline std::string pieces_fault(const std::vector<GridPoint>& points, const Triangulation& mesh,
+                                const std::map<Edge, std::vector<std::uint32_t>>& expected) {
   if (mesh.source_offsets.size() != mesh.pieces.size() + 1) return "source_offsets has the wrong length";
   if (mesh.source_offsets.front() != 0 || mesh.source_offsets.back() != mesh.sources.size())
     return "source_offsets has wrong ends";
@@ -54,8 +54,8 @@ inline std::string piecesFault(const std::vector<GridPoint>& points, const Trian
   return found == expected ? "" : "pieces or their sources differ";
 }
 
-inline std::string statisticsFault(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints,
-                                   const Triangulation& mesh) {
+inline std::string statistics_fault(const std::vector<GridPoint>& points, const std::vector<Segment>& constraints,
+                                    const Triangulation& mesh) {
   const Statistics& s = mesh.statistics;
   std::uint64_t merged = 0, zero = 0;
   for (std::uint32_t i = 0; i < points.size(); ++i) merged += mesh.representative[i] != i;
@@ -76,7 +76,7 @@ inline std::string statisticsFault(const std::vector<GridPoint>& points, const s
 }
 
 /// CGAL's triangles in canonical order and in input numbers. Points from 0 on, duplicates allowed.
-inline Triangles referenceTriangles(const std::vector<GridPoint>& points, std::vector<Segment> constraints) {
+inline Triangles reference_triangles(const std::vector<GridPoint>& points, std::vector<Segment> constraints) {
   const std::vector<std::uint32_t> representative = representatives(points);
   std::vector<std::uint32_t> place(points.size()), number;  // into the distinct points and back
   std::vector<GridPoint> distinct;
@@ -104,14 +104,14 @@ inline std::string disagreement(const std::vector<GridPoint>& points, const std:
       crossing == Crossing::drop ? dropped(points, constraints) : std::vector<std::uint32_t>{};
   if (mesh.dropped != without) return "the dropped constraints differ";
   const auto expected = pieces(points, constraints, without);
-  if (mesh.triangles.size() != triangleCount(points)) return "the number of triangles is not 2n - 2 - h";
+  if (mesh.triangles.size() != triangle_count(points)) return "the number of triangles is not 2n - 2 - h";
   for (const auto& t : mesh.triangles) {
     for (std::uint32_t v : t)
       if (v >= points.size() || mesh.representative[v] != v) return "a corner is no representative";
     if (orientation(points[t[0]], points[t[1]], points[t[2]]) <= 0) return "a triangle is not counter-clockwise";
   }
   for (const std::string& fault :
-       {orderFault(points, mesh), piecesFault(points, mesh, expected), statisticsFault(points, constraints, mesh)})
+       {order_fault(points, mesh), pieces_fault(points, mesh, expected), statistics_fault(points, constraints, mesh)})
     if (!fault.empty()) return fault;
 
   std::vector<Segment> kept;
@@ -119,7 +119,7 @@ inline std::string disagreement(const std::vector<GridPoint>& points, const std:
     if (!std::binary_search(without.begin(), without.end(), c)) kept.push_back(constraints[c]);
   const Edges edges = classify(points, mesh.triangles, expected);
   if (!edges.wrong.empty()) return "an edge is not locally Delaunay or against the tie rule";
-  const Triangles reference = referenceTriangles(points, kept);
+  const Triangles reference = reference_triangles(points, kept);
   if (mesh.triangles == reference) return {};
   return edges.decided == classify(points, reference, expected).decided
              ? "triangles differ from CGAL's in order or at cocircular vertices"
@@ -128,7 +128,7 @@ inline std::string disagreement(const std::vector<GridPoint>& points, const std:
 
 /// Integer coordinates as grid points from 0 on; the grid's own cell may be finer, which changes nothing.
 inline std::string disagreement(const Workload& work, const Triangulation& mesh, Crossing crossing = Crossing::reject) {
-  return disagreement(fromZero(integers(work.points)), work.constraints, mesh, crossing);
+  return disagreement(from_zero(integers(work.points)), work.constraints, mesh, crossing);
 }
 
 }  // namespace gcdt::test

@@ -106,14 +106,14 @@ inline std::vector<Workload> smallest_problems() {
 inline std::vector<Workload> corpus(const std::set<std::string>& statuses) {
   const std::string folder = GCDT_TEST_DATA "/corpus";
   std::vector<Workload> problems;
-  for (const CorpusEntry& entry : readManifest(folder))
-    if (statuses.count(entry.status) > 0) problems.push_back(readPoly(folder + "/" + entry.name));
+  for (const CorpusEntry& entry : read_manifest(folder))
+    if (statuses.count(entry.status) > 0) problems.push_back(read_poly(folder + "/" + entry.name));
   return problems;
 }
 
 inline std::vector<Workload> generated_problems() {
   std::vector<Workload> problems;
-  for (const std::string& name : workloadNames())
+  for (const std::string& name : workload_names())
     for (const std::size_t n : {3, 17, 90, 700})
       problems.push_back(workload(name, name == "random_pslg" ? n / 10 + 2 : n));
   problems.push_back(uniform(5000));

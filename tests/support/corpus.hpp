@@ -27,7 +27,7 @@ inline std::vector<std::string> words(const std::string& path) {
 
 /// Triangle's .poly with its vertices inside; vertex and segment numbers start at 0 or 1. Knows just
 /// what the corpus uses: attributes and markers are skipped, nan and inf are read, nothing is checked.
-inline Workload readPoly(const std::string& path) {
+inline Workload read_poly(const std::string& path) {
   const std::vector<std::string> word = words(path);
   std::size_t at = 0;
   const auto number = [&] { return std::strtoull(word.at(at++).c_str(), nullptr, 10); };
@@ -35,7 +35,7 @@ inline Workload readPoly(const std::string& path) {
   Workload work;
   const std::uint64_t n = number();
   number();  // dimension
-  const std::uint64_t attributes = number(), vertexMarkers = number();
+  const std::uint64_t attributes = number(), vertex_markers = number();
   std::uint64_t first = 0;
   for (std::uint64_t i = 0; i < n; ++i) {
     const std::uint64_t id = number();
@@ -43,14 +43,14 @@ inline Workload readPoly(const std::string& path) {
     if (id != first + i) throw std::runtime_error(path + ": vertices out of order");
     const double x = real();
     work.points.push_back({x, real()});
-    at += attributes + vertexMarkers;
+    at += attributes + vertex_markers;
   }
-  const std::uint64_t m = number(), segmentMarkers = number();
+  const std::uint64_t m = number(), segment_markers = number();
   for (std::uint64_t i = 0; i < m; ++i) {
     number();
     const std::uint32_t a = static_cast<std::uint32_t>(number() - first);
     work.constraints.push_back({a, static_cast<std::uint32_t>(number() - first)});
-    at += segmentMarkers;
+    at += segment_markers;
   }
   return work;
 }
@@ -62,7 +62,7 @@ struct CorpusEntry {
   long crossings;
 };
 
-inline std::vector<CorpusEntry> readManifest(const std::string& folder) {
+inline std::vector<CorpusEntry> read_manifest(const std::string& folder) {
   const std::vector<std::string> word = words(folder + "/manifest.txt");
   std::vector<CorpusEntry> entries;
   for (std::size_t i = 0; i + 3 < word.size(); i += 4)
@@ -77,7 +77,7 @@ struct Minimal {
   std::vector<std::array<std::uint32_t, 3>> start;
 };
 
-inline Minimal readMinimal(const std::string& path) {
+inline Minimal read_minimal(const std::string& path) {
   const std::vector<std::string> word = words(path);
   std::size_t at = 0;
   const auto number = [&] { return static_cast<std::uint32_t>(std::stoul(word.at(at++))); };

@@ -58,10 +58,10 @@ inline std::vector<Segment> delaunay_edges(Solver& solver, const std::vector<Poi
 /// Any workload() and those that need more than a name and a size.
 inline Workload make_workload(Solver& solver, const std::string& name, std::size_t n) {
   const std::string synthetic = "synthetic_cons_";
-  if (name == "random_crossing") return randomCrossing(n, static_cast<std::uint32_t>(n), n / 4, 11);
+  if (name == "random_crossing") return random_crossing(n, static_cast<std::uint32_t>(n), n / 4, 11);
   if (name.compare(0, synthetic.size(), synthetic) != 0) return workload(name, n);
-  return syntheticCons(n, std::stoi(name.substr(synthetic.size())),
-                       [&](const std::vector<Point>& points) { return delaunay_edges(solver, points); });
+  return synthetic_cons(n, std::stoi(name.substr(synthetic.size())),
+                        [&](const std::vector<Point>& points) { return delaunay_edges(solver, points); });
 }
 
 /// Options from the words of `how`. Seeds, where they matter, are vertices of the input.
@@ -106,15 +106,15 @@ inline std::uint64_t hash_of_batch(Pool& pool, std::size_t n, const std::string&
   for (std::size_t p = 0; p < n; ++p) {
     const std::size_t points = 3 + p * 37 % 78;
     const auto side = static_cast<std::uint32_t>(4 + p * 11 % 60);
-    const Workload work = options.crossing == Crossing::reject ? randomPslg(points, side, points, p)
-                                                               : randomCrossing(points, side, points / 4, p);
+    const Workload work = options.crossing == Crossing::reject ? random_pslg(points, side, points, p)
+                                                               : random_crossing(points, side, points / 4, p);
     batch.add(work.points, work.constraints);
   }
   const BatchResult result = pool.triangulate(batch.view(), options);
   Hash hash;
   for (std::size_t p = 0; p < n; ++p) {
     if (result.error(p)) throw *result.error(p);
-    hash.add(resultHash(part_of(result, p)));
+    hash.add(result_hash(part_of(result, p)));
   }
   return hash.value();
 }
@@ -132,7 +132,7 @@ class Hasher {
       return hash_text(hash_of_batch(*pool_, row.n, row.how));
     }
     const Workload work = make_workload(solver_, row.name, row.n);
-    return hash_text(resultHash(solver_.triangulate(work.points, work.constraints, options_of(row.how, work))));
+    return hash_text(result_hash(solver_.triangulate(work.points, work.constraints, options_of(row.how, work))));
   }
 
  private:

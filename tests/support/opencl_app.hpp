@@ -12,8 +12,8 @@
 
 namespace gcdt::test {
 
-/// The device that testDevice() names. Fails the test if there is none.
-inline cl::Device app_device() { return runtime::all_devices().at(select_device(testDevice())); }
+/// The device that test_device() names. Fails the test if there is none.
+inline cl::Device app_device() { return runtime::all_devices().at(select_device(test_device())); }
 
 /// What the device has of these properties of queues; PoCL has all.
 inline cl_command_queue_properties supported(cl_command_queue_properties wanted) {
@@ -54,7 +54,7 @@ struct Integers {
 };
 
 inline Integers integer_input(std::size_t points = 300, std::uint64_t seed = 1) {
-  const Workload work = randomPslg(points, 400, 3 * points, seed);
+  const Workload work = random_pslg(points, 400, 3 * points, seed);
   Integers input;
   for (const Point& p : work.points)
     input.points.push_back({static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1])});

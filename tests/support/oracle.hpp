@@ -49,7 +49,7 @@ inline std::vector<GridPoint> integers(const std::vector<Point>& points) {
 }
 
 /// Moved so that the least X and the least Y are 0.
-inline std::vector<GridPoint> fromZero(std::vector<GridPoint> points) {
+inline std::vector<GridPoint> from_zero(std::vector<GridPoint> points) {
   for (int axis = 0; axis < 2; ++axis) {
     std::int64_t least = points.empty() ? 0 : points[0][axis];
     for (const GridPoint& p : points) least = std::min(least, p[axis]);
@@ -60,7 +60,7 @@ inline std::vector<GridPoint> fromZero(std::vector<GridPoint> points) {
 
 /// round((p - origin) / cell), half to even, in rational arithmetic. On a decimal grid coordinates and
 /// origin are the decimals they stand for.
-inline std::vector<GridPoint> onGrid(const std::vector<Point>& points, const Grid& grid) {
+inline std::vector<GridPoint> on_grid(const std::vector<Point>& points, const Grid& grid) {
   using Rational = CGAL::Exact_rational;
   const auto power = [](int base, int exponent) {
     Rational result = 1;
@@ -154,7 +154,7 @@ inline std::map<Edge, std::vector<std::uint32_t>> pieces(const std::vector<GridP
 }
 
 /// 2n - 2 - h with n the distinct vertices and h those on the hull's boundary; 0 where docs/contract.md, 4, says so.
-inline std::size_t triangleCount(const std::vector<GridPoint>& points) {
+inline std::size_t triangle_count(const std::vector<GridPoint>& points) {
   std::vector<GridPoint> sorted = points;
   std::sort(sorted.begin(), sorted.end());
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());

@@ -23,7 +23,7 @@ struct Entry {
   std::size_t size;
 };
 
-const Entry standardList[] = {
+const Entry standard_list[] = {
     {"uniform", 3},
     {"uniform", 1000},
     {"uniform", 100000},
@@ -62,7 +62,7 @@ bool run(gcdt::Solver& solver, const std::string& name, std::size_t size, int ru
     const gcdt::Triangulation result = solver.triangulate(work.points, work.constraints);
     const gcdt::Statistics& s = result.statistics;
     std::printf("%-18s %8zu %016" PRIx64 " core %.1f full %.1f insert %" PRIu64 " flip %" PRIu64 " flips %" PRIu64 "\n",
-                name.c_str(), size, resultHash(result), s.ms.core, s.ms.full, s.rounds.insert, s.rounds.flip, s.flips);
+                name.c_str(), size, result_hash(result), s.ms.core, s.ms.full, s.rounds.insert, s.rounds.flip, s.flips);
     std::fflush(stdout);
   }
   return true;
@@ -112,7 +112,7 @@ int main(int count, char** arguments) try {
                ? 0
                : 1;
   const std::size_t maximum = count == 4 ? std::strtoull(arguments[3], nullptr, 10) : SIZE_MAX;
-  for (const Entry& entry : standardList)
+  for (const Entry& entry : standard_list)
     if (entry.size <= maximum) good &= run(solver, entry.name, entry.size, 1);
   return good ? 0 : 1;
 } catch (const std::exception& error) {

@@ -41,7 +41,7 @@ class Hash {
 };
 
 /// Arrays that only some options give count where they are not empty, so that plain results have the hashes of always.
-inline std::uint64_t resultHash(const Triangulation& result) {
+inline std::uint64_t result_hash(const Triangulation& result) {
   Hash hash;
   hash.add(result.triangles);
   hash.add(result.neighbours);

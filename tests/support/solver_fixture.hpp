@@ -15,7 +15,7 @@ namespace gcdt::test {
 
 /// PoCL's CPU by number, or what the variable GCDT_TEST_DEVICE says. Throws if there is none: a missing
 /// device fails the tests.
-inline std::string testDevice() {
+inline std::string test_device() {
   if (const char* chosen = std::getenv("GCDT_TEST_DEVICE")) return chosen;
   const std::vector<DeviceInfo> all = devices();
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -26,7 +26,7 @@ inline std::string testDevice() {
 
 /// One for all tests of a file.
 inline Solver& solver() {
-  static Solver instance(testDevice());
+  static Solver instance(test_device());
   return instance;
 }
 

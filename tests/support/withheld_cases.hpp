@@ -186,7 +186,7 @@ inline std::vector<Damage> damages() {
 constexpr std::uint32_t skips_vertex = 70, leaves_edge = 71, makes_nothing = 72, reverses_ties = 64;
 
 /// Random constraints that do not cross, among vertices on a lattice, so that many are cocircular.
-inline Workload crowded(std::size_t n, std::uint64_t seed) { return randomPslg(n, 12, 30, seed); }
+inline Workload crowded(std::size_t n, std::uint64_t seed) { return random_pslg(n, 12, 30, seed); }
 
 inline WithheldCase damaged(const Damage& damage, Workload work, const Options& options) {
   WithheldCase made;
@@ -208,7 +208,7 @@ inline WithheldCase by_phase(const char* name, Workload work, const char* reason
 }
 
 inline Workload distinct(std::size_t n, std::uint64_t seed) {
-  Workload work = randomPslg(4 * n, 1000, 0, seed);
+  Workload work = random_pslg(4 * n, 1000, 0, seed);
   std::sort(work.points.begin(), work.points.end());
   work.points.erase(std::unique(work.points.begin(), work.points.end()), work.points.end());
   work.points.resize(n);

@@ -86,7 +86,7 @@ class Scene {
     const std::uint32_t first = static_cast<std::uint32_t>(size());
     work_.points.insert(work_.points.end(), {{-0.02, -0.02}, {1.02, -0.02}, {1.02, y + 0.02}, {-0.02, y + 0.02}});
     for (std::uint32_t k = 0; k < 4; ++k) work_.constraints.push_back({first + k, first + (k + 1) % 4});
-    return shuffledAndSnapped();
+    return shuffled_and_snapped();
   }
 
  private:
@@ -142,7 +142,7 @@ class Scene {
     }
   }
 
-  Workload shuffledAndSnapped() {
+  Workload shuffled_and_snapped() {
     std::vector<std::uint32_t> position(size());
     for (std::uint32_t i = 0; i < position.size(); ++i) position[i] = i;
     shuffle(position, random_);

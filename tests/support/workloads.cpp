@@ -117,7 +117,7 @@ Workload grid(std::size_t n) {
   return work;
 }
 
-Workload latticeCircle(std::size_t n) {
+Workload lattice_circle(std::size_t n) {
   using Complex = std::array<std::int64_t, 2>;
   const auto times = [](Complex a, Complex b) { return Complex{a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]}; };
   struct Prime {  // p = a^2 + b^2 = (a + ib)(a - ib); every choice of factors gives a point of the same norm
@@ -146,7 +146,7 @@ Workload latticeCircle(std::size_t n) {
   return work;
 }
 
-Workload nearCircle(std::size_t n) {
+Workload near_circle(std::size_t n) {
   Workload work;
   for (std::size_t i = 0; i < n; ++i) work.points.push_back(step(i, n));
   Random random(5004);
@@ -154,7 +154,7 @@ Workload nearCircle(std::size_t n) {
   return work;
 }
 
-Workload collinearRuns(std::size_t n) {
+Workload collinear_runs(std::size_t n) {
   const double directions[8][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {2, 1}, {-1, 2}, {3, -2}, {-5, -7}};
   const std::size_t length = std::max<std::size_t>(n / 8, 2);
   Workload work;
@@ -190,7 +190,7 @@ Workload line(std::size_t n) {
   return work;
 }
 
-Workload lineAndOne(std::size_t n) {
+Workload line_and_one(std::size_t n) {
   Workload work = line(n - 1);
   work.points.insert(work.points.begin() + work.points.size() / 2,
                      {static_cast<double>(n / 3), 3.0 * static_cast<double>(n)});
@@ -251,7 +251,7 @@ Workload fan(std::size_t n) {
   return work;
 }
 
-Workload nestedSquares(std::size_t n) {
+Workload nested_squares(std::size_t n) {
   Workload work;
   for (std::size_t i = 1; i <= n / 4; ++i) {
     const double r = static_cast<double>(i);
@@ -282,7 +282,7 @@ Workload hub(std::size_t n) {
   return work;
 }
 
-Workload twoClusters(std::size_t n) {
+Workload two_clusters(std::size_t n) {
   Random random(5008);
   const double far = 2147483647;
   std::uint64_t side = 2000;
@@ -318,7 +318,7 @@ bool cross(const std::vector<Point>& points, const Segment& s, const Segment& t)
   return std::none_of(points.begin(), points.end(), [&](const Point& p) { return side(s, p) == 0 && side(t, p) == 0; });
 }
 
-Workload randomCrossing(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed) {
+Workload random_crossing(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed) {
   Random random(seed * 0x100000001b3u + side);
   Workload work;
   for (std::size_t i = 0; i < n; ++i) {
@@ -332,8 +332,8 @@ Workload randomCrossing(std::size_t n, std::uint32_t side, std::size_t m, std::u
   return work;
 }
 
-Workload randomPslg(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed) {
-  Workload work = randomCrossing(n, side, m, seed);
+Workload random_pslg(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed) {
+  Workload work = random_crossing(n, side, m, seed);
   std::vector<Segment> kept;
   for (const Segment& s : work.constraints)
     if (std::none_of(kept.begin(), kept.end(), [&](const Segment& t) { return cross(work.points, s, t); }))
@@ -354,21 +354,21 @@ const Generator generators[] = {
     {"ring", ring},
     {"clusters", clusters},
     {"grid", grid},
-    {"lattice_circle", latticeCircle},
-    {"near_circle", nearCircle},
-    {"collinear_runs", collinearRuns},
+    {"lattice_circle", lattice_circle},
+    {"near_circle", near_circle},
+    {"collinear_runs", collinear_runs},
     {"line", line},
-    {"line_and_one", lineAndOne},
+    {"line_and_one", line_and_one},
     {"comb", comb},
     {"spiral", spiral},
     {"star", star},
     {"fan", fan},
-    {"nested_squares", nestedSquares},
+    {"nested_squares", nested_squares},
     {"hub", hub},
-    {"two_clusters", twoClusters},
+    {"two_clusters", two_clusters},
     {"parabola", parabola},
     {"letters", letters},
-    {"random_pslg", [](std::size_t n) { return randomPslg(n, index(n / 4 + 3), 3 * n, 7); }},
+    {"random_pslg", [](std::size_t n) { return random_pslg(n, index(n / 4 + 3), 3 * n, 7); }},
 };
 
 }  // namespace
@@ -379,7 +379,7 @@ Workload workload(const std::string& name, std::size_t n) {
   throw std::invalid_argument("no workload is called " + name);
 }
 
-std::vector<std::string> workloadNames() {
+std::vector<std::string> workload_names() {
   std::vector<std::string> names;
   for (const Generator& generator : generators) names.push_back(generator.name);
   return names;

@@ -59,13 +59,13 @@ Workload clusters(std::size_t n);
 /// The floor(sqrt(n))^2 points of a square of integers, shuffled.
 Workload grid(std::size_t n);
 /// Up to 12,288 integer points on one circle: x^2 + y^2 = 5^3 13^2 17 29 37 41 53 61 73 89, moved by 2^30.
-Workload latticeCircle(std::size_t n);
-Workload nearCircle(std::size_t n);
+Workload lattice_circle(std::size_t n);
+Workload near_circle(std::size_t n);
 /// Eight runs of integer points in eight directions; a constraint from end to end through each.
-Workload collinearRuns(std::size_t n);
+Workload collinear_runs(std::size_t n);
 /// All vertices on one line, with overlapping constraints: no triangle.
 Workload line(std::size_t n);
-Workload lineAndOne(std::size_t n);
+Workload line_and_one(std::size_t n);
 /// A polygon of narrow teeth, each a thousand times as high as wide.
 Workload comb(std::size_t n);
 /// A polygon winding inwards and back out again.
@@ -75,20 +75,20 @@ Workload star(std::size_t n);
 /// Uniform vertices and n / 200, at most 1000, nearly parallel constraints across everything.
 Workload fan(std::size_t n);
 /// Concentric squares, all edges constrained.
-Workload nestedSquares(std::size_t n);
+Workload nested_squares(std::size_t n);
 /// n / 2 constraints that all meet in one vertex, among n / 2 other vertices.
 Workload hub(std::size_t n);
 /// Two clusters at opposite corners of the largest grid, tied by 100 long constraints.
-Workload twoClusters(std::size_t n);
+Workload two_clusters(std::size_t n);
 /// (i, i^2), at most 46,341 of them.
 Workload parabola(std::size_t n);
 /// Copies of polyline outlines of letters, some densely subdivided, with scene-long lines between rows.
 Workload letters(std::size_t n);
 /// n vertices (duplicates likely) on a side x side grid of integers and up to m random constraints
 /// that do not cross: each is added if it crosses none before it. They may touch vertices and overlap.
-Workload randomPslg(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed);
+Workload random_pslg(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed);
 /// The same with m constraints that may cross.
-Workload randomCrossing(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed);
+Workload random_crossing(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed);
 
 /// Whether the constraints s and t cross properly at a point that is no vertex; exact for integer
 /// coordinates below 2^31 in size.
@@ -97,9 +97,9 @@ bool cross(const std::vector<Point>& points, const Segment& s, const Segment& t)
 /// The paper's Synthetic-cons: 1M uniform vertices whose constraints (about 150k for n = 1M) are the
 /// Delaunay edges of the first n / 20 vertices after scaling y by 4^(k - 1), k = 1..6: an affine map,
 /// so they do not cross. Coordinates are integers of 31 - 2 (k - 1) bits, so the scaled ones have 31.
-/// `delaunayEdges` is the caller's: integer points to edges.
+/// `delaunay_edges` is the caller's: integer points to edges.
 template <class DelaunayEdges>
-Workload syntheticCons(std::size_t n, int k, DelaunayEdges delaunayEdges) {
+Workload synthetic_cons(std::size_t n, int k, DelaunayEdges delaunay_edges) {
   Random random(17000 + k);
   const int bits = 31 - 2 * (k - 1);
   Workload work;
@@ -109,7 +109,7 @@ Workload syntheticCons(std::size_t n, int k, DelaunayEdges delaunayEdges) {
   }
   std::vector<Point> scaled(work.points.begin(), work.points.begin() + n / 20);
   for (Point& p : scaled) p[1] *= static_cast<double>(1 << (2 * (k - 1)));
-  work.constraints = delaunayEdges(scaled);
+  work.constraints = delaunay_edges(scaled);
   shuffle(work.constraints, random);
   return work;
 }
@@ -117,6 +117,6 @@ Workload syntheticCons(std::size_t n, int k, DelaunayEdges delaunayEdges) {
 /// The generator called `name` (as above, in lower case with underscores). Throws std::invalid_argument.
 Workload workload(const std::string& name, std::size_t n);
 /// Every name that workload() knows.
-std::vector<std::string> workloadNames();
+std::vector<std::string> workload_names();
 
 }  // namespace gcdt::test

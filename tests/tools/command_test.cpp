@@ -283,6 +283,7 @@ TEST_CASE("statistics have the names of docs/statistics.md") {
     CHECK(json.at("quality").at(name).is_number_float());
   CHECK(json["quality"]["area"] == 1);
   CHECK(json["quality"]["least_angle"] == 45);
+  CHECK(contains(json.at("plan").get<std::string>(), "order by "));
   CHECK(json["n"] == 4);
   CHECK(json["m"] == 1);
   CHECK(json["triangles"] == 2);
