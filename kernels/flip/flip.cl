@@ -19,20 +19,6 @@
 #include "common/append.h"
 #include "flip/flip.h"
 
-#ifndef GCDT_FLIP_WORKLIST
-#define GCDT_FLIP_WORKLIST 8  // edges remembered by a propagating work-item (paper, 7.2: 8 is enough)
-#endif
-// Flips of one work-item in one round at most, which bounds the launch. A GPU has more edges than work-items to flip
-// them, and a work-item that flips on makes its group wait: no propagation is fastest there (bench/NOTES.md). A CPU
-// wins by the rounds that propagation saves.
-#ifndef GCDT_FLIP_CHAIN
-#ifdef GCDT_GPU
-#define GCDT_FLIP_CHAIN 1
-#else
-#define GCDT_FLIP_CHAIN 32
-#endif
-#endif
-
 // Where edges go that are to be tested in the next round: their marks and, if `listed`, a list.
 typedef struct Queue {
   volatile global uint* marks;
