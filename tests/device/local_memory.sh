@@ -9,16 +9,12 @@ set -euo pipefail
 
 since=${1:?"usage: $0 SINCE"}
 cache=${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}/pocl/kcache}
-looked_at=0 shared=0
-while IFS= read -r used; do
-  while IFS= read -r object; do
-    looked_at=$((looked_at + 1))
-    # Variables with a dot in their names: "kernel.variable".
-    if variables=$(nm "$object" | grep -E ' [bBdD] [a-z]\w*\.\w+$'); then
-      shared=$((shared + 1))
-      echo "$object:"$'\n'"$variables"
-    fi
-  done < <(find "$(dirname "$used")" -name '*.so')
-done < <(find "$cache" -name last_accessed -newer "$since")
-echo "$looked_at compiled kernels, of which $shared share local memory between work-groups"
-((looked_at > 0 && shared == 0))
+objects=$(mktemp)
+trap 'rm -f "$objects"' EXIT
+find "$cache" -name last_accessed -newer "$since" -printf '%h\0' | xargs -0 -r -I{} find {} -name '*.so' >"$objects"
+looked_at=$(wc -l <"$objects")
+# Variables with a dot in their names: "kernel.variable".
+shared=$(xargs -r nm -A <"$objects" | grep -E ' [bBdD] [a-z]\w*\.\w+$' || true)
+[[ ! $shared ]] || echo "shared by work-groups:"$'\n'"$shared"
+echo "$looked_at compiled kernels looked at"
+[[ $looked_at -gt 0 && ! $shared ]]
