@@ -77,7 +77,7 @@ int count_decimals(runtime::Runtime& runtime, const InputPoints& staged, cl_int 
   return static_cast<int>(maxima.read(runtime)[0]);
 }
 
-// In the contract's order: binary, decimal, rounded. A given grid is read first, as an error in it is the
+// In the order of docs/contract.md, 1: binary, decimal, rounded. A given grid is read first, as an error in it is the
 // caller's; the survey is made for it, too, since it finds what is not finite.
 ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, const std::optional<FixedGrid>& fixed) {
   std::optional<ChosenGrid> given;
