@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The order in which rows stand.
-constexpr const char* phases[] = {"order", "insert", "constrain", "flip", "check", "domain", "output", "copy"};
+constexpr const char* phases[] = {"order", "plan", "insert", "constrain", "flip", "check", "domain", "output", "copy"};
 
 std::size_t row_of(const std::string& phase) {
   return std::size_t(std::find(std::begin(phases), std::end(phases), phase) - std::begin(phases));

@@ -55,7 +55,7 @@ struct Run {
 
   /// Takes what the order phase made, and plans what follows.
   void take(OrderResult ordered);
-  /// Says the plan in the log, and in the trace as a span of no length.
+  /// Says the plan in the log, and in the trace as a span of no length in a phase `plan`.
   void tell_plan() const;
   /// Level by level: insert, then flip, so that each level goes into a Delaunay mesh (paper, section 8). The last level
   /// is left unflipped: constraints are enforced first, and located by its history tree. A plan that grows puts

@@ -846,7 +846,7 @@ TEST_CASE("every row of a trace is named after the phase whose spans it holds") 
   Session session;
   session.write("in.poly", random_poly(400, 0));
   const std::pair<std::string, std::set<std::string>> runs[] = {
-      {"triangulate in.poly --domain outer", {"order", "insert", "flip", "check", "domain", "output"}},
+      {"triangulate in.poly --domain outer", {"order", "plan", "insert", "flip", "check", "domain", "output"}},
       {"batch in.poly", {"order", "insert", "check", "output", "copy"}}};
   for (const auto& [command, expected] : runs) {
     CAPTURE(command);
