@@ -126,7 +126,7 @@ TEST_CASE("a trace of a pool has every device's phases") {
   });
   two.triangulate(batch_of(std::vector<Workload>(3000, workload("random_pslg", 4))));
   CHECK(devices == std::set<std::uint32_t>{0, 1});
-  CHECK(phases == std::set<std::string>{"order", "insert", "constrain", "flip", "check", "output", "copy"});
+  CHECK(phases == std::set<std::string>{"order", "plan", "insert", "constrain", "flip", "check", "output", "copy"});
 }
 
 #ifdef __linux__
