@@ -17,11 +17,8 @@ namespace {
 class ForestOrdering {
  public:
   ForestOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
-      : runtime_(runtime),
-        points_(std::move(points)),
-        points_count_(points_.n),
-        ranges_(ranges),
-        problems_(ranges.count()) {
+      : runtime_(runtime), points_(std::move(points)), ranges_(ranges), problems_(ranges.count()) {
+    for (cl_uint p = 0; p < problems_; ++p) largest_ = std::max(largest_, size(p));
     cut();
   }
 
@@ -110,7 +107,7 @@ class ForestOrdering {
     result.merged = n - distinct;
     Vertices& vertices = result.vertices;
     vertices.roots = problems_;
-    vertices.largest = largest();
+    vertices.largest = largest_;
     vertices.levels = device::make_levels(distinct, coarsest(distinct));
     vertices.levels_buffer = runtime_.upload_one("levels", vertices.levels);
     vertices.points = runtime_.allocate<cl_int2>("points", distinct + (std::size_t{distinct} + problems_ + 4) / 2);
@@ -135,13 +132,10 @@ class ForestOrdering {
   }
 
  private:
-  Plan plan_of(cl_uint distinct) const { return make_plan(runtime_, {problems_, points_count_, distinct, largest()}); }
-  cl_uint size(cl_uint p) const { return ranges_.first_input[p + 1] - ranges_.first_input[p]; }
-  cl_uint largest() const {
-    cl_uint most = 1;
-    for (cl_uint p = 0; p < problems_; ++p) most = std::max(most, size(p));
-    return most;
+  Plan plan_of(cl_uint distinct) const {
+    return make_plan(runtime_, {problems_, ranges_.first_input.back(), distinct, largest_});
   }
+  cl_uint size(cl_uint p) const { return ranges_.first_input[p + 1] - ranges_.first_input[p]; }
 
   // One level where nobody needs more: numbers are ranks then, and each problem's are consecutive, as is all that they
   // bring. Else as many levels as the largest problem would have alone: the others then have their vertices in the
@@ -149,12 +143,12 @@ class ForestOrdering {
   std::uint32_t coarsest(cl_uint distinct) const {
     const Plan plan = plan_of(distinct);
     if (plan.one_level) return std::max(distinct, 1u);
-    const std::uint64_t alone = std::max<cl_uint>(largest(), plan.coarsest_level);
+    const std::uint64_t alone = std::max<cl_uint>(largest_, plan.coarsest_level);
     return static_cast<std::uint32_t>((std::uint64_t{distinct} * plan.coarsest_level + alone - 1) / alone);
   }
 
   void cut() {
-    const cl_uint span = std::max(Tuning::least_chunk, largest() / Tuning::most_chunks + 1);
+    const cl_uint span = std::max(Tuning::least_chunk, largest_ / Tuning::most_chunks + 1);
     std::vector<device::Chunk> chunks;
     std::vector<cl_uint> first_chunk;
     for (cl_uint p = 0; p < problems_; ++p) {
@@ -208,9 +202,9 @@ class ForestOrdering {
 
   runtime::Runtime& runtime_;
   InputPoints points_;
-  cl_uint points_count_;
   const ProblemRanges& ranges_;
   cl_uint problems_, chunks_ = 0;
+  cl_uint largest_ = 1;  ///< inputs of the largest problem, at least one
   bool may_round_together_ = false;
   Buffer<device::Chunk> chunk_buffer_;
   Buffer<cl_uint> first_chunk_, values_, input_problem_;

@@ -128,11 +128,10 @@ const cl::Program& Runtime::find_program(const char* program) {
 }
 
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
-  const char* const whole = contiguous() ? info_of(program).bundle : program;
-  const auto key = std::make_tuple(std::string(whole), std::string(kernel), meshes_of(whole));
+  const auto key = std::make_tuple(std::string(program), std::string(kernel), meshes_);
   auto found = kernels_.find(key);
   if (found != kernels_.end()) return found->second;
-  const cl::Program& built = find_program(whole);
+  const cl::Program& built = find_program(contiguous() ? info_of(program).bundle : program);
   Kernel k;
   k.name = kernel;
   call("clCreateKernel", kernel, [&] {
