@@ -83,9 +83,10 @@ class Benchmark {
     describe_machine();
     const std::string list = arguments_.list.empty() ? device.is_gpu ? "gpu" : "cpu" : arguments_.list;
     std::vector<Input> rows;
-    for (const Input& input : inputs(list == "gpu"   ? List::gpu
-                                     : list == "cpu" ? List::cpu
-                                                     : List::scaling,
+    for (const Input& input : inputs(list == "gpu"       ? List::gpu
+                                     : list == "cpu"     ? List::cpu
+                                     : list == "scaling" ? List::scaling
+                                                         : List::growth,
                                      arguments_.maps))
       if (selected(input, arguments_.only)) rows.push_back(input);
     if (rows.empty()) throw std::runtime_error("no workload of the list is called " + arguments_.only);
@@ -305,7 +306,8 @@ class Benchmark {
 };
 
 const char* const usage =
-    "usage: gcdt_bench --out FOLDER [--suffix TEXT] [--device SPEC] [--list gpu|cpu|scaling] [--only NAME[:SIZE],...]\n"
+    "usage: gcdt_bench --out FOLDER [--suffix TEXT] [--device SPEC] [--list gpu|cpu|scaling|growth] [--only "
+    "NAME[:SIZE],...]\n"
     "                  [--quick] [--force] [--map FILE.poly]... [--peer COMMAND]... [--anchors FILE]\n"
     "                  [--scratch FOLDER] [--command TEXT] [--commit TEXT]\n"
     "       gcdt_bench --first-call [--device SPEC]   triangulates 1000 points and ends: to be timed from outside\n"
@@ -335,7 +337,7 @@ bool parse(int count, char** words, Arguments& a) {
     if (!map.empty()) a.maps.push_back(map);
     if (!peer.empty()) a.peers.push_back(peer);
   }
-  const bool list = a.list.empty() || a.list == "gpu" || a.list == "cpu" || a.list == "scaling";
+  const bool list = a.list.empty() || a.list == "gpu" || a.list == "cpu" || a.list == "scaling" || a.list == "growth";
   return list && (a.first_call || a.context_only || !a.out.empty());
 }
 

@@ -41,9 +41,7 @@ static inline uint2 units_of_problem(GCDT_LEVELS_POINTER levels, uint level, glo
 }
 
 // The vertices of v's problem that are coarser than `level`, as ranks in units of stride[level - 1]: from x up to y.
-static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
-                                 uint v) {
-  (void)coarse;
+static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint v) {
   return units_of_problem(levels, level - 1u, points, n, problem_of(points, n, v));
 }
 
@@ -61,14 +59,11 @@ static inline uint root_of(global const int2* points, uint n, uint v) {
   return 0u;
 }
 static inline uint symbol_of(uint v, uint n) { return v - n; }
-static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
-                                 uint v) {
-  (void)levels;
-  (void)level;
+static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint v) {
   (void)points;
-  (void)n;
   (void)v;
-  return (uint2)(0u, coarse);
+  const uint stride = levels->stride[level - 1u];
+  return (uint2)(0u, (n + stride - 1u) / stride);
 }
 
 #endif

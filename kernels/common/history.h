@@ -105,7 +105,7 @@ static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, 
 static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
                                       History h, uint v) {
   if (level == 0u) return GCDT_NONE;
-  const uint2 units = coarse_units(levels, level, points, n, h.begin, v);
+  const uint2 units = coarse_units(levels, level, points, n, v);
   if (units.x == units.y) return GCDT_NONE;
   const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
   return nearer_coarse_vertex(levels, level, points, units.y, unit, points[v]);
@@ -163,7 +163,7 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
 static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
                                     History h, uint a, int2 at) {
   const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
-  const uint2 units = coarse_units(levels, level, points, n, h.begin, a);
+  const uint2 units = coarse_units(levels, level, points, n, a);
   if (units.x == units.y) return GCDT_NONE;
   const uint before = last_on_curve(levels, level - 1u, points, units.x, units.y, code);
   return nearer_coarse_vertex(levels, level, points, units.y, before, at);

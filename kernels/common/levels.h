@@ -5,7 +5,11 @@
 // ranks that are multiples of R^(K-1-j) and not of R^(K-j): every R-th vertex along the curve is
 // coarser, so each level is spread evenly and every new vertex has a coarser one close by on the
 // curve. Vertices are numbered level by level, along the curve inside each: numbers below begin[j]
-// are coarser than level j, and number <-> rank is arithmetic, no table.
+// are coarser than level j, and number <-> rank is arithmetic.
+//
+// Where isolated vertices come earlier than their rank says (isolation.h), a table stands for the arithmetic. Level j
+// then has more than the ranks above, but never misses one of them: whoever looks for coarser vertices at multiples of
+// a stride finds them.
 #ifndef GCDT_LEVELS_H
 #define GCDT_LEVELS_H
 
@@ -23,17 +27,25 @@ typedef struct Levels {
   u32 count;                       // K >= 1
   u32 stride[GCDT_MAX_LEVELS];     // R^(K-1-j)
   u32 begin[GCDT_MAX_LEVELS + 1];  // first vertex of level j; begin[K] = n
-  u32 padding;
+  u32 tabled;                      // nonzero: behind the struct stand n ranks by vertex, then n vertices by rank
 } Levels;
 
 #ifdef __OPENCL_VERSION__
 #define GCDT_LEVELS_POINTER global const Levels*
+#define GCDT_TABLE_POINTER global const u32*
 #else
 #define GCDT_LEVELS_POINTER const Levels*
+#define GCDT_TABLE_POINTER const u32*
+using std::uintptr_t;
 #endif
+
+// By the address: Mesa 22 loses the indices of a pointer to a struct that is cast to another, and a host's compiler
+// takes what is behind a struct for nothing.
+#define GCDT_LEVELS_TABLE(levels) ((GCDT_TABLE_POINTER)((uintptr_t)(levels) + sizeof(Levels)))
 
 // Rank on the curve of finite vertex v. Ends: j decreases, and begin[0] = 0.
 GCDT_INLINE u32 gcdt_rank_of_vertex(GCDT_LEVELS_POINTER levels, u32 v) {
+  if (levels->tabled) return GCDT_LEVELS_TABLE(levels)[v];
   u32 j = levels->count - 1u;
   while (v < levels->begin[j]) --j;
   if (j == 0) return v * levels->stride[0];
@@ -44,6 +56,7 @@ GCDT_INLINE u32 gcdt_rank_of_vertex(GCDT_LEVELS_POINTER levels, u32 v) {
 // The finite vertex with that rank, looking at levels 0 .. last only: rank counts in units of
 // stride[last]. With last = K-1 it is the plain rank. Ends: j decreases.
 GCDT_INLINE u32 gcdt_vertex_of_rank(GCDT_LEVELS_POINTER levels, u32 last, u32 rank) {
+  if (levels->tabled) return GCDT_LEVELS_TABLE(levels)[levels->n + rank * levels->stride[last]];
   u32 j = last, r = rank;
   while (j > 0 && r % GCDT_LEVEL_RATIO == 0) {
     r /= GCDT_LEVEL_RATIO;
@@ -83,7 +96,7 @@ GCDT_INLINE Levels make_levels(u32 n, u32 coarsest) {
   Levels levels;
   levels.n = n;
   levels.count = 1;
-  levels.padding = 0;
+  levels.tabled = 0;
   for (u32 j = 0; j < GCDT_MAX_LEVELS; ++j) levels.stride[j] = levels.begin[j] = 0;
   levels.begin[GCDT_MAX_LEVELS] = 0;
   for (u64 stride = 1; levels.count < GCDT_MAX_LEVELS && (n + stride - 1) / stride > coarsest;

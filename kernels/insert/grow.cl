@@ -157,7 +157,7 @@ static uint split_at(Mesh mesh, Owner o, uint v, uint t, uint zero) {
 // vertex before it on the curve brought, which flips have not moved far away. Any face is right.
 static inline uint face_to_begin(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, uint begin, uint v) {
   if (level > 0u) {
-    const uint2 units = coarse_units(levels, level, mesh.points, mesh.n, begin, v);
+    const uint2 units = coarse_units(levels, level, mesh.points, mesh.n, v);
     const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
     if (unit < units.y) return new_face(mesh, gcdt_vertex_of_rank(levels, level - 1u, unit), 0u);
   }

@@ -2,6 +2,7 @@
 // The order phase: survey the coordinates, put them on the grid, number the distinct vertices along
 // the Z-order curve. Integer arithmetic only; 64-bit maxima are folded in two steps, since not every
 // device has 64-bit atomics, and a maximum does not depend on the order of folding.
+#include "order/isolation.h"
 #include "order/vertices.h"
 #include "sort/mark_first.h"
 
@@ -69,5 +70,113 @@ kernel void number_vertices(uint n, global const Levels* levels, global const ul
   FOR_EACH(i, n) {
     const uint rank = before[i + 1] - 1;
     number_place(i, rank, before[i] == rank, levels, keys, values, points, vertex_input, input_vertex);
+  }
+}
+
+// ---- Isolated vertices ------------------------------------------------------------------------------
+
+// How many pairs of bits two Morton codes begin with in common.
+static inline uint common_depth(ulong a, ulong b) { return ((uint)clz(a ^ b) - (64u - GCDT_MORTON_BITS)) / 2u; }
+
+// The first place of the next vertex on the curve behind place i, whose vertex has the rank; n if there is none. Ends:
+// the range halves.
+static inline uint next_place(uint n, global const ulong* keys, global const uint* before, uint i, uint rank) {
+  if (i + 1u == n || keys[i + 1u] != keys[i]) return i + 1u;
+  uint low = i + 1u, high = n;  // before[low] == rank + 1 at places of this vertex, greater behind them
+  while (high - low > 0u) {
+    const uint middle = low + (high - low) / 2u;
+    if (before[middle + 1u] > rank + 1u)
+      high = middle;
+    else
+      low = middle + 1u;
+  }
+  return low;
+}
+
+// Of the vertex whose first place is i.
+static inline uint depth_at(uint n, global const ulong* keys, global const uint* before, uint i, uint rank) {
+  const uint next = next_place(n, keys, before, i, rank);
+  const uint behind = i > 0u ? common_depth(keys[i - 1u], keys[i]) : 0u;
+  return max(behind, next < n ? common_depth(keys[i], keys[next]) : 0u);
+}
+
+// One work-item per place in the sorted order.
+// Reads: values, a permutation of the inputs. Writes: places[values[i]] = i.
+// An input has one place.
+// After this kernel places says where each input stands.
+kernel void place_inputs(uint n, global const uint* values, global uint* places) {
+  FOR_EACH(i, n) places[values[i]] = i;
+}
+
+// One work-item per constraint, as given: its ends need not be inputs.
+// Reads: where its ends stand. Writes: lengths, by rank, all GCDT_DEPTHS before: the depth of a cell about as large as
+//   the longest constraint that ends at the vertex.
+// atomic_min: the order cannot matter.
+// After this kernel lengths says how long the constraints of each vertex are.
+kernel void measure_constraints(uint count, uint inputs, global const uint2* constraints, global const uint* places,
+                                global const ulong* keys, global const uint* before, volatile global uint* lengths) {
+  FOR_EACH(c, count) {
+    const uint2 ends = constraints[c];
+    if (ends.x >= inputs || ends.y >= inputs) continue;
+    const uint p = places[ends.x], q = places[ends.y];
+    const uint dx = abs_diff((int)gcdt_gather_bits(keys[p]), (int)gcdt_gather_bits(keys[q]));
+    const uint dy = abs_diff((int)gcdt_gather_bits(keys[p] >> 1), (int)gcdt_gather_bits(keys[q] >> 1));
+    const uint depth = gcdt_depth_of_length(max(dx, dy));
+    atomic_min(lengths + (before[p + 1u] - 1u), depth);
+    atomic_min(lengths + (before[q + 1u] - 1u), depth);
+  }
+}
+
+// One work-item per place in the sorted order.
+// Reads: keys, sorted; before, the scan of mark_first; lengths, if constrained. Writes: counts, which were 0
+// (isolation.h). Atomic additions, in local memory, then of each group's sums: their order cannot matter. After this
+// kernel the sum of the counts is the number of distinct vertices.
+kernel void count_depths(uint n, global const ulong* keys, global const uint* before, uint constrained,
+                         global const uint* lengths, volatile global uint* counts) {
+  local uint own[GCDT_DEPTH_COUNTS];
+  for (uint k = get_local_id(0); k < GCDT_DEPTH_COUNTS; k += get_local_size(0)) own[k] = 0u;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  FOR_EACH(i, n) {
+    const uint rank = before[i];
+    if (before[i + 1u] == rank) continue;
+    const uint depth = depth_at(n, keys, before, i, rank), strides = gcdt_strides_of_rank(rank);
+    const uint length = constrained ? lengths[rank] : GCDT_DEPTHS;
+    const uint counted = gcdt_is_tied(depth, length) ? GCDT_TIED_COUNT(gcdt_tied_depth(depth, length), strides)
+                                                     : GCDT_FREE_COUNT(depth, strides);
+    atomic_inc((volatile local uint*)own + counted);
+    atomic_inc((volatile local uint*)own + GCDT_EACH_COUNT(depth));
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint k = get_local_id(0); k < GCDT_DEPTH_COUNTS; k += get_local_size(0))
+    if (own[k] > 0u) atomic_add(counts + k, own[k]);
+}
+
+// One work-item per place in the sorted order.
+// Reads: keys, before, lengths. Writes: level_of_rank, and rank_of_rank[rank] = rank, of each vertex.
+// A vertex has one first place.
+// After this kernel a stable sort of the ranks by level numbers the vertices.
+kernel void level_vertices(uint n, uint levels, global const DepthLevels* by_depth, global const ulong* keys,
+                           global const uint* before, uint constrained, global const uint* lengths,
+                           global uint* level_of_rank, global uint* rank_of_rank) {
+  FOR_EACH(i, n) {
+    const uint rank = before[i];
+    if (before[i + 1u] == rank) continue;
+    const uint length = constrained ? lengths[rank] : GCDT_DEPTHS;
+    const uint depth = depth_at(n, keys, before, i, rank), tied = gcdt_is_tied(depth, length);
+    level_of_rank[rank] =
+        gcdt_level(levels, by_depth, gcdt_strides_of_rank(rank), tied ? gcdt_tied_depth(depth, length) : depth, tied);
+    rank_of_rank[rank] = rank;
+  }
+}
+
+// One work-item per vertex.
+// Reads: rank_of_vertex, a permutation. Writes: the table behind levels.
+// A vertex has one rank, and a rank one vertex.
+// After this kernel the levels are those of the table.
+kernel void table_levels(uint n, global const uint* rank_of_vertex, global Levels* levels) {
+  global uint* table = (global uint*)GCDT_LEVELS_TABLE(levels);
+  FOR_EACH(v, n) {
+    table[v] = rank_of_vertex[v];
+    table[n + rank_of_vertex[v]] = v;
   }
 }

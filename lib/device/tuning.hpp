@@ -27,6 +27,13 @@ struct Tuning {
   /// work-group, large enough that the levels below it would cost more launches than they save flips. (Four levels of
   /// a million vertices are 7 % faster where they are random, and 45 % slower on a grid.)
   std::uint32_t coarsest_level = 256;
+  /// How much less deep than evenly spread vertices of a level those have to be that come early because they are
+  /// isolated, in depths of the quadtree (phases/levels.hpp): 2 is the least at which a table of levels, 8 bytes a
+  /// vertex and a sort, is not made for uniform vertices (NOTES, "Isolated vertices").
+  int isolation_margin = 2;
+  /// There are dense rows where so many times as many vertices are deep as of evenly spread ones, and so many more: a
+  /// thin ring of random vertices has 26 times as many and no chains of flips, and so few vertices make short ones.
+  std::uint32_t times_evenly = 32, least_row = 256;
   /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
   /// on a pool's GPUs: device_pool.cpp.)
   std::uint32_t rounds_per_read = 4;
@@ -150,6 +157,10 @@ struct Tuning {
   /// High bits of Morton codes that are sorted by beyond those that tell n evenly spread vertices apart: 16 cells a
   /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
   static constexpr unsigned spare_bits = 4;
+  /// Of the vertices that come up to a level by their rank, as many isolated ones come besides as are this share of
+  /// them, and as many that are tied to constraints, if these are no more than that share of all: where long
+  /// constraints are the rule they are no chains, and a table costs 3 % (NOTES, "Isolated vertices").
+  static constexpr std::uint32_t share_isolated = 4, share_tied = 64;
   /// Vertices of a batch that one work-item surveys and quantises: few enough that a batch of small problems fills a
   /// GPU, many enough that a row of maxima costs little beside them (not measured).
   static constexpr std::uint32_t least_chunk = 64;

@@ -32,7 +32,7 @@ struct Vertices {
   Grid grid;
   std::optional<device::Decimals> decimals;  ///< of a decimal grid
   device::Levels levels = {};
-  runtime::Buffer<device::Levels> levels_buffer;  ///< one element
+  runtime::Buffer<device::Levels> levels_buffer;  ///< one element, and a table if levels.tabled
   runtime::Buffer<cl_int2> points;        ///< n grid points; of a forest, what kernels/common/forest.h says behind
   runtime::Buffer<cl_uint> vertex_input;  ///< n: the representative's input number
   runtime::Buffer<cl_uint> input_vertex;  ///< one per input point: its vertex

@@ -7,6 +7,7 @@
 #include "device/step.hpp"
 #include "mesh/grid.hpp"
 #include "mesh/phase.hpp"
+#include "phases/levels.hpp"
 
 namespace gcdt {
 
@@ -109,19 +110,15 @@ Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const Chosen
   return keys;
 }
 
-void set_levels(runtime::Runtime& runtime, Vertices& vertices, std::uint32_t n, std::uint32_t coarsest_level) {
-  vertices.levels = device::make_levels(n, coarsest_level);
-  vertices.levels_buffer = runtime.upload_one("levels", vertices.levels);
-  vertices.points = runtime.allocate<cl_int2>("points", n);
-  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
-}
-
 OrderResult no_vertices(runtime::Runtime& runtime, const std::optional<FixedGrid>& fixed,
                         std::uint32_t coarsest_level) {
   OrderResult result;
   if (fixed) result.vertices.grid = fixed_grid(*fixed).grid;
   result.vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", 0);
-  set_levels(runtime, result.vertices, 0, coarsest_level);
+  result.vertices.levels = device::make_levels(0, coarsest_level);
+  result.vertices.levels_buffer = runtime.upload_one("levels", result.vertices.levels);
+  result.vertices.points = runtime.allocate<cl_int2>("points", 0);
+  result.vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", 0);
   return result;
 }
 
@@ -216,7 +213,7 @@ InputPoints stage(runtime::Runtime& runtime, Points points) {
 }
 
 OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
-                  const std::optional<FixedGrid>& fixed) {
+                  const std::optional<FixedGrid>& fixed, const runtime::Buffer<cl_uint2>& constraints) {
   const std::uint32_t coarsest_level = plan.coarsest_level;
   const cl_uint n = points.n;
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
@@ -231,7 +228,10 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   auto before = runtime.allocate<cl_uint>("distinct before", n + 1);
   runtime.launch("order", "mark_first", runtime::over(n), n, keys.codes, before);
   primitives.exclusive_scan(before, before, n);
-  const cl_uint distinct = runtime.read_one(before, n);
+  const SortedCodes sorted = {n, keys.codes, keys.numbers, before};
+  ConstraintLengths lengths = measure_constraints(runtime, sorted, constraints);
+  const ChosenLevels chosen = choose_levels(runtime, sorted, lengths, coarsest_level);
+  const cl_uint distinct = chosen.levels.n;
 
   OrderResult result;
   result.merged = n - distinct;
@@ -239,7 +239,11 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   vertices.grid = keys.grid;
   vertices.decimals = keys.decimals;
   vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
-  set_levels(runtime, vertices, distinct, coarsest_level);
+  vertices.levels = chosen.levels;
+  vertices.levels_buffer = make_levels(runtime, primitives, sorted, lengths, chosen);
+  lengths = {};
+  vertices.points = runtime.allocate<cl_int2>("points", distinct);
+  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", distinct);
   runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,
                  before, vertices.points, vertices.vertex_input, vertices.input_vertex);
   result.sort_ms = sorting.end();

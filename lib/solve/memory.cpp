@@ -23,9 +23,11 @@ struct Sizes {
   std::uint64_t n, m, faces, edges, crossed_faces;
 };
 
-std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4) * s.n; }              // points, both maps
+// Points, both maps, and the table of levels, which there is where vertices are isolated.
+std::uint64_t vertex_bytes(const Sizes& s) { return (8 + 4 + 4 + 8) * s.n; }
 std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edges; }  // corners, sides; faces, marks
-// Where all is top layer (freeze_all); with nodes it is half of that.
+// Where all is top layer (freeze_all). With nodes it is about half of that: a quarter of the vertices is coarser than
+// the last level, a third where isolated ones are (phases/levels.hpp).
 std::uint64_t history_bytes(const Sizes& s) { return 32 * s.faces + 4 * s.n; }
 // Ends, first sources, sources.
 std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
@@ -74,9 +76,9 @@ std::uint64_t output_step(const Sizes& s) {
 
 }  // namespace
 
-// Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (182): order (60),
-// insertion (172 with its history), domains (172). With constraints walking (228 and 184) is above these as well:
-// insertion (208 and 8), cleaning (208 and 108), domains (172 and 76).
+// Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (190): order (60),
+// insertion (186 with its history), domains (180). With constraints walking (236 and 184) is above these as well:
+// insertion (222 and 8), cleaning (222 and 108), domains (180 and 76).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};

@@ -52,7 +52,8 @@ TEST_CASE("constraints of every generator do not cross and stay exact on the gri
   for (const std::string& name : workload_names()) {
     if (name == "line" || name == "random_pslg") continue;  // overlaps, crossings at vertices: below
     for (std::size_t n : {400, 5000, 98000}) {
-      if (n > 5000 && name != "letters" && name != "spiral") continue;  // the others have no new shape at that size
+      if (n > 5000 && name.compare(0, 7, "letters") != 0 && name != "spiral")
+        continue;  // the others have no new shape at that size
       const Workload work = workload(name, n);
       CAPTURE(name);
       CAPTURE(n);
@@ -69,7 +70,7 @@ TEST_CASE("the generators make about as many vertices as asked for") {
       const std::size_t made = workload(name, n).points.size();
       CAPTURE(name);
       CHECK(made >= n * 9 / 10);
-      if (name != "letters")
+      if (name.compare(0, 7, "letters") != 0)
         CHECK(made <= n);  // it ends with a whole word: up to 20,000 more when dense
       else
         CHECK(made <= n + 40000);

@@ -49,10 +49,12 @@ inline std::vector<Treated>& devices_as_all_kinds() {
   return all;
 }
 
-/// Levels, groups and lists of a few; stamps that run out; sweeps from the start.
+/// Levels, groups and lists of a few; stamps that run out; sweeps from the start; isolated vertices everywhere.
 inline Tuning small_thresholds() {
   Tuning tuning;
   tuning.coarsest_level = 8;
+  tuning.isolation_margin = -4;
+  tuning.times_evenly = tuning.least_row = 0;
   tuning.one_group_vertices = 16;
   tuning.one_group_edges = 32;
   tuning.least_sweep = 100;

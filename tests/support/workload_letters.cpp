@@ -77,8 +77,8 @@ struct Detail {
 
 class Scene {
  public:
-  explicit Scene(std::size_t target)
-      : target_(target), scale_(std::min(1.5, std::sqrt(97000.0 / static_cast<double>(target)))) {}
+  Scene(std::size_t target, std::uint64_t seed)
+      : target_(target), scale_(std::min(1.5, std::sqrt(97000.0 / static_cast<double>(target)))), random_(seed) {}
 
   Workload make() {
     double y = 0;
@@ -158,11 +158,11 @@ class Scene {
   Workload work_;
   std::size_t target_, dense_ = 0;
   double scale_;
-  Random random_{16003};
+  Random random_;
 };
 
 }  // namespace
 
-Workload letters(std::size_t n) { return Scene(n).make(); }
+Workload letters(std::size_t n, std::uint64_t seed) { return Scene(n, seed).make(); }
 
 }  // namespace gcdt::test

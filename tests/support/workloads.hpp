@@ -83,7 +83,21 @@ Workload two_clusters(std::size_t n);
 /// (i, i^2), at most 46,341 of them.
 Workload parabola(std::size_t n);
 /// Copies of polyline outlines of letters, some densely subdivided, with scene-long lines between rows.
-Workload letters(std::size_t n);
+Workload letters(std::size_t n, std::uint64_t seed = 16003);
+/// n - 1 vertices one apart on a line, and one vertex far below them.
+Workload row(std::size_t n);
+/// The same with a vertex on either side.
+Workload row_between(std::size_t n);
+/// Two such rows side by side, far apart.
+Workload two_rows(std::size_t n);
+/// The teeth of comb(), in a polygon that is closed by two far corners.
+Workload closed_comb(std::size_t n);
+/// A square with a border of vertices one apart, and 50 vertices inside.
+Workload dense_border(std::size_t n);
+/// n / 10 constraints from one vertex to as many on a circle around it, among uniform vertices.
+Workload sunray(std::size_t n);
+/// Clusters along logarithmic spirals: each as large as its distance from the centre allows.
+Workload log_spirals(std::size_t n);
 /// n vertices (duplicates likely) on a side x side grid of integers and up to m random constraints
 /// that do not cross: each is added if it crosses none before it. They may touch vertices and overlap.
 Workload random_pslg(std::size_t n, std::uint32_t side, std::size_t m, std::uint64_t seed);
@@ -118,5 +132,7 @@ Workload synthetic_cons(std::size_t n, int k, DelaunayEdges delaunay_edges) {
 Workload workload(const std::string& name, std::size_t n);
 /// Every name that workload() knows.
 std::vector<std::string> workload_names();
+/// Those whose time may grow faster than the number of vertices, and uniform ones beside them.
+std::vector<std::string> growth_names();
 
 }  // namespace gcdt::test
