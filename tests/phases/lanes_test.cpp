@@ -6,8 +6,6 @@
 #include "device_list.hpp"
 #include "mesh_fixture.hpp"
 #include "phases/clean.hpp"
-#include "phases/flip.hpp"
-#include "phases/insert.hpp"
 
 using namespace fixture;
 using runtime::Runtime;
@@ -72,35 +70,18 @@ TEST_CASE("a walk that meets more than its loop may have rounds fails where loop
     hook.tuning.part_pool = 0;  // one work-item a constraint
     runtime::Runtime runtime(device, hook);
     CAPTURE(runtime.info().platform);
-    std::vector<Point> points = all;
-    Vertices vertices = upload(runtime, points, 256);
+    MeshOnDevice made(runtime, all, 256);
+    made.insert_all(true);
+    made.history = freeze_all(runtime, made.vertices, made.mesh);
     const auto end = [&](const Point& p) {
-      return std::uint32_t(std::find(points.begin(), points.end(), p) - points.begin());
+      return std::uint32_t(std::find(made.points.begin(), made.points.end(), p) - made.points.begin());
     };
-    std::vector<cl_uint> identity(vertices.n());
-    for (std::uint32_t v = 0; v < vertices.n(); ++v) identity[v] = v;
-    vertices.input_vertex = runtime.allocate<cl_uint>("map", vertices.n());
-    runtime.write(vertices.input_vertex, identity.data(), vertices.n());
-    const Plan plan = make_plan(runtime, vertices);
-    Mesh mesh = make_mesh(runtime, vertices.n());
-    const WorkLists lists = make_work_lists(runtime, vertices.n());
-    History history = make_history(runtime, vertices.levels);
-    PhaseCounters counters(runtime);
-    Ticker ticker;
     Primitives primitives(runtime);
-    insert_root(runtime, vertices, mesh);
-    for (unsigned level = 0; level < vertices.levels.count; ++level) {
-      insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
-      flip(runtime, plan, vertices, mesh, lists, counters, vertices.levels.begin[level + 1], ticker);
-    }
-    history = freeze_all(runtime, vertices, mesh);
-    counters.zero();
+    made.counters.zero();
     const std::vector<Constraint> constraint = {{end(all.front()), end(all.back())}};
     const runtime::Buffer<cl_uint2> staged = stage(runtime, constraint);
-    Cleaner cleaner(runtime, primitives, vertices, staged, vertices.n());
-    const auto clean = [&] {
-      return cleaner.clean(WalkedMesh{plan, vertices, mesh, history}, {}, counters).pieces.count;
-    };
+    Cleaner cleaner(runtime, primitives, made.vertices, staged, made.n());
+    const auto clean = [&] { return cleaner.clean(made.walked(), {}, made.counters).pieces.count; };
     if (runtime.kind() == DeviceKind::lanes)
       CHECK_THROWS_WITH_AS(clean(), "clean: a walk along a constraint left the mesh", Error);
     else
