@@ -228,6 +228,14 @@ TEST_CASE("many constraints share a vertex with more faces than are looked throu
       across.constraints.push_back(back ? Constraint{shift, 0} : Constraint{0, shift});
       problems.push_back(across);
     }
+  // One that comes to the centre from a vertex before it, and goes on to one behind.
+  for (const bool back : {false, true}) {
+    Problem through = fan(150);
+    const auto more = std::uint32_t(through.points.size());
+    for (const std::int64_t x : {90000, 95000, 105000, 110000}) through.points.push_back({x, 100000});
+    through.constraints.push_back(back ? Constraint{more + 3, more} : Constraint{more, more + 3});
+    problems.push_back(through);
+  }
   check_enforced(problems);
 }
 
