@@ -34,7 +34,7 @@ std::vector<std::unique_ptr<Device>>& devices_under_test() {
     for (const auto& device : test::every_device()) {
       list->push_back(std::make_unique<Device>(device));
       runtime::CallHook hook;
-      hook.tuning.few_vertices = 0;
+      hook.tuning.one_item_vertices = 0;
       if (list->back()->runtime.contiguous()) list->push_back(std::make_unique<Device>(device, hook));
     }
     return list;
@@ -383,7 +383,7 @@ TEST_CASE("the launch geometry does not matter") {
 }
 
 TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
-  const auto few = static_cast<int>(Tuning().few_vertices);
+  const auto few = static_cast<int>(Tuning().one_item_vertices);
   Engine e(7);
   for (const int n : {few - 1, few, few + 1})
     for (const char* family : {"tenths", "uniform around 0", "1e300, 1 and 1e-300"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/forest_copy.hpp"
+#include "batch/copy.hpp"
 
 #include <algorithm>
 
@@ -9,10 +9,11 @@ using runtime::Buffer;
 
 namespace {
 
-// The system's pages are no smaller.
+// Bytes of a page: the system's pages are no smaller.
 constexpr std::size_t page = 4096;
 
-/// Elements that an array has room for, for n vertices and m constraints; more come only where overlaps cut pieces.
+/// Elements for which an array gets room, with n vertices and m constraints. Only overlaps, which cut pieces, need
+/// more.
 std::uint64_t room_for(const ResultArray& array, std::uint64_t n, std::uint64_t m, std::uint64_t problems) {
   if (array.there != There::always) return 0;
   switch (array.per) {
@@ -56,7 +57,7 @@ class Copy {
   }
   Begins& begins(std::int32_t number) { return result_.begins[static_cast<std::size_t>(number)]; }
 
-  /// The array as it is on the device, where one problem's part follows the other's.
+  /// Copies the array as it is on the device, where one problem's part follows the other's.
   void whole(const DeviceTriangulation& made, const ResultArray& array) {
     const std::size_t bytes = elements(made, array) * array.element_bytes;
     runtime_.read_bytes(array.memory(made), 0, room<unsigned char>(array.number, bytes), bytes);
@@ -68,7 +69,7 @@ class Copy {
     return {words.begin(), words.end()};
   }
 
-  // The source offsets of a problem start at 0 and end with one more than it has pieces.
+  // A problem has one more source offset than it has pieces, and its first one is 0.
   void bounds(const Pieces& made, const Begins& first) {
     const std::size_t count = made.count;
     cl_uint* offsets = staging_.offsets.reuse<cl_uint>(count + 1);
@@ -84,7 +85,7 @@ class Copy {
     source_begins.push_back(made.source_count);
   }
 
-  // On the device they have the numbers of the run's constraints.
+  // On the device dropped constraints are numbered through the run.
   void renumber_dropped(std::size_t count) {
     auto* local = reinterpret_cast<cl_uint*>(result_.arrays[GCDT_DROPPED].bytes.get());
     std::size_t i = 0;
@@ -121,11 +122,11 @@ ForestRoom::ForestRoom(const runtime::Runtime& runtime, const ProblemRanges& ran
   try {
     thread_ = std::thread([this, &staging, &result, n, m, problems] { make(staging, result, n, m, problems); });
   } catch (const std::system_error&) {
-    // No thread to be had: copy_forest() makes the room.
+    // There is no thread to be had, so copy_forest() makes the room.
   }
 }
 
-// Ends after a pass over the arrays.
+// Goes once over the arrays.
 void ForestRoom::make(const Staging& staging, ForestResult& result, std::uint64_t n, std::uint64_t m,
                       std::uint64_t problems) {
   try {
@@ -142,7 +143,7 @@ void ForestRoom::make(const Staging& staging, ForestResult& result, std::uint64_
       }
     }
   } catch (const std::bad_alloc&) {
-    // copy_forest() asks again, and reports it.
+    // copy_forest() asks for the memory again, and reports it.
   }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Problems that a lane runs before its part of the first batch. Some drivers compile a kernel at its first launch (PoCL
-// takes seconds); the rehearsal launches all kernels, so that no later batch waits for the compiler.
+// Problems that a worker runs before it takes part in its first batch. Some drivers compile a kernel at its first
+// launch, which takes PoCL seconds. The warm-up launches all kernels, so that no later batch waits for the compiler.
 #pragma once
 
 #include <array>
 #include <set>
 #include <vector>
 
-#include "batch/forest.hpp"
+#include "batch/problems.hpp"
 
 namespace gcdt {
 
@@ -15,9 +15,9 @@ namespace gcdt {
 /// two of which are equal. Each problem has a constraint that crosses edges and has a vertex inside, one that overlaps
 /// it, one of length 0, and a ring within a ring. Every fourth problem also has a constraint that crosses the first;
 /// every eighth has only these two.
-class RehearsalBatch {
+class WarmupBatch {
  public:
-  explicit RehearsalBatch(const std::vector<std::uint32_t>& vertices);
+  explicit WarmupBatch(const std::vector<std::uint32_t>& vertices);
   BatchInput view() const;
 
  private:
@@ -26,8 +26,11 @@ class RehearsalBatch {
   std::vector<std::uint64_t> vertex_offsets_ = {0}, constraint_offsets_ = {0};
 };
 
-/// The options with which a lane has rehearsed, as far as they decide which kernels are launched.
-class Rehearsed {
+/// How many vertices the problems of each run of a warm-up have, on a device of so many compute units.
+std::vector<std::vector<std::uint32_t>> warmup_runs(std::uint32_t compute_units, Crossing crossing);
+
+/// The options with which a worker has warmed up, as far as they decide which kernels are launched.
+class WarmedUp {
  public:
   bool has(const Options& options) const { return kinds_.count(kind(options)) > 0; }
   void add(const Options& options) { kinds_.insert(kind(options)); }
