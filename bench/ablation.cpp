@@ -140,11 +140,11 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
 }
 
 /// A batch on one device.
-struct Workers {
+struct DeviceBatch {
   const cl::Device& device;
   const bench::SketchBatch batch;
 
-  explicit Workers(const cl::Device& on) : device(on), batch(bench::sketches(100000)) {}
+  explicit DeviceBatch(const cl::Device& on) : device(on), batch(bench::sketches(100000)) {}
   BatchInput input() const {
     return {batch.size(),
             Points::Type::float64,
@@ -162,7 +162,7 @@ struct Workers {
 };
 
 /// A batch with several runs at once on the device, all in one context, or each in one of its own.
-void run_workers(const Workers& on, int runs) {
+void run_workers(const DeviceBatch& on, int runs) {
   std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs | first call ms |\n",
               on.batch.size(), on.batch.vertices.size());
   std::printf("|---|---|---|---|---|\n");
@@ -188,7 +188,7 @@ void run_workers(const Workers& on, int runs) {
 }
 
 /// What each kernel takes in such a batch, one run at a time, so that no other's launches are beside it.
-void run_kernels(const Workers& on) {
+void run_kernels(const DeviceBatch& on) {
   struct Sum {
     std::uint64_t launches = 0, ns = 0;
   };
@@ -228,9 +228,9 @@ int main(int count, char** arguments) try {
   if (!batches)
     for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
       same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
-  const Workers workers(device);
-  run_workers(workers, std::max(1, std::min(runs, 5)));
-  run_kernels(workers);
+  const DeviceBatch on(device);
+  run_workers(on, std::max(1, std::min(runs, 5)));
+  run_kernels(on);
   return same ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "gcdt_bench_ablation: %s\n", error.what());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order phase of a forest, problem by problem on its own grid, and its output, each problem's numbers its own
-// again. What order.cl and output.cl do for one problem; the loops of one work-item are short: a chunk, or a
-// bisection.
+// The order phase of a forest, in which each problem has a grid of its own, and the numbering of its output, in which
+// each problem has numbers of its own again. It does what order.cl and output.cl do for one problem. The loops of a
+// work-item are short: a chunk, or a bisection.
 #ifndef GCDT_FOREST
 #define GCDT_FOREST
 #endif

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// For CPUs and few vertices: phases that are launches of next to nothing, as one launch each. A kernel here is what the
-// kernels of order.cl, output.cl and check.cl are, one after the other, by the first work-item of one work-group alone:
-// there is no race. It calls what those call, but not those: drivers compile a kernel that another one calls twice.
+// Phases as one launch each, for CPUs and few vertices, where each of a phase's launches would do next to nothing. A
+// kernel here does what the kernels of order.cl, output.cl and check.cl do one after the other. The first work-item of
+// one work-group does all of it, so there is no race. It calls the functions that those kernels call, and not the
+// kernels, because drivers compile a kernel twice that another one calls.
 #include "check/check.cl"
 #include "order/grid.h"
 #include "order/order.cl"

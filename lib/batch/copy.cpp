@@ -14,14 +14,15 @@ constexpr std::size_t page = 4096;
 
 /// Elements for which an array gets room, with n vertices and m constraints. Only overlaps, which cut pieces, need
 /// more.
-std::uint64_t room_for(const ResultArray& array, std::uint64_t n, std::uint64_t m, std::uint64_t problems) {
+std::uint64_t room_for(const ResultArray& array, const ProblemRanges& ranges) {
+  const std::uint64_t n = ranges.first_input.back(), m = ranges.first_constraint.back();
   if (array.there != There::always) return 0;
   switch (array.per) {
     case Per::triangle: return 2 * n;
     case Per::vertex: return n;
     case Per::piece:
     case Per::source: return m;
-    case Per::piece_bound: return m + problems;
+    case Per::piece_bound: return m + ranges.count();
     default: return 0;
   }
 }
@@ -98,8 +99,7 @@ class Copy {
 
   void remember_sizes() {
     for (const ResultArray& array : result_arrays) {
-      const std::uint64_t most =
-          room_for(array, ranges_.first_input.back(), ranges_.first_constraint.back(), problems_);
+      const std::uint64_t most = room_for(array, ranges_);
       if (most > 0)
         staging_.filled[static_cast<std::size_t>(array.number)] =
             std::min(1.0, static_cast<double>(begins(array.number).back()) / static_cast<double>(most));
@@ -117,22 +117,20 @@ class Copy {
 
 ForestRoom::ForestRoom(const runtime::Runtime& runtime, const ProblemRanges& ranges, const Staging& staging,
                        ForestResult& result) {
-  const std::uint64_t n = ranges.first_input.back(), m = ranges.first_constraint.back(), problems = ranges.count();
-  if (!runtime::prepares_host_memory(runtime) || n < Tuning::least_prepared_vertices) return;
+  if (!runtime::prepares_host_memory(runtime) || ranges.first_input.back() < Tuning::least_prepared_vertices) return;
   try {
-    thread_ = std::thread([this, &staging, &result, n, m, problems] { make(staging, result, n, m, problems); });
+    thread_ = std::thread([this, &ranges, &staging, &result] { make(ranges, staging, result); });
   } catch (const std::system_error&) {
     // There is no thread to be had, so copy_forest() makes the room.
   }
 }
 
 // Goes once over the arrays.
-void ForestRoom::make(const Staging& staging, ForestResult& result, std::uint64_t n, std::uint64_t m,
-                      std::uint64_t problems) {
+void ForestRoom::make(const ProblemRanges& ranges, const Staging& staging, ForestResult& result) {
   try {
     for (const ResultArray& array : result_arrays) {
       const auto slot = static_cast<std::size_t>(array.number);
-      const std::uint64_t most = room_for(array, n, m, problems);
+      const std::uint64_t most = room_for(array, ranges);
       if (most == 0) continue;
       const std::size_t bytes = most * array.element_bytes;
       auto* memory = result.arrays[slot].make<unsigned char>(bytes);

@@ -25,7 +25,7 @@ class ForestRoom {
   void wait();
 
  private:
-  void make(const Staging& staging, ForestResult& result, std::uint64_t n, std::uint64_t m, std::uint64_t problems);
+  void make(const ProblemRanges& ranges, const Staging& staging, ForestResult& result);
 
   std::atomic<bool> enough_{false};
   std::thread thread_;

@@ -19,9 +19,18 @@ Error host_failed(const std::exception& error) {
 
 }  // namespace
 
-DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace)
-    : log_(std::move(log)), trace_(std::move(trace)), reports_(members.size()) {
+DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace) : reports_(members.size()) {
   if (members.empty()) throw Error(Status::no_device, "a pool without devices");
+  if (log)
+    log_ = [this, log = std::move(log)](int level, const char* message) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      log(level, message);
+    };
+  if (trace)
+    trace_ = [this, trace = std::move(trace)](const TraceSpan& span) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      trace(span);
+    };
   for (const Member& member : members) {
     const DeviceInfo info = runtime::describe(member.device);
     const Tuning& tuning = member.hook.tuning;
@@ -43,25 +52,16 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
 }
 
 void DevicePool::open(Member& member, std::size_t device, const DevicePlan& plan) {
-  const runtime::Log log = log_ ? runtime::Log([this](int level, const char* message) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    log_(level, message);
-  })
-                                : runtime::Log();
-  const Trace trace = trace_ ? Trace([this](const TraceSpan& span) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    trace_(span);
-  })
-                             : Trace();
   member.hook.tuning.rounds_per_read = plan.rounds_per_read;
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
   for (std::uint32_t number = 0; number < plan.workers; ++number) {
     Worker worker;
     worker.device = device;
+    worker.number = number;
     if (plan.shares_context && number > 0)
-      worker.runtime = std::make_unique<runtime::Runtime>(*workers_.back().runtime, log, trace);
+      worker.runtime = std::make_unique<runtime::Runtime>(*workers_.back().runtime, log_, trace_);
     else
-      worker.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
+      worker.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log_, trace_);
     if (plan.shares_context) worker.runtime->share_context();
     worker.runtime->time_steps(worker.runtime->tracer().on());
     worker.runtime->tracer().set_worker(first + number * devices, number);
@@ -88,43 +88,39 @@ void DevicePool::throw_reasons() const {
 }
 
 void DevicePool::lose(std::size_t device, const Error& error) {
-  const std::lock_guard<std::mutex> lock(mutex_);
   DeviceReport& report = reports_[device];
-  if (report.lost) return;  // another worker has given the reason
-  report.lost = error;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (report.lost) return;  // another worker has given the reason
+    report.lost = error;
+  }
   if (log_) log_(GCDT_LOG_WARNING, (report.info.name + " is taken out of the pool: " + error.what()).c_str());
 }
 
+// Tells the plan in the log, and in the trace as a span of no length of each device's first worker.
 std::vector<DevicePlan> DevicePool::plan() {
   for (std::size_t i = 0; i < devices_.size(); ++i) devices_[i].lost = reports_[i].lost.has_value();
-  return plan_pool(devices_);
-}
-
-// In the log, and in the trace of the device's first worker as a span of no length in a phase `plan`.
-void DevicePool::tell(const std::vector<DevicePlan>& plans) {
+  std::vector<DevicePlan> plans = plan_pool(devices_);
+  std::vector<std::string> texts;
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    const std::string text = reports_[i].lost ? "taken out of the pool" : plans[i].text();
-    if (log_) log_(GCDT_LOG_INFORMATION, ("pool plan: " + text).c_str());
-    const auto worker = std::find_if(workers_.begin(), workers_.end(), [&](const Worker& w) { return w.device == i; });
-    if (worker != workers_.end() && worker->runtime) worker->runtime->tracer().note("plan", text);
+    texts.push_back(devices_[i].lost ? "taken out of the pool" : plans[i].text());
+    if (log_) log_(GCDT_LOG_INFORMATION, ("pool plan: " + texts[i]).c_str());
   }
+  for (const Worker& worker : workers_)
+    if (worker.number == 0 && worker.runtime) worker.runtime->tracer().note("plan", texts[worker.device]);
+  return plans;
 }
 
 std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans) const {
   std::vector<WorkerState> all;
-  std::vector<std::uint32_t> numbers(reports_.size());
   for (const Worker& worker : workers_) {
     const DevicePlan& plan = plans[worker.device];
     WorkerState state;
     state.device = worker.device;
-    state.capacity = plan.capacity;
-    state.most_bytes = plan.job_bytes;
-    state.most_weight = plan.job_weight;
+    state.plan = plan;
     state.throughput = worker.throughput;
-    state.overhead = plan.job_overhead;
-    state.first_part = ++numbers[worker.device] / static_cast<double>(plan.workers);
-    state.beside_gpus = plan.beside_gpus;
-    state.started = state.beside_gpus && worker.backoff.sits_out();
+    state.first_part = (worker.number + 1) / static_cast<double>(plan.workers);
+    state.started = plan.beside_gpus && worker.backoff.sits_out();
     state.lost = state.ended = reports_[worker.device].lost.has_value();
     all.push_back(state);
   }
@@ -139,11 +135,8 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   if (options.grid) fixed_grid(*options.grid);
   if (all_lost()) throw_reasons();
   const std::vector<DevicePlan> plans = plan();
-  tell(plans);
-  for (Worker& worker : workers_) {
-    worker.report = {};
-    worker.warms_up = plans[worker.device].warms_up;
-  }
+  for (Worker& worker : workers_) worker.warms_up = plans[worker.device].warms_up;
+  for (DeviceReport& report : reports_) report = {report.info, report.lost};
   const std::vector<WorkerState> states = this->states(plans);
   Schedule schedule(batch, states);
   std::vector<std::thread> threads;
@@ -166,64 +159,45 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   }
   join();
   for (std::size_t i = 0; i < workers_.size(); ++i) {
-    workers_[i].throughput = schedule.throughput(i);
-    workers_[i].backoff.next_call(schedule.too_slow(i));
+    const WorkerState state = schedule.state(i);
+    workers_[i].throughput = state.throughput;
+    workers_[i].backoff.next_call(state.too_slow);
   }
-  add_reports();
+  for (Worker& worker : workers_)
+    if (reports_[worker.device].lost) worker.staging.reset(), worker.primitives.reset(), worker.runtime.reset();
   if (!wanted) throw Error(Status::cancelled, "cancelled during batch");
   if (schedule.unsettled() > 0) throw_reasons();
-  PoolResult result;
-  result.results = std::move(schedule.results);
-  result.places = std::move(schedule.places);
-  result.errors = std::move(schedule.errors);
-  result.milliseconds = milliseconds_since(start);
-  return result;
-}
-
-void DevicePool::add_reports() {
-  for (DeviceReport& report : reports_) {
-    report.problems = report.vertices = report.runs = 0;
-    report.milliseconds = 0;
-  }
-  for (Worker& worker : workers_) {
-    DeviceReport& report = reports_[worker.device];
-    report.problems += worker.report.problems;
-    report.vertices += worker.report.vertices;
-    report.runs += worker.report.runs;
-    report.milliseconds += worker.report.milliseconds;
-    if (!report.lost) continue;
-    worker.staging.reset();
-    worker.primitives.reset();
-    worker.runtime.reset();
-  }
+  return {std::move(schedule.results), std::move(schedule.places), std::move(schedule.errors),
+          milliseconds_since(start)};
 }
 
 // A worker's thread. It ends when the schedule has nothing left for the worker, or when the device is lost.
 void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
   Worker& worker = workers_[number];
-  if (worker.warms_up && !worker.backoff.sits_out() && !worker.warmed_up.has(options))
+  if (worker.warms_up && !worker.backoff.sits_out() && worker.warmed_up.count(warmup_key(options)) == 0)
     warm_up(number, schedule, options);
   while (const std::shared_ptr<Job> job = schedule.take(number)) {
     try {
       run_job(number, schedule, job, batch, options);
-      continue;
+    } catch (const Shortage& shortage) {
+      settle(worker);
+      worker.runtime->memory().trim();
+      schedule.too_large(number, job, shortage.error, shortage.problem);
     } catch (const Error& error) {
       settle(worker);
       if (error.status() == Status::cancelled) {
         schedule.drop(number, job);
-        continue;
-      }
-      if (error.status() == Status::out_of_memory) {
+      } else if (error.status() == Status::out_of_memory) {
         worker.runtime->memory().trim();
         schedule.too_large(number, job, error);
-        continue;
+      } else {
+        give_up(number, schedule, job, error);
       }
-      give_up(number, schedule, job, error);
     } catch (const std::exception& error) {
       give_up(number, schedule, job, host_failed(error));
     }
   }
-  if (schedule.evicted(number)) {
+  if (schedule.state(number).evicted) {
     worker.primitives->release();
     worker.runtime->memory().trim();
   }
@@ -265,7 +239,7 @@ void DevicePool::warm_up(std::size_t number, Schedule& schedule, const Options& 
     }
     const WarmupBatch crossing(std::vector<std::uint32_t>(8, 40));
     make(worker, crossing.view(), {7}, own);  // few pieces: all pairs are compared
-    worker.warmed_up.add(own);
+    worker.warmed_up.insert(warmup_key(own));
   } catch (const Shortage&) {
     settle(worker);
     worker.runtime->memory().trim();
@@ -286,18 +260,11 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
   own.progress = {};
   worker.runtime->give_up_when([&schedule, job] { return schedule.needless(*job); });
   const Stopwatch stopwatch(*worker.runtime);
-  Made made;
-  try {
-    made = make(worker, batch, job->problems, own);
-  } catch (const Shortage& shortage) {
-    settle(worker);
-    worker.runtime->memory().trim();
-    schedule.too_large(number, job, shortage.error, shortage.problem);
-    return;
-  }
+  Made made = make(worker, batch, job->problems, own);
   const double ms = stopwatch.milliseconds();
   if (!schedule.finish(number, job, std::move(made.result), std::move(made.errors), ms)) return;
-  DeviceReport& report = worker.report;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  DeviceReport& report = reports_[worker.device];
   report.problems += job->problems.size();
   for (const std::uint32_t p : job->problems) report.vertices += batch.n(p);
   ++report.runs;

@@ -49,14 +49,14 @@ class DevicePool {
   /// host copies its results and gathers its next problems, the device works for another worker.
   struct Worker {
     std::size_t device = 0;
+    std::uint32_t number = 0;  ///< among the device's workers
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
     Throughput throughput;
     Backoff backoff;
-    DeviceReport report;    ///< its part in the last batch
     bool warms_up = false;  ///< before it takes part in the first batch
-    WarmedUp warmed_up;
+    std::set<WarmupKey> warmed_up;
   };
   /// What a run has made of its problems.
   struct Made {
@@ -70,7 +70,6 @@ class DevicePool {
   };
   void open(Member& member, std::size_t device, const DevicePlan& plan);
   std::vector<DevicePlan> plan();
-  void tell(const std::vector<DevicePlan>& plans);
   std::vector<WorkerState> states(const std::vector<DevicePlan>& plans) const;
   void work(std::size_t worker, Schedule& schedule, const BatchInput& batch, const Options& options);
   void warm_up(std::size_t worker, Schedule& schedule, const Options& options);
@@ -80,12 +79,11 @@ class DevicePool {
   void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);
   void settle(Worker& worker);
   void lose(std::size_t device, const Error& error);
-  void add_reports();
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
 
   std::mutex mutex_;  ///< held during callbacks, and while a device is reported as lost
-  runtime::Log log_;
+  runtime::Log log_;  ///< takes the mutex, as does the trace
   Trace trace_;
   std::vector<PooledDevice> devices_;
   std::vector<DeviceReport> reports_;

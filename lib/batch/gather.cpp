@@ -43,17 +43,12 @@ void add_constraints(Upload& upload, Span<Constraint> given, std::uint64_t n, st
 ProblemRanges ranges_of(const BatchInput& batch, const std::vector<std::uint32_t>& numbers) {
   ProblemRanges ranges;
   std::uint64_t inputs = 0, constraints = 0;
-  const auto end = [&] {
+  for (std::size_t i = 0;; ++i) {
     ranges.first_input.push_back(static_cast<cl_uint>(inputs));
     ranges.first_constraint.push_back(static_cast<cl_uint>(constraints));
-  };
-  for (const std::uint32_t p : numbers) {
-    end();
-    inputs += batch.n(p);
-    constraints += batch.m(p);
+    if (i == numbers.size()) return ranges;
+    inputs += batch.n(numbers[i]), constraints += batch.m(numbers[i]);
   }
-  end();
-  return ranges;
 }
 
 DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,

@@ -5,34 +5,25 @@
 
 namespace gcdt {
 
-namespace {
-
-DevicePlan plan_device(const PooledDevice& device) {
-  const Tuning& tuning = device.tuning;
-  const bool gpu = device.kind == DeviceKind::gpu;
-  DevicePlan plan;
-  plan.workers = std::max<std::uint32_t>(1, tuning.workers.value_or(gpu ? Tuning::gpu_workers : 1));
-  plan.shares_context = plan.workers > 1 && (device.given_context || tuning.shares_context.value_or(gpu));
-  plan.rounds_per_read = gpu ? std::max(tuning.rounds_per_read, Tuning::gpu_rounds_per_read) : tuning.rounds_per_read;
-  // Not all of the memory, because others use the device as well, and because the need of a run is an estimate.
-  plan.capacity = device.memory_bytes / 4 * 3;
-  plan.job_bytes = plan.capacity / plan.workers;
-  plan.job_weight = gpu ? Tuning::gpu_weight : Tuning::cpu_weight;
-  plan.job_overhead = tuning.job_overhead.value_or(gpu ? Tuning::gpu_overhead : 0);
-  return plan;
-}
-
-}  // namespace
-
 std::vector<DevicePlan> plan_pool(const std::vector<PooledDevice>& devices) {
   std::vector<DevicePlan> plans;
   std::uint32_t cores = 0;  // for the threads that feed GPUs
   bool gpus = false;
   for (const PooledDevice& device : devices) {
-    plans.push_back(plan_device(device));
-    if (device.kind != DeviceKind::gpu) continue;
-    cores += Tuning::cores_per_gpu_worker * plans.back().workers;
-    gpus = gpus || !device.lost;
+    const Tuning& tuning = device.tuning;
+    const bool gpu = device.kind == DeviceKind::gpu;
+    DevicePlan plan;
+    plan.workers = std::max<std::uint32_t>(1, tuning.workers.value_or(gpu ? Tuning::gpu_workers : 1));
+    plan.shares_context = plan.workers > 1 && (device.given_context || tuning.shares_context.value_or(gpu));
+    plan.rounds_per_read = std::max(tuning.rounds_per_read, gpu ? Tuning::gpu_rounds_per_read : 0);
+    // Not all of the memory, because others use the device as well, and because the need of a run is an estimate.
+    plan.capacity = device.memory_bytes / 4 * 3;
+    plan.job_bytes = plan.capacity / plan.workers;
+    plan.job_weight = gpu ? Tuning::gpu_weight : Tuning::cpu_weight;
+    plan.job_overhead = tuning.job_overhead.value_or(gpu ? Tuning::gpu_overhead : 0);
+    if (gpu) cores += Tuning::cores_per_gpu_worker * plan.workers;
+    gpus = gpus || (gpu && !device.lost);
+    plans.push_back(plan);
   }
   for (std::size_t i = 0; i < devices.size(); ++i) {
     plans[i].beside_gpus = gpus && devices[i].kind != DeviceKind::gpu;

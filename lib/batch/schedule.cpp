@@ -124,7 +124,8 @@ double Schedule::wanted_weight(std::size_t worker) const {
   if (throughput <= 0)
     return part * (alike ? std::max(Tuning::first_weight, rest / alive * Tuning::part_of_rest)
                          : std::min(Tuning::first_weight, rest / alive));
-  const double end = milliseconds_of_rest(worker), least = throughput * state.overhead * Tuning::least_overheads;
+  const double end = milliseconds_of_rest(worker),
+               least = throughput * state.plan.job_overhead * Tuning::least_overheads;
   if (!state.started && end > Tuning::little_milliseconds)
     return std::max(least, part * throughput * end * Tuning::part_of_rest);
   const double wanted =
@@ -136,10 +137,10 @@ double Schedule::wanted_weight(std::size_t worker) const {
 // take p.
 bool Schedule::leaves_to_gpu(std::size_t worker, std::uint32_t p) const {
   const WorkerState& state = workers_[worker];
-  if (!state.beside_gpus || !state.throughput.known()) return false;
+  if (!state.plan.beside_gpus || !state.throughput.known()) return false;
   std::map<std::size_t, double> throughputs;  // of devices
   for (const WorkerState& other : workers_)
-    if (!other.beside_gpus && !other.lost && other.capacity >= bytes(p) && other.refused.count(p) == 0)
+    if (!other.plan.beside_gpus && !other.lost && other.plan.capacity >= bytes(p) && other.refused.count(p) == 0)
       throughputs[other.device] += other.throughput.value();
   return std::any_of(throughputs.begin(), throughputs.end(), [&](const auto& device) {
     return state.throughput.value() < device.second * Tuning::least_part_of_gpu;
@@ -157,10 +158,10 @@ bool Schedule::must_wait(std::size_t worker) const {
 std::shared_ptr<Job> Schedule::take_waiting(std::size_t worker) {
   const WorkerState& state = workers_[worker];
   const auto fits = std::partition_point(waiting_.begin(), waiting_.end(),
-                                         [&](std::uint32_t p) { return bytes(p) > state.capacity; });
+                                         [&](std::uint32_t p) { return bytes(p) > state.plan.capacity; });
   const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return state.refused.count(p) == 0; });
   if (begin == waiting_.end()) return nullptr;
-  double wanted = std::min(wanted_weight(worker), static_cast<double>(state.most_weight));
+  double wanted = std::min(wanted_weight(worker), static_cast<double>(state.plan.job_weight));
   if (leaves_to_gpu(worker, *begin)) {
     workers_[worker].too_slow = true;
     if (state.started) return nullptr;
@@ -192,7 +193,7 @@ std::size_t Schedule::count_that_fit(const WorkerState& state, std::size_t begin
     if (i > begin && (by_itself || static_cast<double>(all) > most_weight || n + i + 1 - begin > max_vertices)) break;
     sums.push_back({n, m});
   }
-  const std::uint64_t most_bytes = std::min(state.most_bytes, state.capacity);
+  const std::uint64_t most_bytes = std::min(state.plan.job_bytes, state.plan.capacity);
   const auto fits = [&](std::size_t count) {
     return forest_bytes(count, sums[count - 1][0], sums[count - 1][1]) <= most_bytes;
   };
@@ -219,11 +220,11 @@ std::shared_ptr<Job> Schedule::steal(std::size_t worker) {
         (!latest || remaining(*job) > remaining(*latest)))
       latest = job;
   if (!latest) return nullptr;
-  if (bytes(*latest) > state.capacity) return nullptr;
+  if (bytes(*latest) > state.plan.capacity) return nullptr;
   for (const std::uint32_t p : state.refused)
     if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
-  const double own =
-      std::max(state.overhead + static_cast<double>(latest->weight) / throughput, Tuning::least_theft_milliseconds);
+  const double own = std::max(state.plan.job_overhead + static_cast<double>(latest->weight) / throughput,
+                              Tuning::least_theft_milliseconds);
   if (nanoseconds(own * Tuning::theft_margin) >= remaining(*latest)) return nullptr;
   start(worker, latest, false);
   return latest;
@@ -236,7 +237,7 @@ void Schedule::start(std::size_t worker, const std::shared_ptr<Job>& job, bool f
   const double throughput = throughput_of(workers_[worker].device);
   job->began = job->due = Clock::now();
   if (throughput > 0)
-    job->due += nanoseconds(workers_[worker].overhead + static_cast<double>(job->weight) / throughput);
+    job->due += nanoseconds(workers_[worker].plan.job_overhead + static_cast<double>(job->weight) / throughput);
   running_.push_back(job);
 }
 
@@ -246,7 +247,7 @@ bool Schedule::finish(std::size_t worker, const std::shared_ptr<Job>& job, Fores
   Lock lock(mutex_);
   WorkerState& state = workers_[worker];
   state.throughput.add(static_cast<double>(job->weight),
-                       std::max(milliseconds - state.overhead, milliseconds * Tuning::least_part_of_contents));
+                       std::max(milliseconds - state.plan.job_overhead, milliseconds * Tuning::least_part_of_contents));
   if (job->done) {
     stop_running(job);
     return false;
@@ -302,8 +303,9 @@ void Schedule::too_large(std::size_t worker, const std::shared_ptr<Job>& job, co
   }
   const std::uint64_t needed = bytes(*job);
   // The worker takes half as much from now on, but enough for the largest problem of several, and not again this one.
-  workers_[worker].capacity = std::min(
-      workers_[worker].capacity, job->problems.size() > 1 ? std::max(needed / 2, bytes(job->problems[0])) : needed - 1);
+  workers_[worker].plan.capacity =
+      std::min(workers_[worker].plan.capacity,
+               job->problems.size() > 1 ? std::max(needed / 2, bytes(job->problems[0])) : needed - 1);
   put_back(job);
 }
 
@@ -315,11 +317,6 @@ bool Schedule::evict_others(std::size_t worker) {
         !workers_[other].lost)
       shared = workers_[other].lost = workers_[other].evicted = true;
   return shared;
-}
-
-bool Schedule::evicted(std::size_t worker) {
-  const Lock lock(mutex_);
-  return workers_[worker].evicted;
 }
 
 void Schedule::end(std::size_t worker) {
@@ -360,7 +357,7 @@ void Schedule::cancel() {
 void Schedule::refuse_what_is_too_large() {
   std::uint64_t most = 0;
   for (const WorkerState& state : workers_)
-    if (!state.lost) most = std::max(most, state.capacity);
+    if (!state.lost) most = std::max(most, state.plan.capacity);
   const auto refuse = [&](std::uint32_t p) {
     waiting_weight_ -= weight(p);
     std::string message = "the problem needs ";
@@ -376,7 +373,7 @@ void Schedule::refuse_what_is_too_large() {
   for (const std::uint32_t p : outgrown_) {
     const auto found = std::find(waiting_.begin(), waiting_.end(), p);
     if (found == waiting_.end() || std::any_of(workers_.begin(), workers_.end(), [&](const WorkerState& state) {
-          return !state.lost && state.refused.count(p) == 0 && bytes(p) <= state.capacity;
+          return !state.lost && state.refused.count(p) == 0 && bytes(p) <= state.plan.capacity;
         }))
       continue;
     refuse(p);
@@ -395,14 +392,9 @@ double Schedule::wait() {
   return std::min(settled, most_told);
 }
 
-bool Schedule::too_slow(std::size_t worker) {
+WorkerState Schedule::state(std::size_t worker) {
   const Lock lock(mutex_);
-  return workers_[worker].too_slow;
-}
-
-Throughput Schedule::throughput(std::size_t worker) {
-  const Lock lock(mutex_);
-  return workers_[worker].throughput;
+  return workers_[worker];
 }
 
 }  // namespace gcdt

@@ -15,6 +15,7 @@
 #include <set>
 
 #include "batch/pipeline.hpp"
+#include "batch/pool_plan.hpp"
 #include "batch/throughput.hpp"
 
 namespace gcdt {
@@ -33,21 +34,17 @@ struct Job {
 
 /// What the schedule knows of a worker, which does one run after the other on its device.
 struct WorkerState {
-  std::size_t device = 0;         ///< the workers of a device are equally fast, share its memory and are lost together
-  std::uint64_t capacity = 0;     ///< bytes; the worker takes no problem that needs more
-  std::uint64_t most_bytes = 0;   ///< limit for a job of several problems
-  std::uint64_t most_weight = 0;  ///< the same limit as a weight
-  Throughput throughput;          ///< without the overhead
-  double overhead = 0;            ///< milliseconds that every job takes, whatever it holds
+  std::size_t device = 0;  ///< the workers of a device are equally fast, share its memory and are lost together
+  DevicePlan plan;         ///< the worker's; `capacity` shrinks when the device turns out to have less memory
+  Throughput throughput;   ///< without the overhead
   /// The first job is this part of a usual one. The workers of a device begin with different parts, so that they do not
   /// all work on the host, or all on the device, at the same time.
   double first_part = 1;
-  bool started = false;             ///< the worker has taken its first job, or sits this call out
-  bool beside_gpus = false;         ///< the device is a CPU in a pool with GPUs
-  bool too_slow = false;            ///< the worker was too slow to get more than one job
-  bool lost = false;                ///< the worker takes no more jobs
-  bool evicted = false;             ///< the worker is lost because another worker of the device needs its memory
-  bool ended = false;               ///< the worker's thread is gone; if it was evicted, its memory is free
+  bool started = false;   ///< the worker has taken its first job, or sits this call out
+  bool too_slow = false;  ///< the worker was too slow to be of use, and got at most one job
+  bool lost = false;      ///< the worker takes no more jobs
+  bool evicted = false;   ///< the worker is lost, and must free its memory, which another worker of the device needs
+  bool ended = false;     ///< the worker's thread is gone; if it was evicted, its memory is free
   std::set<std::uint32_t> refused;  ///< problems that turned out to need more memory than their sizes say
 };
 
@@ -85,8 +82,8 @@ class Schedule {
   void drop(std::size_t worker, const std::shared_ptr<Job>& job);
   /// Every worker calls this last.
   void end(std::size_t worker);
-  /// Whether the worker must free its device memory before it ends, because another one needs it.
-  bool evicted(std::size_t worker);
+  /// What has become of the worker.
+  WorkerState state(std::size_t worker);
   /// Whether a run of the job may stop.
   bool needless(const Job& job) const { return cancelled() || job.done; }
   void cancel();
@@ -95,9 +92,6 @@ class Schedule {
   /// Waits for a change, or a short time. Returns the share of the work that is settled, and 1 when all workers have
   /// ended.
   double wait();
-  Throughput throughput(std::size_t worker);
-  /// Whether the worker was too slow to be of use, so that it got at most one job.
-  bool too_slow(std::size_t worker);
 
   /// Where a problem's result is: which result, and its place there. Valid when all workers have ended, for problems
   /// without an error.

@@ -36,6 +36,20 @@ struct BusyWorker {
 
 /// Shares `weight` out so that all workers that get some of it end together, and returns in how many milliseconds they
 /// end. Workers that are busy for longer get nothing. At least one worker has a throughput.
-double common_end(std::vector<BusyWorker> workers, double weight);
+inline double common_end(std::vector<BusyWorker> workers, double weight) {
+  // Sorts the workers by when they are free. If the first k share the weight, they end at the time that the equation
+  // sum throughput_i (end - busy_i) = weight gives. A further worker makes the end earlier if it is free before that
+  // end. So the least k is right whose next worker is free no sooner than the end.
+  std::sort(workers.begin(), workers.end(),
+            [](const BusyWorker& a, const BusyWorker& b) { return a.milliseconds < b.milliseconds; });
+  double throughputs = 0, end = 0;
+  for (const BusyWorker& worker : workers) {
+    if (throughputs > 0 && worker.milliseconds >= end) break;
+    throughputs += worker.throughput;
+    weight += worker.throughput * worker.milliseconds;
+    if (throughputs > 0) end = weight / throughputs;
+  }
+  return end;
+}
 
 }  // namespace gcdt

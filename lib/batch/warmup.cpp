@@ -32,13 +32,8 @@ WarmupBatch::WarmupBatch(const std::vector<std::uint32_t>& vertices) {
 }
 
 BatchInput WarmupBatch::view() const {
-  BatchInput batch;
-  batch.problems = vertex_offsets_.size() - 1;
-  batch.vertices = vertices_.data();
-  batch.vertex_offsets = vertex_offsets_.data();
-  batch.constraints = constraints_.data();
-  batch.constraint_offsets = constraint_offsets_.data();
-  return batch;
+  return {vertex_offsets_.size() - 1, Points::Type::float64, vertices_.data(),
+          vertex_offsets_.data(),     constraints_.data(),   constraint_offsets_.data()};
 }
 
 // Many problems, so that each is one work-item's. A few, which have less than Tuning::one_item_vertices together. A

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <set>
 #include <vector>
 
 #include "batch/problems.hpp"
@@ -29,17 +28,10 @@ class WarmupBatch {
 /// How many vertices the problems of each run of a warm-up have, on a device of so many compute units.
 std::vector<std::vector<std::uint32_t>> warmup_runs(std::uint32_t compute_units, Crossing crossing);
 
-/// The options with which a worker has warmed up, as far as they decide which kernels are launched.
-class WarmedUp {
- public:
-  bool has(const Options& options) const { return kinds_.count(kind(options)) > 0; }
-  void add(const Options& options) { kinds_.insert(kind(options)); }
-
- private:
-  static std::array<int, 3> kind(const Options& options) {
-    return {static_cast<int>(options.crossing), options.domain != Domain::hull, options.regions};
-  }
-  std::set<std::array<int, 3>> kinds_;
-};
+/// The options that decide which kernels a warm-up launches.
+using WarmupKey = std::array<int, 3>;
+inline WarmupKey warmup_key(const Options& options) {
+  return {static_cast<int>(options.crossing), options.domain != Domain::hull, options.regions};
+}
 
 }  // namespace gcdt

@@ -23,7 +23,7 @@ runtime::CallHook as_gpu(const Tuning& tuning) {
 
 }  // namespace
 
-// Which leaves cores to the GPU's workers, and warms_up while the GPU works.
+// Which leaves cores to the GPU's workers, and which warms up while the GPU works.
 TEST_CASE("a CPU beside a device treated as a GPU, in one pool") {
   std::vector<Workload> problems = smallest_problems();
   for (std::uint64_t seed = 1; seed <= 200; ++seed) problems.push_back(random_pslg(150, 1000, 40, seed));

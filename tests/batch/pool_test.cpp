@@ -303,7 +303,7 @@ TEST_CASE("two workers on one device give the bytes of one, also when a call of 
   }
 }
 
-// ---- Devices that warm_up --------------------------------------------------------------------------
+// ---- Devices that warm up --------------------------------------------------------------------------
 
 namespace {
 
@@ -353,7 +353,7 @@ void check_call(DevicePool& pool, const std::vector<Workload>& problems, const O
 
 }  // namespace
 
-TEST_CASE("a device that warms_up has launched all kernels of jobs in the first call with such options") {
+TEST_CASE("a device that warms up has launched all kernels of jobs in the first call with such options") {
   Watch watch;
   DevicePool pool({{cl::Context(), app_device(), watch.hook()}}, {},
                   {});  // no other device: the same jobs in every run
@@ -395,7 +395,7 @@ TEST_CASE("a warm-up ends when the call is cancelled") {
   CHECK(outcome_of(pool, batch, Singles(sketches(20, false)).meshes).right);
 }
 
-TEST_CASE("a device that warms_up does the work of those that are lost, and may be lost in its warm-up") {
+TEST_CASE("a device that warms up does the work of those that are lost, and may be lost in its warm-up") {
   const std::vector<Workload> problems = sketches(20, false);
   const RaggedBatch batch(problems);
   const std::vector<Triangulation> expected = Singles(problems).meshes;

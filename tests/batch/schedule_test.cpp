@@ -32,8 +32,8 @@ struct Sizes {
 WorkerState worker(std::size_t device, double throughput = 0, std::uint64_t capacity = std::uint64_t{1} << 40) {
   WorkerState state;
   state.device = device;
-  state.capacity = state.most_bytes = capacity;
-  state.most_weight = std::uint64_t{1} << 24;
+  state.plan.capacity = state.plan.job_bytes = capacity;
+  state.plan.job_weight = std::uint64_t{1} << 24;
   state.throughput = Throughput(throughput);
   return state;
 }
@@ -74,7 +74,7 @@ Error shortage() { return Error(Status::out_of_memory, "made up"); }
 
 }  // namespace
 
-TEST_CASE("a worker that is alone takes everything at once, largest first") {
+TEST_CASE("a single worker takes everything at once, largest first") {
   const Sizes sizes({5, 100, 7, 100, 1});
   const BatchInput batch = sizes.view();
   Schedule schedule(batch, {worker(0)});
@@ -139,17 +139,17 @@ TEST_CASE("a job is worth its overhead, which is no part of a worker's throughpu
   const Sizes sizes = thousands(100);
   const BatchInput batch = sizes.view();
   WorkerState state = worker(0, 1000);  // 50 ms each
-  state.overhead = 20;
+  state.plan.job_overhead = 20;
   Schedule schedule(batch, {state, state});
   const auto first = schedule.take(0);
   CHECK(first->weight == 60 * 1000u);  // three overheads' worth
   finish(schedule, 0, first, 80);
-  CHECK(schedule.throughput(0).value() == doctest::Approx(1000));
+  CHECK(schedule.state(0).throughput.value() == doctest::Approx(1000));
   CHECK(schedule.take(1)->weight == 40 * 1000u);
   SUBCASE("whatever is thought of the overhead") {
     Schedule other(batch, {state, state});
     finish(other, 0, other.take(0), 16);  // at least a quarter
-    CHECK(other.throughput(0).value() == doctest::Approx((500.0 + 60000) / (0.5 + 4)));
+    CHECK(other.state(0).throughput.value() == doctest::Approx((500.0 + 60000) / (0.5 + 4)));
   }
 }
 
@@ -172,7 +172,7 @@ TEST_CASE("problems are taken by size, then by number, whatever digits their siz
   const Sizes sizes(counts);
   const BatchInput batch = sizes.view();
   WorkerState any = worker(0);
-  any.capacity = any.most_bytes = any.most_weight = UINT64_MAX;
+  any.plan.capacity = any.plan.job_bytes = any.plan.job_weight = UINT64_MAX;
   Schedule schedule(batch, {any});
   std::vector<std::uint32_t> taken, expected;
   while (const auto job = schedule.take(0)) {
@@ -210,7 +210,7 @@ TEST_CASE("a job that is overdue is taken over, however soon it was to be done")
   const Sizes sizes({500000, 400000});
   const BatchInput batch = sizes.view();
   std::vector<WorkerState> workers = {worker(0, 1e6), worker(1, 1e6)};  // half a millisecond
-  for (WorkerState& state : workers) state.most_weight = 1;             // so one problem at a time
+  for (WorkerState& state : workers) state.plan.job_weight = 1;         // so one problem at a time
   Schedule schedule(batch, workers);
   const auto first = schedule.take(0), second = schedule.take(1);
   finish(schedule, 1, second, 0.4);
@@ -228,15 +228,16 @@ TEST_CASE("whose job was done by another before it is known to be no faster than
   const BatchInput batch = sizes.view();
   for (const double throughput : {0.0, 1e6}) {
     std::vector<WorkerState> workers = {worker(0, throughput), worker(1, 1e6)};
-    for (WorkerState& state : workers) state.most_weight = 1;
+    for (WorkerState& state : workers) state.plan.job_weight = 1;
     Schedule schedule(batch, workers);
     const auto slow = schedule.take(0);
     finish(schedule, 1, schedule.take(1), 0.004);
     finish(schedule, 1, schedule.take(1), 0.004);  // taken over
     CHECK(schedule.needless(*slow));
     schedule.drop(0, slow);
-    CHECK(schedule.throughput(0).known());
-    CHECK(schedule.throughput(0).value() < (5000.0 + Tuning::problem_weight) / 5);  // no theft takes less than 5 ms
+    CHECK(schedule.state(0).throughput.known());
+    CHECK(schedule.state(0).throughput.value() <
+          (5000.0 + Tuning::problem_weight) / 5);  // no theft takes less than 5 ms
     check_settled(schedule, 2);
   }
 }
@@ -245,7 +246,7 @@ TEST_CASE("a CPU beside a much faster GPU takes one small job a call, and what t
   const Sizes sizes = thousands(1000);
   const BatchInput batch = sizes.view();
   WorkerState cpu = worker(1, 100);
-  cpu.beside_gpus = true;
+  cpu.plan.beside_gpus = true;
   SUBCASE("one small job") {
     Schedule schedule(batch, {worker(0, 1000), cpu});
     const auto small = schedule.take(1);
@@ -315,8 +316,8 @@ TEST_CASE("a worker without memory has its neighbour end first, and is refused o
   const auto large = schedule.take(0), small = schedule.take(1);
   REQUIRE(large->problems == std::vector<std::uint32_t>{0});
   schedule.too_large(0, large, shortage());
-  CHECK(schedule.evicted(1));
-  CHECK(!schedule.evicted(0));
+  CHECK(schedule.state(1).evicted);
+  CHECK(!schedule.state(0).evicted);
   std::atomic<bool> ended{false};
   std::thread other([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
