@@ -18,7 +18,7 @@ TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
   CHECK(nothing.size() == 0);
   CHECK(nothing.statistics().triangles == 0);
   const std::vector<Workload> empty(1000);
-  Alone(empty).check(pool.triangulate(batch_of(empty)));
+  Singles(empty).check(pool.triangulate(batch_of(empty)));
   const std::vector<Workload> equal(2000, workload("random_pslg", 5));
   const BatchResult result = pool.triangulate(batch_of(equal));
   const Triangulation one = solver().triangulate(equal[0].points, equal[0].constraints);
@@ -30,7 +30,7 @@ TEST_CASE("one problem of 1,000,000 vertices beside 10,000 of 20") {
   for (std::uint64_t i = 0; i < 10000; ++i) problems.push_back(uniform(20, i));
   problems.insert(problems.begin() + 5000, uniform(1000000));
   Pool two = make_pool(half_devices());
-  Alone(problems).check(two.triangulate(batch_of(problems)));
+  Singles(problems).check(two.triangulate(batch_of(problems)));
 }
 
 TEST_CASE("all types of coordinates, and options, as for one problem") {
@@ -60,7 +60,7 @@ TEST_CASE("domains of a batch on two devices") {
   options.domain = Domain::nonzero;
   options.crossing = Crossing::drop;
   Pool two = make_pool(half_devices());
-  Alone(problems, options).check(two.triangulate(batch_of(problems), options));
+  Singles(problems, options).check(two.triangulate(batch_of(problems), options));
 }
 
 TEST_CASE("the ragged copy is the problems' arrays one after the other") {
@@ -117,16 +117,23 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   for (const char* none : {"no such device", "cpu,no such device", ",", "99"}) CHECK_THROWS_AS(Pool{none}, Error);
 }
 
-TEST_CASE("a trace of a pool has every device's phases") {
+TEST_CASE("a trace of a pool has every device's phases and plan, and so has its log") {
   std::set<std::uint32_t> devices;
   std::set<std::string> phases;
-  Pool two = make_pool(half_devices(), {}, [&](const TraceSpan& span) {
-    devices.insert(span.device_number % 2);  // and lanes
-    phases.insert(span.phase);
-  });
+  std::size_t traced = 0, logged = 0;
+  const auto counts = [](const std::string& text, const char* words) { return text.find(words) == 0; };
+  Pool two = make_pool(
+      half_devices(), [&](int, const char* message) { logged += counts(message, "pool plan: 1 worker; jobs of "); },
+      [&](const TraceSpan& span) {
+        devices.insert(span.device_number % 2);  // and workers
+        phases.insert(span.phase);
+        traced += span.phase == "plan" && counts(span.name, "1 worker; jobs of ");
+      });
   two.triangulate(batch_of(std::vector<Workload>(3000, workload("random_pslg", 4))));
   CHECK(devices == std::set<std::uint32_t>{0, 1});
   CHECK(phases == std::set<std::string>{"order", "plan", "insert", "constrain", "flip", "check", "output", "copy"});
+  CHECK(traced == 2);
+  CHECK(logged == 2);
 }
 
 #ifdef __linux__
@@ -179,12 +186,12 @@ Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector
 namespace {
 
 /// A pool of one such device; what it answers is right or an error. Whether it was one.
-bool fails_alone(const std::shared_ptr<std::atomic<std::uint64_t>>& calls, std::uint64_t k, bool for_good, cl_int code,
-                 const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
+bool fails_single(const std::shared_ptr<std::atomic<std::uint64_t>>& calls, std::uint64_t k, bool for_good, cl_int code,
+                  const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
   *calls = 0;
   try {
-    DevicePool alone({{cl::Context(), app_device(), failing(calls, k, for_good, code)}}, {}, {});
-    const Outcome outcome = outcome_of(alone, batch, expected);
+    DevicePool single({{cl::Context(), app_device(), failing(calls, k, for_good, code)}}, {}, {});
+    const Outcome outcome = outcome_of(single, batch, expected);
     CHECK((outcome.right || !outcome.message.empty() || outcome.refused));
     return !outcome.right;
   } catch (const Error& error) {
@@ -200,7 +207,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
                                             {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {6, 4}}),
                                     uniform(6), problem({{0.1, 0.2}})};
   const RaggedBatch batch(problems);
-  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const std::vector<Triangulation> expected = Singles(problems).meshes;
   const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
   {
     DevicePool pool({{cl::Context(), app_device(), failing(calls, 0, false, 0)}}, {}, {});
@@ -214,7 +221,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call, for every k, changes no 
     CAPTURE(k);
     const bool for_good = k % 2 == 0;  // lost, or failed once
     const cl_int code = k % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
-    if (k % 5 == 0) failed += fails_alone(calls, k, for_good, code, batch, expected);
+    if (k % 5 == 0) failed += fails_single(calls, k, for_good, code, batch, expected);
     *calls = 0;
     DevicePool pool(
         {{cl::Context(), app_device(), failing(calls, k, for_good, code)}, {cl::Context(), app_device(), healthy()}},
@@ -257,37 +264,37 @@ std::vector<Workload> valid_problems() {
 
 }  // namespace
 
-TEST_CASE("two lanes on one device give the bytes of one, also when a call of either fails") {
+TEST_CASE("two workers on one device give the bytes of one, also when a call of either fails") {
   std::vector<Workload> problems = valid_problems();
   problems.push_back(uniform(40000));
   const RaggedBatch batch(problems);
-  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const std::vector<Triangulation> expected = Singles(problems).meshes;
   const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
-  const auto two_lanes = [&](std::uint64_t k, bool for_good, cl_int code) {
+  const auto two_workers = [&](std::uint64_t k, bool for_good, cl_int code) {
     runtime::CallHook hook = failing(calls, k, for_good, code);
-    hook.tuning.lanes = 2;
-    hook.tuning.pack_overhead = 0;                                         // so that there is more than one pack
+    hook.tuning.workers = 2;
+    hook.tuning.job_overhead = 0;                                          // so that there is more than one job
     hook.tuning.prepares_host_memory = hook.tuning.shares_context = true;  // as on a GPU
     hook.tuning.rounds_per_read = 16;
     return hook;
   };
   *calls = 0;
-  DevicePool pool({{cl::Context(), app_device(), two_lanes(0, false, 0)}}, {}, {});
+  DevicePool pool({{cl::Context(), app_device(), two_workers(0, false, 0)}}, {}, {});
   REQUIRE(pool.size() == 1);
-  for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
+  for (int round = 0; round < 2; ++round) {  // with throughputs unknown and known
     CHECK(outcome_of(pool, batch, expected).right);
     CHECK(pool.report(0).problems == problems.size());
-    if (round == 0) CHECK(pool.report(0).runs >= 2);  // later a fast lane may take all
+    if (round == 0) CHECK(pool.report(0).runs >= 2);  // later a fast worker may take all
   }
   const std::uint64_t all = *calls / 2;
   for (std::uint64_t k = 1; k < all; k += 1 + all / 40) {
     CAPTURE(k);
     *calls = 0;
-    // Once without memory, which may be the other lane's fault; or lost.
+    // Once without memory, which may be the other worker's fault; or lost.
     const bool for_good = k % 2 == 0;
     const cl_int code = for_good ? CL_INVALID_COMMAND_QUEUE : CL_MEM_OBJECT_ALLOCATION_FAILURE;
     DevicePool both(
-        {{cl::Context(), app_device(), two_lanes(k, for_good, code)}, {cl::Context(), app_device(), healthy()}}, {},
+        {{cl::Context(), app_device(), two_workers(k, for_good, code)}, {cl::Context(), app_device(), healthy()}}, {},
         {});
     const Outcome outcome = outcome_of(both, batch, expected);
     CAPTURE(outcome.message);
@@ -296,7 +303,7 @@ TEST_CASE("two lanes on one device give the bytes of one, also when a call of ei
   }
 }
 
-// ---- Devices that rehearse --------------------------------------------------------------------------
+// ---- Devices that warm up --------------------------------------------------------------------------
 
 namespace {
 
@@ -310,7 +317,7 @@ struct Watch {
   runtime::CallHook hook() {
     runtime::CallHook hook;
     hook.keep_programs = true;
-    hook.tuning.rehearses = true;
+    hook.tuning.warms_up = true;
     hook.before = [this](const char* call, const char* detail) {
       const std::string name = call;
       if (name == "clCreateKernel") {
@@ -341,14 +348,15 @@ std::vector<Workload> sketches(std::size_t count, bool crossing) {
 }
 
 void check_call(DevicePool& pool, const std::vector<Workload>& problems, const Options& options) {
-  Alone(problems, options).check(pool.triangulate(RaggedBatch(problems).view(), options));
+  Singles(problems, options).check(pool.triangulate(RaggedBatch(problems).view(), options));
 }
 
 }  // namespace
 
-TEST_CASE("a device that rehearses has launched all kernels of packs in the first call with such options") {
+TEST_CASE("a device that warms up has launched all kernels of jobs in the first call with such options") {
   Watch watch;
-  DevicePool pool({{cl::Context(), app_device(), watch.hook()}}, {}, {});  // alone: the same packs in every run
+  DevicePool pool({{cl::Context(), app_device(), watch.hook()}}, {},
+                  {});  // no other device: the same jobs in every run
   const RaggedBatch nothing(std::vector<Workload>{});
   for (const Crossing crossing : {Crossing::reject, Crossing::drop, Crossing::split})
     for (const Domain domain : {Domain::hull, Domain::nonzero}) {
@@ -373,7 +381,7 @@ TEST_CASE("a device that rehearses has launched all kernels of packs in the firs
     }
 }
 
-TEST_CASE("a rehearsal ends when the call is cancelled") {
+TEST_CASE("a warm-up ends when the call is cancelled") {
   Watch watch;
   watch.delay = std::chrono::milliseconds(50);
   DevicePool pool({{cl::Context(), app_device(), healthy()}, {cl::Context(), app_device(), watch.hook()}}, {}, {});
@@ -382,30 +390,30 @@ TEST_CASE("a rehearsal ends when the call is cancelled") {
   Options options;
   options.progress = [](const char*, double) { return false; };
   CHECK_THROWS_AS(pool.triangulate(batch.view(), options), Error);
-  CHECK(watch.launches < launches + 10);  // a rehearsal has dozens, and the first progress is told after 50 ms
+  CHECK(watch.launches < launches + 10);  // a warm-up has dozens, and the first progress is told after 50 ms
   options.progress = {};
-  CHECK(outcome_of(pool, batch, Alone(sketches(20, false)).meshes).right);
+  CHECK(outcome_of(pool, batch, Singles(sketches(20, false)).meshes).right);
 }
 
-TEST_CASE("a device that rehearses does the work of those that are lost, and may be lost in its rehearsal") {
+TEST_CASE("a device that warms up does the work of those that are lost, and may be lost in its warm-up") {
   const std::vector<Workload> problems = sketches(20, false);
   const RaggedBatch batch(problems);
-  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const std::vector<Triangulation> expected = Singles(problems).meshes;
   const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
   for (const std::uint64_t k : {100, 150, 200, 400}) {
     CAPTURE(k);
     const runtime::CallHook broken = failing(calls, k, true, CL_INVALID_COMMAND_QUEUE);
-    runtime::CallHook rehearsing = healthy();
-    rehearsing.tuning.rehearses = true;
+    runtime::CallHook warming = healthy();
+    warming.tuning.warms_up = true;
     *calls = 0;
-    DevicePool first({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), rehearsing}}, {}, {});
+    DevicePool first({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), warming}}, {}, {});
     for (int call = 0; call < 8; ++call) CHECK(outcome_of(first, batch, expected).right);  // it fails in one of them
     CHECK(first.report(0).lost);
     CHECK(first.report(1).problems == problems.size());
-    rehearsing = broken;
-    rehearsing.tuning.rehearses = true;
+    warming = broken;
+    warming.tuning.warms_up = true;
     *calls = 0;
-    DevicePool second({{cl::Context(), app_device(), healthy()}, {cl::Context(), app_device(), rehearsing}}, {}, {});
+    DevicePool second({{cl::Context(), app_device(), healthy()}, {cl::Context(), app_device(), warming}}, {}, {});
     CHECK(outcome_of(second, batch, expected).right);
     CHECK(second.report(0).problems == problems.size());
     CHECK(second.report(1).lost);
@@ -416,7 +424,7 @@ TEST_CASE("launches wider than they need to be give the same bytes, also of mesh
   std::vector<Workload> problems = valid_problems();
   problems.push_back(uniform(40000));
   const RaggedBatch batch(problems);
-  const std::vector<Triangulation> expected = Alone(problems).meshes;
+  const std::vector<Triangulation> expected = Singles(problems).meshes;
   runtime::CallHook hook = healthy();
   hook.tuning.width = 1024;
   DevicePool two({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), hook}}, {}, {});
@@ -426,7 +434,7 @@ TEST_CASE("launches wider than they need to be give the same bytes, also of mesh
     Workload small = uniform(n);
     small.constraints = {{0, n - 1}};
     const std::vector<Workload> one = {small};
-    CHECK(outcome_of(two, RaggedBatch(one), Alone(one).meshes).right);
+    CHECK(outcome_of(two, RaggedBatch(one), Singles(one).meshes).right);
   }
 }
 
@@ -455,6 +463,6 @@ TEST_CASE("a device may be used but for some of its compute units") {
   CHECK(runtime::part_of(whole, 0)() == whole());
   const std::vector<Workload> problems = valid_problems();
   DevicePool pool({{cl::Context(), part, {}}}, {}, {});
-  const Alone alone(problems);
-  CHECK(outcome_of(pool, RaggedBatch(problems), alone.meshes).right);
+  const Singles singles(problems);
+  CHECK(outcome_of(pool, RaggedBatch(problems), singles.meshes).right);
 }

@@ -157,7 +157,7 @@ TEST_CASE("the launch geometry does not matter") {
 }
 
 TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
-  const auto few = static_cast<int>(Tuning().few_vertices);
+  const auto few = static_cast<int>(Tuning().one_item_vertices);
   Engine e(7);
   for (const int n : {few - 1, few, few + 1})
     for (const char* family : {"tenths", "uniform around 0", "1e300, 1 and 1e-300"}) {

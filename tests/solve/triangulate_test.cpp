@@ -72,7 +72,7 @@ TEST_CASE("small inputs of every generator give valid meshes") {
 }
 
 TEST_CASE("few vertices, which one work-item orders, and one more give valid meshes that agree with CGAL") {
-  const std::size_t few = Tuning().few_vertices;
+  const std::size_t few = Tuning().one_item_vertices;
   for (const std::size_t n : {few - 1, few, few + 1}) {
     std::vector<Workload> all{uniform(n), grid(n), line(n), line_and_one(n), comb(n), parabola(n)};
     all.push_back(uniform(n));

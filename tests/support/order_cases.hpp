@@ -32,7 +32,7 @@ inline std::vector<std::unique_ptr<Device>>& devices_under_test() {
     for (const auto& device : test::every_device()) {
       list->push_back(std::make_unique<Device>(device));
       runtime::CallHook hook;
-      hook.tuning.few_vertices = 0;
+      hook.tuning.one_item_vertices = 0;
       if (list->back()->runtime.contiguous()) list->push_back(std::make_unique<Device>(device, hook));
     }
     return list;

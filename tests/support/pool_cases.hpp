@@ -21,11 +21,11 @@ inline Batch batch_of(const std::vector<Workload>& problems) {
 }
 
 /// What problems have alone: a mesh or an error.
-struct Alone {
+struct Singles {
   std::vector<Triangulation> meshes;
   std::vector<std::string> errors;
 
-  explicit Alone(const std::vector<Workload>& problems, const Options& options = {}) {
+  explicit Singles(const std::vector<Workload>& problems, const Options& options = {}) {
     for (const Workload& problem : problems) {
       meshes.emplace_back();
       errors.emplace_back();

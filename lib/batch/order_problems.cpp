@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/forest_order.hpp"
+#include "batch/order_problems.hpp"
 
 #include <algorithm>
 
@@ -14,9 +14,9 @@ using runtime::over;
 
 namespace {
 
-class ForestOrdering {
+class ProblemOrdering {
  public:
-  ForestOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
+  ProblemOrdering(runtime::Runtime& runtime, InputPoints points, const ProblemRanges& ranges)
       : runtime_(runtime), points_(std::move(points)), ranges_(ranges), problems_(ranges.count()) {
     for (cl_uint p = 0; p < problems_; ++p) largest_ = std::max(largest_, size(p));
     cut();
@@ -75,8 +75,8 @@ class ForestOrdering {
     if (!may_round_together_) points_ = {};
   }
 
-  // Each problem by its key, within its own places, or all by key, then by problem: least significant first, both
-  // stable. One problem is sorted by its key.
+  // Sorts each problem's vertices by their keys within the problem's places, or sorts all vertices twice, stably: by
+  // key, then by problem. The vertices of a single problem are sorted by their keys.
   void sort(Primitives& primitives, cl_uint n) {
     if (problems_ == 1) return primitives.sort(keys_, values_, n, GCDT_MORTON_BITS);
     const Plan::By by = plan_of(0).sort_problems;
@@ -110,7 +110,7 @@ class ForestOrdering {
     vertices.largest = largest_;
     vertices.levels = device::make_levels(distinct, coarsest(distinct));
     vertices.levels_buffer = runtime_.upload_one("levels", vertices.levels);
-    vertices.points = runtime_.allocate<cl_int2>("points", distinct + (std::size_t{distinct} + problems_ + 4) / 2);
+    vertices.points = runtime_.allocate<cl_int2>("points", device::gcdt_forest_points(distinct, problems_));
     vertices.vertex_input = runtime_.allocate<cl_uint>("vertex inputs", distinct);
     vertices.input_vertex = runtime_.allocate<cl_uint>("input vertices", n);
     runtime_.launch("forest", "forest_number", over(n), n, vertices.levels_buffer, input_problem_, keys_, values_,
@@ -137,14 +137,15 @@ class ForestOrdering {
   }
   cl_uint size(cl_uint p) const { return ranges_.first_input[p + 1] - ranges_.first_input[p]; }
 
-  // One level where nobody needs more: numbers are ranks then, and each problem's are consecutive, as is all that they
-  // bring. Else as many levels as the largest problem would have alone: the others then have their vertices in the
-  // finest ones.
+  // Returns how many vertices the coarsest level has. One level has all of them where the plan needs no more: then
+  // numbers are ranks, those of a problem are consecutive, and so are the faces and edges that they bring. Else there
+  // are as many levels as the largest problem would have by itself, and the vertices of smaller ones are in the finest
+  // levels.
   std::uint32_t coarsest(cl_uint distinct) const {
     const Plan plan = plan_of(distinct);
     if (plan.one_level) return std::max(distinct, 1u);
-    const std::uint64_t alone = std::max<cl_uint>(largest_, plan.coarsest_level);
-    return static_cast<std::uint32_t>((std::uint64_t{distinct} * plan.coarsest_level + alone - 1) / alone);
+    const std::uint64_t largest = std::max<cl_uint>(largest_, plan.coarsest_level);
+    return static_cast<std::uint32_t>((std::uint64_t{distinct} * plan.coarsest_level + largest - 1) / largest);
   }
 
   void cut() {
@@ -166,7 +167,7 @@ class ForestOrdering {
     first_chunk_ = runtime_.upload("first chunks", first_chunk);
   }
 
-  // The greatest of each column, problem by problem. Blocks.
+  // Folds rows of chunks to one row a problem: the greatest of each column. Blocks.
   std::vector<cl_ulong> fold(const Buffer<cl_ulong>& maxima, cl_uint columns) {
     const std::size_t elements = std::size_t{problems_} * columns;
     auto folded = runtime_.allocate<cl_ulong>("folded maxima", elements);
@@ -214,10 +215,10 @@ class ForestOrdering {
 
 }  // namespace
 
-ForestOrder order_forest(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
-                         const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed) {
+ForestOrder order_problems(runtime::Runtime& runtime, Primitives& primitives, InputPoints points,
+                           const ProblemRanges& ranges, const std::optional<FixedGrid>& fixed) {
   const cl_uint n = points.n;
-  ForestOrdering ordering(runtime, std::move(points), ranges);
+  ProblemOrdering ordering(runtime, std::move(points), ranges);
   ordering.choose_grids(fixed);
   ordering.quantise();
   runtime.end_step();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/alone.hpp"
+#include "batch/single.hpp"
 
 #include "solve/triangulate.hpp"
 
@@ -22,8 +22,8 @@ Points points_of(const BatchInput& batch, std::uint32_t p) {
   }
 }
 
-/// Copies what a call has left on the device.
-void copy_alone(Runtime& runtime, const DeviceTriangulation& made, ForestResult& result) {
+/// Copies the arrays that the call left on the device.
+void copy_single(Runtime& runtime, const DeviceTriangulation& made, ForestResult& result) {
   for (const ResultArray& array : result_arrays) {
     if (array.there == There::on_demand || !has(made, array)) continue;
     const auto slot = static_cast<std::size_t>(array.number);
@@ -36,8 +36,8 @@ void copy_alone(Runtime& runtime, const DeviceTriangulation& made, ForestResult&
 
 }  // namespace
 
-ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const BatchInput& batch, std::uint32_t number,
-                               const Options& options) {
+ForestResult triangulate_single(Runtime& runtime, Primitives& primitives, const BatchInput& batch, std::uint32_t number,
+                                const Options& options) {
   Options own = options;
   own.canonical = true;
   const Points points = points_of(batch, number);
@@ -50,7 +50,7 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
   const DeviceTriangulation made = triangulate(runtime, primitives, source, own);
   ForestResult result;
   runtime.tracer().begin_phase("copy");
-  copy_alone(runtime, made, result);
+  copy_single(runtime, made, result);
   runtime.tracer().end_phase();
   result.problems = {number};
   result.grids = {made.statistics.grid};

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/rehearsal.hpp"
+#include "batch/warmup.hpp"
+
+#include <algorithm>
 
 namespace gcdt {
 
-RehearsalBatch::RehearsalBatch(const std::vector<std::uint32_t>& vertices) {
+WarmupBatch::WarmupBatch(const std::vector<std::uint32_t>& vertices) {
   constexpr std::uint32_t rings = 4;  // the first vertex of the rings
   for (std::uint32_t p = 0; p < vertices.size(); ++p) {
     const bool crosses = p % 4 == 3, only_that = p % 8 == 7;
@@ -29,14 +31,24 @@ RehearsalBatch::RehearsalBatch(const std::vector<std::uint32_t>& vertices) {
   }
 }
 
-BatchInput RehearsalBatch::view() const {
-  BatchInput batch;
-  batch.problems = vertex_offsets_.size() - 1;
-  batch.vertices = vertices_.data();
-  batch.vertex_offsets = vertex_offsets_.data();
-  batch.constraints = constraints_.data();
-  batch.constraint_offsets = constraint_offsets_.data();
-  return batch;
+BatchInput WarmupBatch::view() const {
+  return {vertex_offsets_.size() - 1, Points::Type::float64, vertices_.data(),
+          vertex_offsets_.data(),     constraints_.data(),   constraint_offsets_.data()};
+}
+
+// Many problems, so that each is one work-item's. A few, which have less than Tuning::one_item_vertices together. A
+// single one. One that is much larger than the other, so that both go through the phases together, with too many
+// vertices for one work-group to sort. Large ones that cross and are split one by one, on a decimal grid and rounded.
+std::vector<std::vector<std::uint32_t>> warmup_runs(std::uint32_t compute_units, Crossing crossing) {
+  constexpr std::uint32_t least_of_many = 512, large = 20000;
+  const std::uint32_t many = std::max(least_of_many, 2 * compute_units);
+  std::vector<std::vector<std::uint32_t>> runs = {
+      std::vector<std::uint32_t>(many, 40), std::vector<std::uint32_t>(8, 40), {40}, {60, 40}, {large, 40}};
+  if (crossing == Crossing::split) {
+    runs.emplace_back(12, 40);
+    runs.back()[7] = runs.back()[11] = large;
+  }
+  return runs;
 }
 
 }  // namespace gcdt

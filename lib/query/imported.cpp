@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "query/foreign.hpp"
+#include "query/imported.hpp"
 
 #include "mesh/phase.hpp"
 #include "phases/check.hpp"
@@ -23,7 +23,7 @@ Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& ve
   auto keys = runtime.allocate<cl_ulong>("keys of pieces", count);
   auto numbers = runtime.allocate<cl_uint>("numbers of pieces", count);
   auto bad = runtime.filled<cl_uint>("bad pieces", 2, GCDT_NONE);
-  runtime.launch("foreign", "piece_keys", over(count), count, inputs, bits, vertices.levels_buffer, given,
+  runtime.launch("imported", "piece_keys", over(count), count, inputs, bits, vertices.levels_buffer, given,
                  vertices.input_vertex, keys, numbers, bad);
   const cl_uint wrong = runtime.read_one(bad);
   if (wrong != GCDT_NONE) {
@@ -34,7 +34,7 @@ Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& ve
     throw Error(Status::invalid_argument, name + " has both ends at one place", {wrong});
   }
   primitives.sort(keys, numbers, count, 2 * bits);
-  runtime.launch("foreign", "piece_ends", over(count), count, bits, vertices.levels_buffer, keys, numbers, pieces.ends,
+  runtime.launch("imported", "piece_ends", over(count), count, bits, vertices.levels_buffer, keys, numbers, pieces.ends,
                  bad);
   const cl_uint twice = runtime.read_one(bad);
   if (twice != GCDT_NONE)
@@ -44,8 +44,8 @@ Pieces order_pieces(Runtime& runtime, Primitives& primitives, const Vertices& ve
 
 }  // namespace
 
-void check_foreign(Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
-                   const MeshView& mesh, const std::optional<FixedGrid>& grid) {
+void check_imported(Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
+                    const MeshView& mesh, const std::optional<FixedGrid>& grid) {
   const auto n = static_cast<std::uint32_t>(points.size());
   const Vertices vertices =
       order(runtime, primitives, make_plan(runtime, {1, n, n}), stage(runtime, points), grid).vertices;
@@ -61,7 +61,7 @@ void check_foreign(Runtime& runtime, Primitives& primitives, Points points, Cons
     runtime.write(ordered.corners, mesh.triangles.data()->data(), corners);
     runtime.write(ordered.neighbours, mesh.neighbours->data(), corners);
     runtime.write(ordered.constrained, mesh.constrained, ordered.triangles);
-    runtime.launch("foreign", "corners_to_vertices", over(corners), static_cast<cl_uint>(corners),
+    runtime.launch("imported", "corners_to_vertices", over(corners), static_cast<cl_uint>(corners),
                    static_cast<cl_uint>(vertices.input_vertex.size()), vertices.input_vertex, vertices.vertex_input,
                    ordered.corners);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of a key and a value put in order by one work-item. OpenCL C only.
-#ifndef GCDT_ALONE_H
-#define GCDT_ALONE_H
+#ifndef GCDT_SORT_BY_ONE_ITEM_H
+#define GCDT_SORT_BY_ONE_ITEM_H
 
 #include "common/shared.h"
 #include "sort/sizes.h"

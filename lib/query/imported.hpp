@@ -10,7 +10,7 @@ namespace gcdt {
 /// Throws check_failed with the first fault, as check() does; what order() throws for bad vertices; and
 /// index_out_of_range or invalid_argument for a constraint whose ends are no two vertices, or that occurs twice.
 /// `mesh` has neighbours and flags; `constraints` are the pieces after cleaning.
-void check_foreign(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
-                   const MeshView& mesh, const std::optional<FixedGrid>& grid);
+void check_imported(runtime::Runtime& runtime, Primitives& primitives, Points points, Constraints constraints,
+                    const MeshView& mesh, const std::optional<FixedGrid>& grid);
 
 }  // namespace gcdt

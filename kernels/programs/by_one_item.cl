@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// For CPUs and few vertices: phases that are launches of next to nothing, as one launch each. A kernel here is what the
-// kernels of order.cl, output.cl and check.cl are, one after the other, by the first work-item of one work-group alone:
-// there is no race. It calls what those call, but not those: drivers compile a kernel that another one calls twice.
+// Phases as one launch each, for CPUs and few vertices, where each of a phase's launches would do next to nothing. A
+// kernel here does what the kernels of order.cl, output.cl and check.cl do one after the other. The first work-item of
+// one work-group does all of it, so there is no race. It calls the functions that those kernels call, and not the
+// kernels, because drivers compile a kernel twice that another one calls.
 #include "check/check.cl"
 #include "order/grid.h"
 #include "order/order.cl"
 #include "output/output.cl"
-#include "sort/alone.h"
+#include "sort/sort_by_one_item.h"
 
 // The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
 // back in between: of what it calls only the counting of decimals is not the host's, too. Leaves the grid in *report.
@@ -27,10 +28,10 @@ static void choose_grid(uint n, uint type, global const ulong* coordinates, glob
 // Reads: coordinates, report->scale if given. Writes: all else; keys, values and the other ones are void afterwards.
 // After: as after number_vertices, of make_levels(report->distinct, coarsest), and *levels is that; or an error of the
 // input and nothing else, if surveyed[GCDT_SURVEY_BAD] or quantised[GCDT_QUANTISE_OUTSIDE] of *report is not 0.
-kernel void order_few(uint n, uint type, global const ulong* coordinates, uint given, uint coarsest,
-                      global OrderReport* report, global ulong* keys, global uint* values, global ulong* other_keys,
-                      global uint* other_values, global Levels* levels, global int2* points, global uint* vertex_input,
-                      global uint* input_vertex) {
+kernel void order_by_one_item(uint n, uint type, global const ulong* coordinates, uint given, uint coarsest,
+                              global OrderReport* report, global ulong* keys, global uint* values,
+                              global ulong* other_keys, global uint* other_values, global Levels* levels,
+                              global int2* points, global uint* vertex_input, global uint* input_vertex) {
   if (get_local_id(0) != 0) return;
   report->decimal_digits = -1;
   survey_items((Items)(0u, n, 1u), 0u, type, coordinates, report->surveyed);
@@ -59,11 +60,11 @@ kernel void order_few(uint n, uint type, global const ulong* coordinates, uint g
 // All triangles in canonical order: lib/phases/output.cpp. Faces with a symbolic corner are sorted last.
 // Reads: levels and the mesh of `faces` faces. Writes: *triangles, how many there are, and of each what
 // gather_triangles writes; keys, refs and the other ones are void afterwards, positions as after place_faces.
-kernel void output_few(uint faces, global const Levels* levels, uint bits, global const uint4* face_data,
-                       global const uint* edge_faces, global const uint* edge_marks, global ulong* keys,
-                       global uint* refs, global ulong* other_keys, global uint* other_refs, global int* positions,
-                       global uint* triangles, global uint* corners, global int* neighbours,
-                       global uchar* constrained) {
+kernel void output_by_one_item(uint faces, global const Levels* levels, uint bits, global const uint4* face_data,
+                               global const uint* edge_faces, global const uint* edge_marks, global ulong* keys,
+                               global uint* refs, global ulong* other_keys, global uint* other_refs,
+                               global int* positions, global uint* triangles, global uint* corners,
+                               global int* neighbours, global uchar* constrained) {
   if (get_local_id(0) != 0) return;
   uint count = 0;
   for (uint f = 0; f < faces; ++f)
@@ -77,10 +78,10 @@ kernel void output_few(uint faces, global const Levels* levels, uint bits, globa
 
 // The check of a mesh with triangles: lib/phases/check.cpp.
 // Reads: everything but `next`, `previous`, first_pieces and *report, and writes these: as after check_boundary.
-kernel void check_few(uint count, uint n, global const Levels* levels, global const int2* points,
-                      global const uint* corners, global const int* neighbours, global const uchar* constrained,
-                      uint pieces, global uint* first_pieces, global const uint2* ends, global uint* next,
-                      global uint* previous, global CheckReport* report) {
+kernel void check_by_one_item(uint count, uint n, global const Levels* levels, global const int2* points,
+                              global const uint* corners, global const int* neighbours, global const uchar* constrained,
+                              uint pieces, global uint* first_pieces, global const uint2* ends, global uint* next,
+                              global uint* previous, global CheckReport* report) {
   if (get_local_id(0) != 0) return;
   for (uint kind = 0; kind < GCDT_CHECK_KINDS; ++kind) report->first[kind] = GCDT_NONE;
   report->hull_vertices = report->least_corners = report->constrained_edges = 0;
@@ -102,9 +103,9 @@ kernel void check_few(uint count, uint n, global const Levels* levels, global co
 // Numbers of vertices become those of the input: number_by_input of lib/phases/output.cpp.
 // Reads vertex_input and input_vertex. Writes representatives, replaces corners and ends, and writes *source_offsets if
 // there are no ends.
-kernel void number_few(uint inputs, uint corner_count, uint end_count, global const uint* vertex_input,
-                       global const uint* input_vertex, global uint* representatives, global uint* corners,
-                       global uint* ends, global uint* source_offsets) {
+kernel void number_by_one_item(uint inputs, uint corner_count, uint end_count, global const uint* vertex_input,
+                               global const uint* input_vertex, global uint* representatives, global uint* corners,
+                               global uint* ends, global uint* source_offsets) {
   if (get_local_id(0) != 0) return;
   for (uint i = 0; i < inputs; ++i) number_representative(i, vertex_input, input_vertex, representatives);
   for (uint i = 0; i < corner_count; ++i) number_corner(i, vertex_input, corners);

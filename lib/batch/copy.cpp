@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/forest_copy.hpp"
+#include "batch/copy.hpp"
 
 #include <algorithm>
 
@@ -9,18 +9,20 @@ using runtime::Buffer;
 
 namespace {
 
-// The system's pages are no smaller.
+// Bytes of a page: the system's pages are no smaller.
 constexpr std::size_t page = 4096;
 
-/// Elements that an array has room for, for n vertices and m constraints; more come only where overlaps cut pieces.
-std::uint64_t room_for(const ResultArray& array, std::uint64_t n, std::uint64_t m, std::uint64_t problems) {
+/// Elements for which an array gets room, with n vertices and m constraints. Only overlaps, which cut pieces, need
+/// more.
+std::uint64_t room_for(const ResultArray& array, const ProblemRanges& ranges) {
+  const std::uint64_t n = ranges.first_input.back(), m = ranges.first_constraint.back();
   if (array.there != There::always) return 0;
   switch (array.per) {
     case Per::triangle: return 2 * n;
     case Per::vertex: return n;
     case Per::piece:
     case Per::source: return m;
-    case Per::piece_bound: return m + problems;
+    case Per::piece_bound: return m + ranges.count();
     default: return 0;
   }
 }
@@ -56,7 +58,7 @@ class Copy {
   }
   Begins& begins(std::int32_t number) { return result_.begins[static_cast<std::size_t>(number)]; }
 
-  /// The array as it is on the device, where one problem's part follows the other's.
+  /// Copies the array as it is on the device, where one problem's part follows the other's.
   void whole(const DeviceTriangulation& made, const ResultArray& array) {
     const std::size_t bytes = elements(made, array) * array.element_bytes;
     runtime_.read_bytes(array.memory(made), 0, room<unsigned char>(array.number, bytes), bytes);
@@ -68,7 +70,7 @@ class Copy {
     return {words.begin(), words.end()};
   }
 
-  // The source offsets of a problem start at 0 and end with one more than it has pieces.
+  // A problem has one more source offset than it has pieces, and its first one is 0.
   void bounds(const Pieces& made, const Begins& first) {
     const std::size_t count = made.count;
     cl_uint* offsets = staging_.offsets.reuse<cl_uint>(count + 1);
@@ -84,7 +86,7 @@ class Copy {
     source_begins.push_back(made.source_count);
   }
 
-  // On the device they have the numbers of the run's constraints.
+  // On the device dropped constraints are numbered through the run.
   void renumber_dropped(std::size_t count) {
     auto* local = reinterpret_cast<cl_uint*>(result_.arrays[GCDT_DROPPED].bytes.get());
     std::size_t i = 0;
@@ -97,8 +99,7 @@ class Copy {
 
   void remember_sizes() {
     for (const ResultArray& array : result_arrays) {
-      const std::uint64_t most =
-          room_for(array, ranges_.first_input.back(), ranges_.first_constraint.back(), problems_);
+      const std::uint64_t most = room_for(array, ranges_);
       if (most > 0)
         staging_.filled[static_cast<std::size_t>(array.number)] =
             std::min(1.0, static_cast<double>(begins(array.number).back()) / static_cast<double>(most));
@@ -116,22 +117,20 @@ class Copy {
 
 ForestRoom::ForestRoom(const runtime::Runtime& runtime, const ProblemRanges& ranges, const Staging& staging,
                        ForestResult& result) {
-  const std::uint64_t n = ranges.first_input.back(), m = ranges.first_constraint.back(), problems = ranges.count();
-  if (!runtime::prepares_host_memory(runtime) || n < Tuning::least_prepared_vertices) return;
+  if (!runtime::prepares_host_memory(runtime) || ranges.first_input.back() < Tuning::least_prepared_vertices) return;
   try {
-    thread_ = std::thread([this, &staging, &result, n, m, problems] { make(staging, result, n, m, problems); });
+    thread_ = std::thread([this, &ranges, &staging, &result] { make(ranges, staging, result); });
   } catch (const std::system_error&) {
-    // No thread to be had: copy_forest() makes the room.
+    // There is no thread to be had, so copy_forest() makes the room.
   }
 }
 
-// Ends after a pass over the arrays.
-void ForestRoom::make(const Staging& staging, ForestResult& result, std::uint64_t n, std::uint64_t m,
-                      std::uint64_t problems) {
+// Goes once over the arrays.
+void ForestRoom::make(const ProblemRanges& ranges, const Staging& staging, ForestResult& result) {
   try {
     for (const ResultArray& array : result_arrays) {
       const auto slot = static_cast<std::size_t>(array.number);
-      const std::uint64_t most = room_for(array, n, m, problems);
+      const std::uint64_t most = room_for(array, ranges);
       if (most == 0) continue;
       const std::size_t bytes = most * array.element_bytes;
       auto* memory = result.arrays[slot].make<unsigned char>(bytes);
@@ -142,7 +141,7 @@ void ForestRoom::make(const Staging& staging, ForestResult& result, std::uint64_
       }
     }
   } catch (const std::bad_alloc&) {
-    // copy_forest() asks again, and reports it.
+    // copy_forest() asks for the memory again, and reports it.
   }
 }
 

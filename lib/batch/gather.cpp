@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/forest_gather.hpp"
+#include "batch/gather.hpp"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ using runtime::Upload;
 
 namespace {
 
-// Problems come by size, so each begins where the processor does not expect it.
+// Problems are ordered by size, so each begins at an address that the processor does not expect.
 void prefetch([[maybe_unused]] Span<unsigned char> bytes) {
 #ifdef __GNUC__
   constexpr std::size_t line = 64;  // of a cache
@@ -20,7 +20,7 @@ void prefetch([[maybe_unused]] Span<unsigned char> bytes) {
 #endif
 }
 
-/// Queues a problem's constraints, unless one has an end that is no vertex, which is then an error of the problem.
+/// Uploads a problem's constraints. If one has an end that is no vertex, the problem gets an error instead.
 void add_constraints(Upload& upload, Span<Constraint> given, std::uint64_t n, std::uint32_t first_input,
                      std::uint32_t place, InvalidProblems& invalid) {
   // Two plain loops, for compilers that make vector instructions of such.
@@ -43,17 +43,12 @@ void add_constraints(Upload& upload, Span<Constraint> given, std::uint64_t n, st
 ProblemRanges ranges_of(const BatchInput& batch, const std::vector<std::uint32_t>& numbers) {
   ProblemRanges ranges;
   std::uint64_t inputs = 0, constraints = 0;
-  const auto end = [&] {
+  for (std::size_t i = 0;; ++i) {
     ranges.first_input.push_back(static_cast<cl_uint>(inputs));
     ranges.first_constraint.push_back(static_cast<cl_uint>(constraints));
-  };
-  for (const std::uint32_t p : numbers) {
-    end();
-    inputs += batch.n(p);
-    constraints += batch.m(p);
+    if (i == numbers.size()) return ranges;
+    inputs += batch.n(numbers[i]), constraints += batch.m(numbers[i]);
   }
-  end();
-  return ranges;
 }
 
 DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,

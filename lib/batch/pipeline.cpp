@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/forest.hpp"
+#include "batch/pipeline.hpp"
 
 #include <algorithm>
 
-#include "batch/forest_copy.hpp"
-#include "batch/forest_gather.hpp"
+#include "batch/copy.hpp"
+#include "batch/gather.hpp"
+#include "batch/order_problems.hpp"
 #include "phases/arrange.hpp"
 #include "phases/check.hpp"
 #include "phases/enforce.hpp"
@@ -18,7 +19,7 @@ using runtime::over;
 
 namespace {
 
-/// A run of many problems in one mesh: what it has beside what a run of one has.
+/// A run of many problems in one mesh, with what a run of one problem does not have.
 struct ForestRun : Run {
   ForestRun(runtime::Runtime& device, Primitives& all, const Options& wanted, const BatchInput& whole,
             const std::vector<std::uint32_t>& some, ProblemRanges& begins)
@@ -30,16 +31,12 @@ struct ForestRun : Run {
   const BatchInput& batch;
   const std::vector<std::uint32_t>& numbers;  ///< of the problems in the batch
   ProblemRanges& ranges;
-  std::vector<Grid> grids;                ///< by problem, as all that follows
-  std::vector<RoundedTogether> together;  ///< none: none of any
-  Buffer<cl_uint> first_triangle, first_piece;
+  std::vector<Grid> grids;                      ///< of each problem
+  std::vector<RoundedTogether> together;        ///< of each problem; empty if no problem has any
+  Buffer<cl_uint> first_triangle, first_piece;  ///< of each problem
 };
 
-void order_problems(ForestRun& run, InputPoints points) {
-  ProblemRanges& ranges = run.ranges;
-  ranges.first_input_buffer = run.runtime.upload("first inputs", ranges.first_input);
-  ranges.first_constraint_buffer = run.runtime.upload("first constraints", ranges.first_constraint);
-  ForestOrder made = order_forest(run.runtime, run.primitives, std::move(points), ranges, run.options.grid);
+void take(ForestRun& run, ForestOrder made) {
   run.grids = std::move(made.grids);
   run.together = std::move(made.together);
   InvalidProblems invalid;
@@ -49,7 +46,8 @@ void order_problems(ForestRun& run, InputPoints points) {
   run.take(std::move(made.ordered));
 }
 
-// Crossing constraints are each problem's own error. Pairs are sorted, so by problem.
+// Each problem that has crossing constraints gets an error of its own. The pairs are sorted, so those of a problem
+// follow one another.
 [[noreturn]] void reject(const ForestRun& run, const std::vector<Constraint>& crossings) {
   InvalidProblems invalid;
   const auto& first = run.ranges.first_constraint;
@@ -67,8 +65,8 @@ void order_problems(ForestRun& run, InputPoints points) {
   throw invalid;
 }
 
-// Added vertices would be numbered through all problems, and are ordered by their place on one grid: what crosses is
-// to be run alone.
+// Splitting adds vertices, numbers them through the whole mesh and orders them by their places on one grid. A forest
+// has many grids, so problems that cross are run one by one.
 [[noreturn]] void name_crossing_problems(ForestRun& run) {
   Splitter splitter(run.runtime, run.primitives, run.constraints, static_cast<std::uint32_t>(run.n));
   const auto& marked = splitter.mark_crossing(run.walked(), run.pieces, run.counters);
@@ -84,7 +82,8 @@ void order_problems(ForestRun& run, InputPoints points) {
   throw invalid;
 }
 
-// Returns false, the mesh void, if constraints of some problem cross.
+// Each problem's constraints by one work-item. Returns false if constraints of some problem cross; the mesh is void
+// then.
 bool enforce_each(ForestRun& run) {
   EnforceResult r = enforce_problems(run.runtime, run.primitives, run.vertices, run.mesh,
                                      run.ranges.first_constraint_buffer, run.constraints, run.counters);
@@ -117,7 +116,7 @@ void constrain(ForestRun& run) {
   run.pieces = {};
   if (run.m == 0) return run.no_pieces();
   run.ticker.tick("constrain", 0);
-  if (run.plan.constraints == Plan::By::each && !enforce_each(run)) {  // crossings are found with all at once
+  if (run.plan.constraints == Plan::By::each && !enforce_each(run)) {  // all at once finds what crosses
     PlannedSizes sizes = sizes_of(run.vertices);
     sizes.crossing = true;
     run.plan = make_plan(run.runtime, sizes);
@@ -128,7 +127,7 @@ void constrain(ForestRun& run) {
   run.count_turns();
 }
 
-/// Where the problems' `things` begin, of which each has `stride` words, the first one a vertex.
+/// Where the things of each problem begin. A thing has `stride` words, and the first one is a vertex.
 template <class T>
 Buffer<cl_uint> begins(ForestRun& run, const char* name, cl_uint count, cl_uint stride, const Buffer<T>& things) {
   const cl_uint problems = run.ranges.count();
@@ -157,9 +156,10 @@ OrderedMesh put_in_order(ForestRun& run) {
   return ordered;
 }
 
-// Regions do not lead from one problem to another, and outside is the same for all; so a search through the forest
-// is one through each problem, and the order of triangles and half edges within each is what it would be alone.
-void select_by_problem(ForestRun& run, OrderedMesh& ordered) {
+// No region leads from one problem to another, and the outside is the same for all. So a search through the forest is a
+// search through each problem, and within each the order of triangles and half edges is what the problem would have by
+// itself.
+void select_domain(ForestRun& run, OrderedMesh& ordered) {
   const SelectedDomain selected = run.select(ordered);
   const Buffer<cl_uint> first_of_hull = std::move(run.first_triangle);
   run.first_triangle = begins(run, "first triangles", ordered.triangles, 3, ordered.corners);
@@ -168,7 +168,7 @@ void select_by_problem(ForestRun& run, OrderedMesh& ordered) {
                      run.result.regions.region);
 }
 
-void number_by_problem(ForestRun& run, OrderedMesh ordered) {
+void number(ForestRun& run, OrderedMesh ordered) {
   runtime::Runtime& runtime = run.runtime;
   const Vertices& vertices = run.vertices;
   const Buffer<cl_uint>& first_input = run.ranges.first_input_buffer;
@@ -188,14 +188,16 @@ void number_by_problem(ForestRun& run, OrderedMesh ordered) {
   run.result.mesh = std::move(ordered);
 }
 
-/// The sequence of solve/triangulate.cpp, for many problems.
+/// The steps of solve/triangulate.cpp, for many problems.
 DeviceTriangulation run_steps(ForestRun& run, runtime::UploadChunks& chunks) {
   auto& ms = run.statistics.ms;
   run.step("order", ms.order, ordered_share, [&] {
     run.ticker.tick("order", 0);
     DeviceInput input = gather(run.runtime, run.batch, run.numbers, run.ranges, chunks);
     run.constraints = std::move(input.constraints);
-    order_problems(run, std::move(input.points));
+    run.ranges.first_input_buffer = run.runtime.upload("first inputs", run.ranges.first_input);
+    run.ranges.first_constraint_buffer = run.runtime.upload("first constraints", run.ranges.first_constraint);
+    take(run, order_problems(run.runtime, run.primitives, std::move(input.points), run.ranges, run.options.grid));
   });
   run.tell_plan();
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
@@ -207,9 +209,8 @@ DeviceTriangulation run_steps(ForestRun& run, runtime::UploadChunks& chunks) {
     run.step("check", ms.check, [&] {
       check_problems(run.runtime, run.plan, ordered, run.vertices, run.pieces, run.first_triangle, run.first_piece);
     });
-  if (run.wants_regions() && ordered.triangles > 0)
-    run.step("domain", ms.domain, [&] { select_by_problem(run, ordered); });
-  run.step("output", ms.output, [&] { number_by_problem(run, std::move(ordered)); });
+  if (run.wants_regions() && ordered.triangles > 0) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
+  run.step("output", ms.output, [&] { number(run, std::move(ordered)); });
   return run.finish();
 }
 
@@ -235,7 +236,7 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
   return result;
 }
 
-// Beside what one problem of that size needs: the second sort, the problems of vertices, tables of problems.
+// What one problem of that size needs, and besides the second sort, the problems of vertices, and tables of problems.
 std::uint64_t forest_bytes(std::uint64_t problems, std::uint64_t n, std::uint64_t m) {
   return device_bytes_needed(n + problems, m, 2 * n + problems) + 24 * n + 256 * problems;
 }
