@@ -14,7 +14,7 @@
 namespace gcdt::runtime {
 
 namespace {
-// llvmpipe ends all loops of a work-item after 65535 rounds in all, and says nothing: a work-item takes so few items
+// llvmpipe may end all loops of a work-item after 65535 rounds in all, and say nothing: a work-item takes so few items
 // that each may have some thousands (docs/devices.md).
 constexpr std::size_t most_items_of_lanes = 16;
 constexpr std::size_t least_alignment = 128;

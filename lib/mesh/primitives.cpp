@@ -13,8 +13,8 @@ using runtime::Buffer;
 namespace {
 // Elements of a part at least: of a GPU's sort one tile.
 constexpr std::size_t sort_span_group = GCDT_SORT_LANES * GCDT_SORT_WIDTH;
-// On lanes a work-item has 65535 rounds in all, and ends without a word: it walks so many elements at most, and adds up
-// the sums of so many parts (scan_serial).
+// On lanes a work-item may have 65535 rounds in all, and end without a word: it walks so many elements at most, and
+// adds up the sums of so many parts (scan_serial).
 constexpr std::size_t longest_walk = 60000, most_parts_of_lanes = 5000;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
 
@@ -37,7 +37,7 @@ Primitives::Partition Primitives::partition(std::size_t count, std::size_t least
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
   if (runtime_.kind() == DeviceKind::lanes && walk_ == Walk::serial && parts > most_parts_of_lanes)
     throw Error(Status::device_failed,
-                runtime_.info().name + " ends loops after 65535 rounds: it scans and sorts at most " +
+                runtime_.info().name + " may end loops after 65535 rounds: it scans and sorts at most " +
                     std::to_string(longest_walk * most_parts_of_lanes) + " elements, not " + std::to_string(count));
   return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
           runtime_.over_groups(parts)};
