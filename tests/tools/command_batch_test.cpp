@@ -175,6 +175,7 @@ TEST_CASE("the time of inputs that batch triangulates alone is in its call, not 
   session.write("framed.poly", framed());
   session.good("batch framed.poly --quiet --stats s.json --domain holes");  // nothing to write
   const auto ms = nlohmann::json::parse(session.read("s.json")).at("ms");
-  CHECK(ms.at("call").get<double>() > ms.at("write").get<double>());
+  // Writing nothing takes microseconds, whatever the call takes beside the inputs that are triangulated alone.
+  CHECK(ms.at("call").get<double>() > 10 * ms.at("write").get<double>());
   CHECK(ms.at("write").get<double>() >= 0);
 }
