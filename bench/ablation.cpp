@@ -140,11 +140,11 @@ bool run(const cl::Device& device, const bench::Input& input, int runs) {
 }
 
 /// A batch on one device.
-struct Lanes {
+struct DeviceBatch {
   const cl::Device& device;
   const bench::SketchBatch batch;
 
-  explicit Lanes(const cl::Device& on) : device(on), batch(bench::sketches(100000)) {}
+  explicit DeviceBatch(const cl::Device& on) : device(on), batch(bench::sketches(100000)) {}
   BatchInput input() const {
     return {batch.size(),
             Points::Type::float64,
@@ -153,22 +153,22 @@ struct Lanes {
             batch.constraints.data(),
             batch.constraint_offsets.data()};
   }
-  DevicePool pool(std::uint32_t lanes, bool shared, Trace trace) const {
+  DevicePool pool(std::uint32_t workers, bool shared, Trace trace) const {
     DevicePool::Member member{cl::Context(), device, {}};
-    member.hook.tuning.lanes = lanes;
+    member.hook.tuning.workers = workers;
     member.hook.tuning.shares_context = shared;
     return DevicePool({member}, {}, std::move(trace));
   }
 };
 
 /// A batch with several runs at once on the device, all in one context, or each in one of its own.
-void run_lanes(const Lanes& on, int runs) {
+void run_workers(const DeviceBatch& on, int runs) {
   std::printf("\n%zu sketches, %zu vertices\n\n| runs at once | contexts | call ms | runs | first call ms |\n",
               on.batch.size(), on.batch.vertices.size());
   std::printf("|---|---|---|---|---|\n");
-  const auto measure_lanes = [&](std::uint32_t lanes, bool shared) {
+  const auto measure_workers = [&](std::uint32_t workers, bool shared) {
     const auto start = std::chrono::steady_clock::now();
-    DevicePool pool = on.pool(lanes, shared, {});
+    DevicePool pool = on.pool(workers, shared, {});
     double first = 0;
     std::vector<double> times;
     for (int i = -1; i < runs; ++i) {
@@ -179,16 +179,16 @@ void run_lanes(const Lanes& on, int runs) {
         first = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     }
     std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
-    std::printf("| %u | %u | %.1f | %llu | %.1f |\n", lanes, shared ? 1 : lanes,
+    std::printf("| %u | %u | %.1f | %llu | %.1f |\n", workers, shared ? 1 : workers,
                 times[static_cast<std::size_t>(runs) / 2], static_cast<unsigned long long>(pool.report(0).runs), first);
     std::fflush(stdout);
   };
-  for (std::uint32_t lanes = 1; lanes <= 6; ++lanes) measure_lanes(lanes, true);
-  for (std::uint32_t lanes = 2; lanes <= 3; ++lanes) measure_lanes(lanes, false);
+  for (std::uint32_t workers = 1; workers <= 6; ++workers) measure_workers(workers, true);
+  for (std::uint32_t workers = 2; workers <= 3; ++workers) measure_workers(workers, false);
 }
 
 /// What each kernel takes in such a batch, one run at a time, so that no other's launches are beside it.
-void run_kernels(const Lanes& on) {
+void run_kernels(const DeviceBatch& on) {
   struct Sum {
     std::uint64_t launches = 0, ns = 0;
   };
@@ -228,9 +228,9 @@ int main(int count, char** arguments) try {
   if (!batches)
     for (const char* name : {"uniform", "synthetic_cons_1", "synthetic_cons_6", "letters"})
       same = run(device, {name, name == std::string("letters") ? 970000u : 1000000u, {}}, std::max(1, runs)) && same;
-  const Lanes lanes(device);
-  run_lanes(lanes, std::max(1, std::min(runs, 5)));
-  run_kernels(lanes);
+  const DeviceBatch on(device);
+  run_workers(on, std::max(1, std::min(runs, 5)));
+  run_kernels(on);
   return same ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "gcdt_bench_ablation: %s\n", error.what());

@@ -38,10 +38,10 @@ class Clock {
 };
 
 /// Triangulates inputs that have points of their own for the domain, one by one, as `triangulate` does.
-class Alone {
+class Singles {
  public:
   /// `devices`: of those given the first, which any of several may be.
-  Alone(const std::string& devices, const BatchArguments& arguments, const Options& options)
+  Singles(const std::string& devices, const BatchArguments& arguments, const Options& options)
       : spec_(devices.substr(0, devices.find(','))), arguments_(arguments), options_(options) {
     if (spec_ == "all") spec_ = "auto";
   }
@@ -152,11 +152,11 @@ std::vector<std::pair<std::string, io::Write>> files_of(Problem& problem, const 
 }
 
 /// The mesh of a problem, unless that fails.
-std::optional<Triangulation> mesh_of(Problem& problem, const BatchResult& result, Alone& alone, const Options& options,
-                                     bool arrays) {
+std::optional<Triangulation> mesh_of(Problem& problem, const BatchResult& result, Singles& singles,
+                                     const Options& options, bool arrays) {
   try {
     if (problem.failure) return {};
-    if (problem.alone) return alone.triangulate(problem.input);
+    if (problem.single) return singles.triangulate(problem.input);
     if (const std::optional<Error> error = result.error(problem.number)) throw *error;
     if (arrays) return detail::triangulation(result, problem.number);
     Triangulation mesh;
@@ -170,16 +170,16 @@ std::optional<Triangulation> mesh_of(Problem& problem, const BatchResult& result
 
 /// The outputs of one problem that are its own appear together.
 void finish(Problem& problem, const BatchResult& result, const BatchArguments& arguments,
-            const std::vector<std::string>& formats, const Options& options, Alone& alone, Told& told,
+            const std::vector<std::string>& formats, const Options& options, Singles& singles, Told& told,
             Collections& collections) {
   const bool writes = !arguments.folder.empty();
-  const std::optional<Triangulation> mesh = mesh_of(problem, result, alone, options, writes || arguments.verify);
+  const std::optional<Triangulation> mesh = mesh_of(problem, result, singles, options, writes || arguments.verify);
   if (mesh) {
     const Statistics& s = mesh->statistics;
     told.rounded_together += s.vertices_rounded_together;
     add({s.crossings, s.vertices_added, s.constraints_split, s.constraint_move}, told.split);
     if (!arguments.quiet) say_notes(problem, *mesh, options);
-    if (arguments.verify) prove(problem, *mesh, problem.alone ? alone.options(problem.input) : options);
+    if (arguments.verify) prove(problem, *mesh, problem.single ? singles.options(problem.input) : options);
   }
   if (!writes) return;
   std::vector<std::pair<std::string, io::Write>> own;
@@ -210,7 +210,11 @@ void triangulate_batch(const BatchArguments& arguments) {
   told.read = reading.milliseconds();
   check_outputs(problems, arguments, formats);
   TraceRecord trace;
-  Pool pool(arguments.device, {}, arguments.trace.empty() ? Trace() : trace.sink());
+  const auto log = [&](int, const char* message) {
+    const std::string text = message, plan = "pool plan: ";
+    if (text.compare(0, plan.size(), plan) == 0) told.plans.push_back(text.substr(plan.size()));
+  };
+  Pool pool(arguments.device, log, arguments.trace.empty() ? Trace() : trace.sink());
   ProgressLine line(!arguments.quiet);
   options.progress = [&](const char* phase, double done) {
     line.show(phase, done);
@@ -225,21 +229,21 @@ void triangulate_batch(const BatchArguments& arguments) {
   if (failed) throw Failure(Exit::output, fmt::format("{}: {}", arguments.folder, failed.message()));
   std::optional<Exit> first;
   const char* chosen = std::getenv("GCDT_DEVICE");
-  Alone alone(arguments.device.empty() && chosen ? chosen : arguments.device, arguments, options);
+  Singles singles(arguments.device.empty() && chosen ? chosen : arguments.device, arguments, options);
   Collections collections;
   for (Problem& problem : problems) {
     stop_if_interrupted();
-    finish(problem, result, arguments, formats, options, alone, told, collections);
+    finish(problem, result, arguments, formats, options, singles, told, collections);
     if (!problem.failure) continue;
     ++told.failed;
     if (!first) first = problem.failure->exit();
     complain(problem.failure->what());
   }
   collections.commit();
-  told.write = writing.milliseconds() - alone.milliseconds;
+  told.write = writing.milliseconds() - singles.milliseconds;
   gcdt_batch_statistics counts = result.statistics();
-  counts.vertices += alone.vertices, counts.constraints += alone.constraints, counts.triangles += alone.triangles;
-  counts.ms_call += alone.milliseconds;
+  counts.vertices += singles.vertices, counts.constraints += singles.constraints, counts.triangles += singles.triangles;
+  counts.ms_call += singles.milliseconds;
   io::OutputFiles files(stop_if_interrupted);
   if (!arguments.statistics.empty()) files.add(arguments.statistics).write(statistics_json(told, counts, pool));
   if (!arguments.trace.empty()) files.add(arguments.trace).write(trace.json());

@@ -136,9 +136,9 @@ Batch read(std::vector<Problem>& problems, const Options& options) {
     try {
       problem.input = problem.line ? io::read_geojson_line(problem.path, *problem.line) : io::read_input(problem.path);
       if (problem.line) problem.line->text = {};
-      problem.alone = uses_seeds(problem.input, options);
+      problem.single = uses_seeds(problem.input, options);
       problem.number = batch.size();
-      if (!problem.alone) batch.add(problem.input.vertices, problem.input.constraints);
+      if (!problem.single) batch.add(problem.input.vertices, problem.input.constraints);
     } catch (const Failure& failure) {
       problem.failure = failure;
     }

@@ -21,7 +21,7 @@ struct Problem {
   io::Input input;
   std::optional<io::Failure> failure;
   std::size_t number = 0;  ///< in the batch
-  bool alone = false;      ///< not in the batch, which has no seeds, but triangulated by itself
+  bool single = false;     ///< not in the batch, which has no seeds, but triangulated by itself
 
   /// The file of that format for this problem alone.
   std::filesystem::path output(const std::string& folder, const std::string& format) const;
@@ -39,7 +39,7 @@ std::vector<std::string> formats_of(const BatchArguments& arguments);
 void check_outputs(const std::vector<Problem>& problems, const BatchArguments& arguments,
                    const std::vector<std::string>& formats);
 
-/// Reads all, and makes a batch of those that are not alone. What cannot be read has a failure.
+/// Reads all, and makes a batch of those that are not single. What cannot be read has a failure.
 Batch read(std::vector<Problem>& problems, const Options& options);
 
 }  // namespace gcdt::command

@@ -21,6 +21,7 @@ std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, co
     devices.push_back({{"device", device.info.name},
                        {"platform", device.info.platform},
                        {"driver", device.info.driver},
+                       {"plan", told.plans.at(devices.size())},
                        {"problems", device.problems},
                        {"vertices", device.vertices},
                        {"runs", device.runs},

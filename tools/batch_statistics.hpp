@@ -4,6 +4,7 @@
 
 #include <gcdt/gcdt_pool.hpp>
 #include <string>
+#include <vector>
 
 namespace gcdt::command {
 
@@ -13,6 +14,7 @@ struct Told {
   SplitReport split;  ///< of all inputs; the largest move
   std::uint64_t rounded_together = 0;
   double read = 0, write = 0;
+  std::vector<std::string> plans;  ///< of each device: how the pool uses it, as the library's log says
 };
 
 void add(const SplitReport& one, SplitReport& all);

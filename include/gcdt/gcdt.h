@@ -131,7 +131,7 @@ enum { GCDT_LOG_WARNING = 1, GCDT_LOG_INFORMATION = 2 };
 typedef struct gcdt_trace_span {
   size_t struct_size;
   const char* device;        /* its name; this and the other strings hold during the call only */
-  uint32_t device_number;    /* its place among the devices of a pool; 0 for a solver. See gcdt_pool.h for lanes */
+  uint32_t device_number;    /* its place among the devices of a pool; 0 for a solver. See gcdt_pool.h for workers */
   const char* phase;         /* the outermost phase: order, insert, constrain, flip, check, domain or output; in a
                                 pool also copy, of results to host memory */
   const char* name;          /* the phase's or the kernel's */

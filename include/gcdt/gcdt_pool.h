@@ -46,7 +46,7 @@ typedef struct gcdt_pool_options {
  * and sits calls out to which it would add little. Its driver may compile kernels for seconds when they are first
  * launched, so that the first call with other rules for crossings, domains or regions may take that much longer.
  *
- * Traces: a device may work on several runs at once, its lanes. Lane k of device d has the device_number
+ * Traces: a device may work on several runs at once, its workers. Worker k of device d has the device_number
  * d + k * gcdt_pool_device_count. */
 GCDT_API int32_t gcdt_pool_create(const gcdt_pool_options* options, gcdt_pool** pool);
 

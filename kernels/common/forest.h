@@ -3,9 +3,7 @@
 // OpenCL C only.
 //
 // Without GCDT_FOREST the mesh has one root and everything here is a constant: the programs are what they
-// would be if there were no forests. With it, `points` goes on behind its n points, in words:
-//
-//   [0] P, the problems   [2 .. 2 + n) problem of vertex v   [2 + n .. 2 + n + P] first rank of problem p
+// would be if there were no forests. With it, words behind the points say which problem a vertex is of (shared.h).
 //
 // Problem p has the root face p, the root edges 3p .. 3p+2, and symbolic vertices of its own, n + 3p .. n + 3p+2,
 // which stand for the same three directions in all problems: so no directed edge occurs twice in the forest.
@@ -23,10 +21,14 @@
 static inline global const uint* forest_words(global const int2* points, uint n) {
   return (global const uint*)(points + n);
 }
-static inline uint root_count(global const int2* points, uint n) { return forest_words(points, n)[0]; }
-static inline uint problem_of(global const int2* points, uint n, uint v) { return forest_words(points, n)[2u + v]; }
+static inline uint root_count(global const int2* points, uint n) {
+  return forest_words(points, n)[GCDT_FOREST_ROOTS_WORD];
+}
+static inline uint problem_of(global const int2* points, uint n, uint v) {
+  return forest_words(points, n)[gcdt_problem_word(v)];
+}
 static inline uint first_rank(global const int2* points, uint n, uint problem) {
-  return forest_words(points, n)[2u + n + problem];
+  return forest_words(points, n)[gcdt_first_rank_word(n, problem)];
 }
 static inline uint root_of(global const int2* points, uint n, uint v) { return problem_of(points, n, v); }
 // Which of the three directions symbolic vertex v >= n stands for.

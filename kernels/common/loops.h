@@ -65,6 +65,13 @@ static inline Items items_of_share(uint count, uint share, uint shares) {
 
 #define FOR_EACH_TILE(tile, count) FOR_EACH_TILE_OF(tile, (uint)get_local_size(0), count)
 
+// Items begin .. end - 1 of work-groups. Mesa 25's llvmpipe goes through the body once more when no item is left, and
+// does not mask loads of what is the same for all work-items (docs/devices.md). So i is bounded: it is the last item
+// then.
+#define FOR_EACH_OF_GROUPS(i, begin, end)                                                              \
+  for (uint i##_next = (begin) + (uint)get_group_id(0), i = min(i##_next, (end)-1u); i##_next < (end); \
+       i##_next += (uint)get_num_groups(0), i = min(i##_next, (end)-1u))
+
 // All tiles: of what one work-group does by itself.
 #define FOR_ALL_TILES(tile, count) for (uint tile = 0; tile < (count); tile += (uint)get_local_size(0))
 

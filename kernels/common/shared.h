@@ -59,6 +59,17 @@ GCDT_INLINE u32 gcdt_face_count(u32 n) { return 2u * n + 1u; }
 GCDT_INLINE u32 gcdt_forest_faces(u32 n, u32 roots) { return 2u * n + roots; }
 GCDT_INLINE u32 gcdt_forest_edges(u32 n, u32 roots) { return 3u * (n + roots); }
 
+// The array `points` of a forest with so many roots goes on behind its n points, in words:
+//
+//   [0] roots   [1] spare   [2 .. 2 + n) the problem of vertex v   [2 + n .. 2 + n + roots] the first rank of problem p
+//
+// The last element is the end of the last problem's ranks.
+#define GCDT_FOREST_ROOTS_WORD 0u
+GCDT_INLINE u32 gcdt_problem_word(u32 v) { return 2u + v; }
+GCDT_INLINE u32 gcdt_first_rank_word(u32 n, u32 problem) { return 2u + n + problem; }
+// Elements of `points`, each as long as two words.
+GCDT_INLINE u64 gcdt_forest_points(u32 n, u32 roots) { return n + ((u64)gcdt_first_rank_word(n, roots) + 2u) / 2u; }
+
 // edge_marks
 #define GCDT_MARK_CONSTRAINED 1u  // part of a constraint: never flipped, never crossed
 #define GCDT_MARK_QUEUED 2u       // stands in the list of edges to be tested next

@@ -8,13 +8,13 @@
 // it, each triangulated by distance (L7), and the new edges are flipped. No further edge becomes illegal: an edge
 // around the crossed faces was constrained Delaunay, and a further constraint only hides vertices from one another.
 //
-// A forest with one level (forest_order.cpp): vertices are ranks, and those of a problem are consecutive, and so are
+// A forest with one level (order_problems.cpp): vertices are ranks, and those of a problem are consecutive, and so are
 // their faces. No word has two writers: all of a problem's are its work-item's, which reads no others.
 #ifndef GCDT_FOREST
 #define GCDT_FOREST
 #endif
 #include "flip/flip.h"
-#include "sort/alone.h"
+#include "sort/sort_by_one_item.h"
 
 // A constraint that cannot be enforced.
 #define ENFORCE_FAILED GCDT_NONE

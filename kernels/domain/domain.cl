@@ -163,6 +163,13 @@ GCDT_INLINE void settle(uint node, uint d, global const Levels* levels, global c
   atomic_add(next_arcs, begins[node + 1u] - begins[node]);
 }
 
+// Node i of a frontier. Mesa 25's llvmpipe goes through a loop's body once more after its end, and does not mask what
+// all work-items load from one place (docs/devices.md). So here neither i nor the word, which nobody may have written,
+// leads out of a buffer.
+GCDT_INLINE uint frontier_node(global const uint* frontier, uint i, uint nodes) {
+  return min(frontier[min(i, nodes - 1u)], nodes - 1u);
+}
+
 // One work-item per node of the frontier, or one work-group if the node has many arcs, or all if there are few nodes.
 // Reads the arcs of the node and depth. Writes entry by atomic_min, and the next frontier, in which a node is put
 // by the one arc that found no entry there; its order is free. Work-item 0 empties the one after the next.
@@ -177,15 +184,17 @@ kernel void depth_expand(const uint d, global const uint* begins, global const u
   if (get_global_id(0) == 0) report->frontier[(d + 2u) % 3u] = report->arcs[(d + 2u) % 3u] = 0u;
   const uint few = count <= GCDT_FEW_NODES ? count : 0u, many = count - few;
   for (uint i = 0; i < few; ++i)
-    expand(frontier[i], get_global_id(0), get_global_size(0), begins, arcs, neighbours, region, depth, entry, next,
-           next_count);
+    expand(frontier_node(frontier, i, nodes), get_global_id(0), get_global_size(0), begins, arcs, neighbours, region,
+           depth, entry, next, next_count);
   FOR_EACH(i, many)
   if (has_few_arcs(frontier[i], begins))
     expand(frontier[i], 0u, 1u, begins, arcs, neighbours, region, depth, entry, next, next_count);
-  for (uint i = get_group_id(0); i < many; i += get_num_groups(0))
-    if (!has_few_arcs(frontier[i], begins))
-      expand(frontier[i], get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry, next,
+  FOR_EACH_OF_GROUPS(i, 0u, many) {
+    const uint node = frontier_node(frontier, i, nodes);
+    if (!has_few_arcs(node, begins))
+      expand(node, get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry, next,
              next_count);
+  }
 }
 
 // One work-item per node of the next frontier.
@@ -227,10 +236,12 @@ kernel void depth_rounds(const uint d, global const Levels* levels, global const
       if (has_few_arcs(frontiers[(now & 1u) * nodes + i], begins))
         expand(frontiers[(now & 1u) * nodes + i], 0u, 1u, begins, arcs, neighbours, region, depth, entry,
                frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
-    for (uint i = 0; i < count; ++i)
-      if (!has_few_arcs(frontiers[(now & 1u) * nodes + i], begins))
-        expand(frontiers[(now & 1u) * nodes + i], get_local_id(0), get_local_size(0), begins, arcs, neighbours, region,
-               depth, entry, frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
+    for (uint i = 0; i < count; ++i) {
+      const uint node = frontier_node(frontiers + (now & 1u) * nodes, i, nodes);
+      if (!has_few_arcs(node, begins))
+        expand(node, get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry,
+               frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
+    }
     barrier(CLK_GLOBAL_MEM_FENCE);
     const uint found = report->frontier[(now + 1u) % 3u];
     for (uint i = get_local_id(0); i < found; i += get_local_size(0))

@@ -372,7 +372,7 @@ kernel void flip_problems(uint begin, uint end, uint stamp, uint bits, uint most
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   uint flips = 0, rounds = 0;
-  for (uint p = begin + get_group_id(0); p < end; p += get_num_groups(0)) {
+  FOR_EACH_OF_GROUPS(p, begin, end) {
     const uint place = place_of_problem(mesh, p);
     OwnLists own;
     own.list = list + place;

@@ -352,7 +352,7 @@ kernel void insert_problems(uint begin_problem, uint end_problem, uint level, ui
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   uint steps = 0, on_edges = 0, last = 0;
-  for (uint p = begin_problem + get_group_id(0); p < end_problem; p += get_num_groups(0)) {
+  FOR_EACH_OF_GROUPS(p, begin_problem, end_problem) {
     const uint2 units = units_of_problem(levels, level, points, n, p);
     const uint first = gcdt_vertices_before(level, units.x), count = gcdt_vertices_before(level, units.y) - first;
     const Round r = make_round(number, number, bits, begin + first);

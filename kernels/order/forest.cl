@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order phase of a forest, problem by problem on its own grid, and its output, each problem's numbers its own
-// again. What order.cl and output.cl do for one problem; the loops of one work-item are short: a chunk, or a
-// bisection.
+// The order phase of a forest, in which each problem has a grid of its own, and the numbering of its output, in which
+// each problem has numbers of its own again. It does what order.cl and output.cl do for one problem. The loops of a
+// work-item are short: a chunk, or a bisection.
 #ifndef GCDT_FOREST
 #define GCDT_FOREST
 #endif
@@ -98,7 +98,7 @@ kernel void forest_mark_first(uint n, global const uint* problems, global const 
 
 // One work-item per place in the sorted order.
 // Reads: levels; problems, keys and values, sorted; before, the scan of forest_mark_first (n + 1 elements).
-// Writes: points[v], the problem of v behind the points (forest.h) and vertex_input[v] at the first place of v's key;
+// Writes: points[v], the problem of v behind the points (shared.h) and vertex_input[v] at the first place of v's key;
 //   input_vertex[values[i]] at every place.
 // Distinct keys of a problem have distinct ranks, so distinct vertices; values is a permutation.
 // After this kernel the vertices are numbered, and vertex_input is the least input number at the grid point.
@@ -110,20 +110,20 @@ kernel void forest_number(uint n, global const Levels* levels, global const uint
     const uint rank = before[i + 1] - 1;
     const bool first = before[i] == rank;
     const uint v = number_place(i, rank, first, levels, keys, values, points, vertex_input, input_vertex);
-    if (first) words[2u + v] = problems[i];
+    if (first) words[gcdt_problem_word(v)] = problems[i];
   }
 }
 
 // One work-item per problem, and one for the end.
 // Reads: before, the scan of forest_mark_first; first_input, where each problem starts, in input and sorted order.
-// Writes: the number of problems and the first rank of each behind the points (forest.h).
+// Writes: the number of problems and the first rank of each behind the points (shared.h).
 // Each its own word; work-item 0 the first.
 // After this kernel the forest can be asked for its problems.
 kernel void forest_first_ranks(uint problems, uint n, global const uint* first_input, global const uint* before,
                                global int2* points) {
   global uint* words = (global uint*)(points + n);
-  if (get_global_id(0) == 0) words[0] = problems;
-  FOR_EACH(p, problems + 1u) words[2u + n + p] = before[first_input[p]];
+  if (get_global_id(0) == 0) words[GCDT_FOREST_ROOTS_WORD] = problems;
+  FOR_EACH(p, problems + 1u) words[gcdt_first_rank_word(n, p)] = before[first_input[p]];
 }
 
 // ---- Output -----------------------------------------------------------------------------------------

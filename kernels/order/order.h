@@ -40,7 +40,7 @@ typedef struct ProblemGrid {
   u32 padding;
 } ProblemGrid;
 
-// What one work-item that orders all vertices by itself (few.cl) reports.
+// What one work-item that orders all vertices by itself (by_one_item.cl) reports.
 typedef struct OrderReport {
   Scale scale;        // read if the grid is given, else written
   Decimals decimals;  // if the grid is decimal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the order phase does with the vertices of one problem that a work-item is given, whether there is one problem
-// (order.cl, few.cl) or many (forest.cl). OpenCL C only.
+// (order.cl, by_one_item.cl) or many (forest.cl). OpenCL C only.
 //
 // `first` is the first vertex of the problem: coordinates are numbered in the problem, 2 * vertex + axis.
 #ifndef GCDT_VERTICES_H

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Orders for CPUs and batches of small problems: of each problem's vertices and triangles by one work-item, while they
-// are in its cache. What forest_order.cpp and output.cl do by sorting all.
+// are in its cache. What order_problems.cpp and output.cl do by sorting all.
 //
-// A forest with one level (forest_order.cpp): vertices are ranks, and those of a problem are consecutive, and so are
+// A forest with one level (order_problems.cpp): vertices are ranks, and those of a problem are consecutive, and so are
 // their faces, while enforce.cl alone has enforced constraints. The order is that of (least corner, the corner after
 // it), found by counting, the less significant first. No word has two writers: all of a problem's are its work-item's,
 // which reads no others.
@@ -11,7 +11,7 @@
 #endif
 #include "common/mesh.h"
 #include "output/triangle.h"
-#include "sort/alone.h"
+#include "sort/sort_by_one_item.h"
 
 // ---- Vertices ---------------------------------------------------------------------------------------
 

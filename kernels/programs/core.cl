@@ -7,7 +7,7 @@
 #include "insert/grow.cl"
 #include "order/order.cl"
 #include "output/output.cl"
-#include "programs/few.cl"
+#include "programs/by_one_item.cl"
 #include "sort/primitives.cl"
 #include "sort/sort64_serial.cl"
 #include "sort/sort_finish.cl"

@@ -16,7 +16,7 @@
 // After: sums[p] is the sum of part p.
 kernel void scan_sum_serial(u32 count, u32 span, u32 parts, global const u32* in, global u32* sums) {
   if (get_local_id(0) != 0) return;
-  for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
+  FOR_EACH_OF_GROUPS(part, 0u, parts) {
     const u32 begin = part * span, end = min(begin + span, count);
     u32 sum = 0;
     for (u32 i = begin; i < end; ++i) sum += in[i];
@@ -30,7 +30,7 @@ kernel void scan_sum_serial(u32 count, u32 span, u32 parts, global const u32* in
 // After: out is the exclusive scan of in, total included. With one part, sums are not read.
 kernel void scan_serial(u32 count, u32 span, u32 parts, global const u32* in, global const u32* sums, global u32* out) {
   if (get_local_id(0) != 0) return;
-  for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
+  FOR_EACH_OF_GROUPS(part, 0u, parts) {
     const u32 begin = part * span, end = min(begin + span, count);
     u32 running = 0;
     for (u32 p = 0; p < part; ++p) running += sums[p];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the radix sort of 64-bit keys leaves to simpler ways: few keys, or many times few, each sorted by one
 // work-group; keys of many small buckets; keys that a sort by their high bits has left nearly in order.
-#include "sort/alone.h"
+#include "sort/sort_by_one_item.h"
 
 // ---- In local memory ----------------------------------------------------------------------------------
 
@@ -75,8 +75,8 @@ kernel void sort_segments(u32 segments, global const u32* first, global u64* key
 // for each digit. Sorts pairs by the bits below `bits` of the key, stably, by digits of 8 bits.
 // Reads, writes: keys and values, and the other ones by turns.
 // After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
-kernel void sort_alone(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
-                       global u32* other_values) {
+kernel void sort_by_one_item(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
+                             global u32* other_values) {
   if (get_local_id(0) == 0) sort_by_digits(count, bits, keys, values, other_keys, other_values);
 }
 

@@ -14,7 +14,7 @@
 kernel void sort_count_serial(u32 count, u32 span, u32 parts, u32 shift, u32 mask, global const KEY* keys,
                               global u32* table) {
   if (get_local_id(0) != 0) return;
-  for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
+  FOR_EACH_OF_GROUPS(part, 0u, parts) {
     const u32 begin = part * span, end = min(begin + span, count);
     u32 counts[GCDT_SERIAL_DIGITS];
     for (u32 d = 0; d <= mask; ++d) counts[d] = 0;
@@ -31,10 +31,10 @@ kernel void sort_move_serial(u32 count, u32 span, u32 parts, u32 shift, u32 mask
                              global const u32* values_in, global const u32* table, global KEY* keys_out,
                              global u32* values_out) {
   if (get_local_id(0) != 0) return;
-  for (u32 part = get_group_id(0); part < parts; part += get_num_groups(0)) {
+  FOR_EACH_OF_GROUPS(part, 0u, parts) {
     const u32 begin = part * span, end = min(begin + span, count);
     u32 next[GCDT_SERIAL_DIGITS];
-    for (u32 d = 0; d <= mask; ++d) next[d] = table[d * parts + part];
+    for (u32 d = 0; d <= mask; ++d) next[d] = table[min(d, mask) * parts + part];  // min: as in FOR_EACH_OF_GROUPS
     for (u32 i = begin; i < end; ++i) {
       const KEY key = keys_in[i];
       const u32 to = next[digit_of(key, shift, mask)]++;

@@ -7,7 +7,7 @@
 #include "mesh/grid.hpp"
 #include "proof/domain.hpp"
 #include "proof/grid.hpp"
-#include "query/foreign.hpp"
+#include "query/imported.hpp"
 #include "solve/memory.hpp"
 
 using namespace gcdt;
@@ -152,7 +152,7 @@ int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
     State& state = *solver->state;
     state.settle();
     state.runtime.memory().begin_call();
-    check_foreign(state.runtime, state.primitives, read_points(given), read_constraints(given), view,
-                  read_options(options).grid);
+    check_imported(state.runtime, state.primitives, read_points(given), read_constraints(given), view,
+                   read_options(options).grid);
   });
 }

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <thread>
 
-#include "batch/alone.hpp"
+#include "batch/single.hpp"
 #include "device/step.hpp"
 #include "mesh/grid.hpp"
 
@@ -13,50 +13,37 @@ namespace gcdt {
 
 namespace {
 
-// A rehearsal has a run of `least_rehearsed` problems or more, so that each problem is one work-item's; one of few
-// problems, which have less than Tuning::few_vertices together; one of a single problem; and two in which one problem
-// is much larger than the rest, so that all go through the phases together. One of those has `large_rehearsed`
-// vertices, too many for one work-group to sort.
-constexpr std::uint32_t least_rehearsed = 512, large_rehearsed = 20000;
-
-// Not all of the memory, because others use the device as well, and because the need of a run is an estimate.
-std::uint64_t usable_bytes(const DeviceInfo& info) { return info.memory_bytes / 4 * 3; }
-
-DeviceKind kind_of(const DevicePool::Member& member) {
-  return runtime::kind_of(runtime::describe(member.device), member.hook.tuning);
-}
-
-std::uint32_t lanes_of(const DevicePool::Member& member) {
-  const bool gpu = kind_of(member) == DeviceKind::gpu;
-  return std::max<std::uint32_t>(1, member.hook.tuning.lanes.value_or(gpu ? Tuning::gpu_lanes : 1));
-}
-
 Error host_failed(const std::exception& error) {
   return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
 }
 
-// Leaves cores to the threads that feed GPUs and to those that make room for results (forest_copy.hpp). A CPU device of
-// the same pool would take those cores from them.
-void leave_cores(std::vector<DevicePool::Member>& members) {
-  std::uint32_t feeding = 0;
-  for (const DevicePool::Member& member : members)
-    if (kind_of(member) == DeviceKind::gpu) feeding += 2 * lanes_of(member);
-  for (DevicePool::Member& member : members)
-    if (feeding > 0 && !member.context() && is_cpu(kind_of(member)))
-      member.device = runtime::part_of(member.device, feeding);
-}
-
 }  // namespace
 
-DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace)
-    : log_(std::move(log)), trace_(std::move(trace)), reports_(members.size()) {
+DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace) : reports_(members.size()) {
   if (members.empty()) throw Error(Status::no_device, "a pool without devices");
-  leave_cores(members);
+  if (log)
+    log_ = [this, log = std::move(log)](int level, const char* message) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      log(level, message);
+    };
+  if (trace)
+    trace_ = [this, trace = std::move(trace)](const TraceSpan& span) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      trace(span);
+    };
+  for (const Member& member : members) {
+    const DeviceInfo info = runtime::describe(member.device);
+    const Tuning& tuning = member.hook.tuning;
+    devices_.push_back({runtime::kind_of(info, tuning), info.memory_bytes, bool(member.context()), false, tuning});
+  }
+  const std::vector<DevicePlan> plans = plan_pool(devices_);
   for (std::size_t i = 0; i < members.size(); ++i) {
     try {
-      reports_[i].info = runtime::describe(members[i].device);
-      reports_[i].kind = kind_of(members[i]);
-      open(std::move(members[i]), i);
+      Member& member = members[i];
+      if (plans[i].cores_left > 0) member.device = runtime::part_of(member.device, plans[i].cores_left);
+      reports_[i].info = runtime::describe(member.device);
+      devices_[i].memory_bytes = reports_[i].info.memory_bytes;
+      open(member, i, plans[i]);
     } catch (const Error& error) {
       lose(i, error);
     }
@@ -64,41 +51,23 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
   if (all_lost()) throw_reasons();
 }
 
-bool DevicePool::has_gpus() const {
-  return std::any_of(reports_.begin(), reports_.end(),
-                     [](const DeviceReport& report) { return report.kind == DeviceKind::gpu && !report.lost; });
-}
-
-void DevicePool::open(Member member, std::size_t device) {
-  const runtime::Log log = log_ ? runtime::Log([this](int level, const char* message) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    log_(level, message);
-  })
-                                : runtime::Log();
-  const Trace trace = trace_ ? Trace([this](const TraceSpan& span) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    trace_(span);
-  })
-                             : Trace();
-  const std::uint32_t count = lanes_of(member);
-  std::uint32_t& rounds = member.hook.tuning.rounds_per_read;
-  const bool gpu = reports_[device].kind == DeviceKind::gpu;
-  if (gpu) rounds = std::max(rounds, Tuning::gpu_rounds_per_read);
+void DevicePool::open(Member& member, std::size_t device, const DevicePlan& plan) {
+  member.hook.tuning.rounds_per_read = plan.rounds_per_read;
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
-  const bool shared = count > 1 && (member.context() || member.hook.tuning.shares_context.value_or(gpu));
-  for (std::uint32_t number = 0; number < count; ++number) {
-    Lane lane;
-    lane.device = device;
-    if (shared && number > 0)
-      lane.runtime = std::make_unique<runtime::Runtime>(*lanes_.back().runtime, log, trace);
+  for (std::uint32_t number = 0; number < plan.workers; ++number) {
+    Worker worker;
+    worker.device = device;
+    worker.number = number;
+    if (plan.shares_context && number > 0)
+      worker.runtime = std::make_unique<runtime::Runtime>(*workers_.back().runtime, log_, trace_);
     else
-      lane.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log, trace);
-    if (shared) lane.runtime->share_context();
-    lane.runtime->time_steps(lane.runtime->tracer().on());
-    lane.runtime->tracer().set_lane(first + number * devices, number);
-    lane.primitives = std::make_unique<Primitives>(*lane.runtime);
-    lane.staging = std::make_unique<Staging>(*lane.runtime);
-    lanes_.push_back(std::move(lane));
+      worker.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log_, trace_);
+    if (plan.shares_context) worker.runtime->share_context();
+    worker.runtime->time_steps(worker.runtime->tracer().on());
+    worker.runtime->tracer().set_worker(first + number * devices, number);
+    worker.primitives = std::make_unique<Primitives>(*worker.runtime);
+    worker.staging = std::make_unique<Staging>(*worker.runtime);
+    workers_.push_back(std::move(worker));
   }
 }
 
@@ -119,35 +88,41 @@ void DevicePool::throw_reasons() const {
 }
 
 void DevicePool::lose(std::size_t device, const Error& error) {
-  const std::lock_guard<std::mutex> lock(mutex_);
   DeviceReport& report = reports_[device];
-  if (report.lost) return;  // another lane has given the reason
-  report.lost = error;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (report.lost) return;  // another worker has given the reason
+    report.lost = error;
+  }
   if (log_) log_(GCDT_LOG_WARNING, (report.info.name + " is taken out of the pool: " + error.what()).c_str());
 }
 
-// The lanes of a device share its memory: packs of several problems get an equal part each, a single large problem may
-// take all of it.
-std::vector<LaneShare> DevicePool::shares(bool gpus) const {
-  std::vector<LaneShare> all;
-  std::vector<std::uint32_t> numbers(reports_.size());
-  for (const Lane& lane : lanes_) {
-    const DeviceReport& report = reports_[lane.device];
-    const bool gpu = report.kind == DeviceKind::gpu;
-    const auto siblings =
-        std::count_if(lanes_.begin(), lanes_.end(), [&](const Lane& other) { return other.device == lane.device; });
-    LaneShare share;
-    share.device = lane.device;
-    share.capacity = usable_bytes(report.info);
-    share.most_bytes = share.capacity / static_cast<std::uint64_t>(siblings);
-    share.most_weight = gpu ? Tuning::gpu_weight : Tuning::cpu_weight;
-    share.speed = lane.speed;
-    if (lane.runtime) share.overhead = lane.runtime->tuning().pack_overhead.value_or(gpu ? Tuning::gpu_overhead : 0);
-    share.first_part = ++numbers[lane.device] / static_cast<double>(siblings);
-    share.beside_gpus = gpus && !gpu;
-    share.started = share.beside_gpus && lane.sitting_out.now();
-    share.lost = share.ended = report.lost.has_value();
-    all.push_back(share);
+// Tells the plan in the log, and in the trace as a span of no length of each device's first worker.
+std::vector<DevicePlan> DevicePool::plan() {
+  for (std::size_t i = 0; i < devices_.size(); ++i) devices_[i].lost = reports_[i].lost.has_value();
+  std::vector<DevicePlan> plans = plan_pool(devices_);
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    texts.push_back(devices_[i].lost ? "taken out of the pool" : plans[i].text());
+    if (log_) log_(GCDT_LOG_INFORMATION, ("pool plan: " + texts[i]).c_str());
+  }
+  for (const Worker& worker : workers_)
+    if (worker.number == 0 && worker.runtime) worker.runtime->tracer().note("plan", texts[worker.device]);
+  return plans;
+}
+
+std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans) const {
+  std::vector<WorkerState> all;
+  for (const Worker& worker : workers_) {
+    const DevicePlan& plan = plans[worker.device];
+    WorkerState state;
+    state.device = worker.device;
+    state.plan = plan;
+    state.throughput = worker.throughput;
+    state.first_part = (worker.number + 1) / static_cast<double>(plan.workers);
+    state.started = plan.beside_gpus && worker.backoff.sits_out();
+    state.lost = state.ended = reports_[worker.device].lost.has_value();
+    all.push_back(state);
   }
   return all;
 }
@@ -159,21 +134,19 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
   if (all_lost()) throw_reasons();
-  for (Lane& lane : lanes_) lane.report = {};
-  const bool gpus = has_gpus();
-  for (Lane& lane : lanes_)
-    lane.rehearses = lane.runtime &&
-                     lane.runtime->tuning().rehearses.value_or(gpus && reports_[lane.device].kind != DeviceKind::gpu);
-  const std::vector<LaneShare> lanes = shares(gpus);
-  Schedule schedule(batch, lanes);
+  const std::vector<DevicePlan> plans = plan();
+  for (Worker& worker : workers_) worker.warms_up = plans[worker.device].warms_up;
+  for (DeviceReport& report : reports_) report = {report.info, report.lost};
+  const std::vector<WorkerState> states = this->states(plans);
+  Schedule schedule(batch, states);
   std::vector<std::thread> threads;
   const auto join = [&] {
     for (std::thread& thread : threads) thread.join();
   };
   bool wanted = true;
   try {
-    for (std::size_t i = 0; i < lanes_.size(); ++i)
-      if (!lanes[i].lost) threads.emplace_back([&, i] { work(i, schedule, batch, options); });
+    for (std::size_t i = 0; i < workers_.size(); ++i)
+      if (!states[i].lost) threads.emplace_back([&, i] { work(i, schedule, batch, options); });
     for (double done = 0; done < 1 && wanted;) {
       done = schedule.wait();
       if (options.progress) wanted = options.progress("batch", done);
@@ -185,119 +158,94 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     throw;
   }
   join();
-  for (std::size_t i = 0; i < lanes_.size(); ++i) {
-    lanes_[i].speed = schedule.speed(i);
-    lanes_[i].sitting_out.next_call(schedule.left_out(i));
+  for (std::size_t i = 0; i < workers_.size(); ++i) {
+    const WorkerState state = schedule.state(i);
+    workers_[i].throughput = state.throughput;
+    workers_[i].backoff.next_call(state.too_slow);
   }
-  add_reports();
+  for (Worker& worker : workers_)
+    if (reports_[worker.device].lost) worker.staging.reset(), worker.primitives.reset(), worker.runtime.reset();
   if (!wanted) throw Error(Status::cancelled, "cancelled during batch");
   if (schedule.unsettled() > 0) throw_reasons();
-  PoolResult result;
-  result.results = std::move(schedule.results);
-  result.places = std::move(schedule.places);
-  result.errors = std::move(schedule.errors);
-  result.milliseconds = milliseconds_since(start);
-  return result;
+  return {std::move(schedule.results), std::move(schedule.places), std::move(schedule.errors),
+          milliseconds_since(start)};
 }
 
-void DevicePool::add_reports() {
-  for (DeviceReport& report : reports_) {
-    report.problems = report.vertices = report.runs = 0;
-    report.milliseconds = 0;
-  }
-  for (Lane& lane : lanes_) {
-    DeviceReport& report = reports_[lane.device];
-    report.problems += lane.report.problems;
-    report.vertices += lane.report.vertices;
-    report.runs += lane.report.runs;
-    report.milliseconds += lane.report.milliseconds;
-    if (!report.lost) continue;
-    lane.staging.reset();
-    lane.primitives.reset();
-    lane.runtime.reset();
-  }
-}
-
-// A lane's thread. It ends when the schedule has nothing left for the lane, or when the device is lost.
+// A worker's thread. It ends when the schedule has nothing left for the worker, or when the device is lost.
 void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
-  Lane& lane = lanes_[number];
-  if (lane.rehearses && !lane.sitting_out.now() && !lane.rehearsed.has(options)) rehearse(number, schedule, options);
-  while (const std::shared_ptr<Pack> pack = schedule.take(number)) {
+  Worker& worker = workers_[number];
+  if (worker.warms_up && !worker.backoff.sits_out() && worker.warmed_up.count(warmup_key(options)) == 0)
+    warm_up(number, schedule, options);
+  while (const std::shared_ptr<Job> job = schedule.take(number)) {
     try {
-      run(number, schedule, pack, batch, options);
-      continue;
+      run_job(number, schedule, job, batch, options);
+    } catch (const Shortage& shortage) {
+      settle(worker);
+      worker.runtime->memory().trim();
+      schedule.too_large(number, job, shortage.error, shortage.problem);
     } catch (const Error& error) {
-      settle(lane);
+      settle(worker);
       if (error.status() == Status::cancelled) {
-        schedule.drop(number, pack);
-        continue;
+        schedule.drop(number, job);
+      } else if (error.status() == Status::out_of_memory) {
+        worker.runtime->memory().trim();
+        schedule.too_large(number, job, error);
+      } else {
+        give_up(number, schedule, job, error);
       }
-      if (error.status() == Status::out_of_memory) {
-        lane.runtime->memory().trim();
-        schedule.too_large(number, pack, error);
-        continue;
-      }
-      give_up(number, schedule, pack, error);
     } catch (const std::exception& error) {
-      give_up(number, schedule, pack, host_failed(error));
+      give_up(number, schedule, job, host_failed(error));
     }
   }
-  if (schedule.crowded_out(number)) {
-    lane.primitives->release();
-    lane.runtime->memory().trim();
+  if (schedule.state(number).evicted) {
+    worker.primitives->release();
+    worker.runtime->memory().trim();
   }
-  lane.runtime->give_up_when({});
-  lane.staging->offsets = {};
+  worker.runtime->give_up_when({});
+  worker.staging->offsets = {};
   schedule.end(number);
 }
 
-// Takes the lane's device out of the pool; its pack, if there is one, goes to other devices.
-void DevicePool::give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack,
-                         const Error& error) {
-  lose(lanes_[number].device, error);
-  schedule.lose(number, pack);
+// Takes the worker's device out of the pool. Its job, if it has one, goes to other devices.
+void DevicePool::give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error) {
+  lose(workers_[number].device, error);
+  schedule.lose(number, job);
 }
 
 // After an error: waits until nothing is left in the queue, and forgets what was under way.
-void DevicePool::settle(Lane& lane) {
-  runtime::Runtime& runtime = *lane.runtime;
+void DevicePool::settle(Worker& worker) {
+  runtime::Runtime& runtime = *worker.runtime;
   runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
   runtime.tracer().clear();
-  lane.primitives->release();
+  worker.primitives->release();
 }
 
-// Launches all kernels that the lane may need, while other lanes do the work. Too little memory is no error here: it
-// will show when a pack needs it.
-void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options& options) {
-  Lane& lane = lanes_[number];
+// Launches all kernels that the worker may need, while other workers do the work. Too little memory is no error here,
+// because a job that needs it will report it.
+void DevicePool::warm_up(std::size_t number, Schedule& schedule, const Options& options) {
+  Worker& worker = workers_[number];
   Options own;
   own.crossing = options.crossing;
   own.domain = options.domain;
   own.regions = options.regions;
-  lane.runtime->give_up_when([&schedule] { return schedule.cancelled(); });
+  worker.runtime->give_up_when([&schedule] { return schedule.cancelled(); });
   try {
-    const std::uint32_t many = std::max(least_rehearsed, 2 * lane.runtime->info().compute_units);
-    std::vector<std::vector<std::uint32_t>> runs = {
-        std::vector<std::uint32_t>(many, 40), std::vector<std::uint32_t>(8, 40), {40}, {60, 40}, {large_rehearsed, 40}};
-    if (options.crossing == Crossing::split) {  // large problems that cross, run alone: with decimals, and rounded
-      runs.emplace_back(12, 40);
-      runs.back()[7] = runs.back()[11] = large_rehearsed;
-    }
-    for (const std::vector<std::uint32_t>& vertices : runs) {
-      const RehearsalBatch batch(vertices);
+    for (const std::vector<std::uint32_t>& vertices :
+         warmup_runs(worker.runtime->info().compute_units, options.crossing)) {
+      const WarmupBatch batch(vertices);
       std::vector<std::uint32_t> all(vertices.size());
       std::iota(all.begin(), all.end(), 0u);
-      make(lane, batch.view(), std::move(all), own);
+      make(worker, batch.view(), std::move(all), own);
     }
-    const RehearsalBatch crossing(std::vector<std::uint32_t>(8, 40));
-    make(lane, crossing.view(), {7}, own);  // few pieces: all pairs are compared
-    lane.rehearsed.add(own);
+    const WarmupBatch crossing(std::vector<std::uint32_t>(8, 40));
+    make(worker, crossing.view(), {7}, own);  // few pieces: all pairs are compared
+    worker.warmed_up.insert(warmup_key(own));
   } catch (const Shortage&) {
-    settle(lane);
-    lane.runtime->memory().trim();
+    settle(worker);
+    worker.runtime->memory().trim();
   } catch (const Error& error) {
-    settle(lane);
-    lane.runtime->memory().trim();
+    settle(worker);
+    worker.runtime->memory().trim();
     if (error.status() == Status::cancelled || error.status() == Status::out_of_memory) return;
     give_up(number, schedule, nullptr, error);
   } catch (const std::exception& error) {
@@ -305,43 +253,36 @@ void DevicePool::rehearse(std::size_t number, Schedule& schedule, const Options&
   }
 }
 
-void DevicePool::run(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
-                     const Options& options) {
-  Lane& lane = lanes_[number];
+void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job,
+                         const BatchInput& batch, const Options& options) {
+  Worker& worker = workers_[number];
   Options own = options;
   own.progress = {};
-  lane.runtime->give_up_when([&schedule, pack] { return schedule.needless(*pack); });
-  const Stopwatch stopwatch(*lane.runtime);
-  Made made;
-  try {
-    made = make(lane, batch, pack->problems, own);
-  } catch (const Shortage& shortage) {
-    settle(lane);
-    lane.runtime->memory().trim();
-    schedule.too_large(number, pack, shortage.error, shortage.problem);
-    return;
-  }
+  worker.runtime->give_up_when([&schedule, job] { return schedule.needless(*job); });
+  const Stopwatch stopwatch(*worker.runtime);
+  Made made = make(worker, batch, job->problems, own);
   const double ms = stopwatch.milliseconds();
-  if (!schedule.finish(number, pack, std::move(made.result), std::move(made.errors), ms)) return;
-  DeviceReport& report = lane.report;
-  report.problems += pack->problems.size();
-  for (const std::uint32_t p : pack->problems) report.vertices += batch.n(p);
+  if (!schedule.finish(number, job, std::move(made.result), std::move(made.errors), ms)) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  DeviceReport& report = reports_[worker.device];
+  report.problems += job->problems.size();
+  for (const std::uint32_t p : job->problems) report.vertices += batch.n(p);
   ++report.runs;
   report.milliseconds += ms;
 }
 
-// Takes out problems with errors of their own, and those that must run alone, and runs the rest again. That ends
-// because there are fewer each time.
-DevicePool::Made DevicePool::make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers,
+// Runs the problems. If some have errors of their own, or are to be run one by one, it takes those out and runs the
+// rest again. That ends because there are fewer each time.
+DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers,
                                   const Options& options) {
   Made made;
   std::vector<std::uint32_t> crossing;
   while (!numbers.empty()) {
     try {
-      made.result = triangulate_forest(*lane.runtime, *lane.primitives, batch, numbers, options, *lane.staging);
+      made.result = triangulate_forest(*worker.runtime, *worker.primitives, batch, numbers, options, *worker.staging);
       break;
     } catch (const InvalidProblems& invalid) {
-      settle(lane);
+      settle(worker);
       std::vector<bool> out(numbers.size(), false);
       for (const auto& [place, error] : invalid.errors) {
         made.errors.emplace_back(numbers[place], error);
@@ -359,7 +300,7 @@ DevicePool::Made DevicePool::make(Lane& lane, const BatchInput& batch, std::vect
   }
   for (const std::uint32_t p : crossing) {
     try {
-      made.result.add(triangulate_alone(*lane.runtime, *lane.primitives, batch, p, options));
+      made.result.add(triangulate_single(*worker.runtime, *worker.primitives, batch, p, options));
     } catch (const Error& error) {
       if (error.status() != Status::out_of_memory) throw;
       throw Shortage{p, error};

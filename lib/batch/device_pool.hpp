@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pool of OpenCL devices of any platforms that work on one batch. Each device has a context, its own or the
-// application's, and one or more lanes. Contexts cannot span platforms, so everything goes through host memory.
+// A pool of OpenCL devices of any platforms that work on one batch. Each device has one or more workers, and a context
+// of its own or the application's. Contexts cannot span platforms, so everything goes through host memory.
 #pragma once
 
-#include "batch/rehearsal.hpp"
+#include "batch/backoff.hpp"
+#include "batch/pool_plan.hpp"
 #include "batch/schedule.hpp"
+#include "batch/warmup.hpp"
 
 namespace gcdt {
 
-/// What a device of a pool has done in the last batch, and whether it still takes part.
+/// What a device of a pool did in the last batch, and whether it still takes part.
 struct DeviceReport {
   DeviceInfo info;
-  DeviceKind kind = DeviceKind::accelerator;
   std::optional<Error> lost;  ///< why it was taken out
   std::uint64_t problems = 0, vertices = 0, runs = 0;
   double milliseconds = 0;  ///< the time of the runs whose results counted
@@ -44,49 +45,49 @@ class DevicePool {
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
 
  private:
-  /// One stream of runs on a device. It has a queue, memory, and during calls a thread. While the host copies a lane's
-  /// results and gathers its next problems, the device works for another lane.
-  struct Lane {
+  /// A worker does one run after the other on a device. It has a queue, memory, and during calls a thread. While the
+  /// host copies its results and gathers its next problems, the device works for another worker.
+  struct Worker {
     std::size_t device = 0;
+    std::uint32_t number = 0;  ///< among the device's workers
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
-    Speed speed;
-    SittingOut sitting_out;
-    DeviceReport report;     ///< its part in the last batch
-    bool rehearses = false;  ///< before it takes part in the first batch
-    Rehearsed rehearsed;
+    Throughput throughput;
+    Backoff backoff;
+    bool warms_up = false;  ///< before it takes part in the first batch
+    std::set<WarmupKey> warmed_up;
   };
   /// What a run has made of its problems.
   struct Made {
     ForestResult result;
     std::vector<std::pair<std::uint32_t, Error>> errors;  ///< of those that `result` lacks
   };
-  /// One problem of a pack needs more memory than there is, though its size does not say so.
+  /// One problem of a job needs more memory than there is, though its size does not say so.
   struct Shortage {
     std::uint32_t problem;
     Error error;
   };
-  void open(Member member, std::size_t device);
-  bool has_gpus() const;
-  std::vector<LaneShare> shares(bool gpus) const;
-  void work(std::size_t lane, Schedule& schedule, const BatchInput& batch, const Options& options);
-  void rehearse(std::size_t lane, Schedule& schedule, const Options& options);
-  void run(std::size_t lane, Schedule& schedule, const std::shared_ptr<Pack>& pack, const BatchInput& batch,
-           const Options& options);
-  Made make(Lane& lane, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
-  void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Pack>& pack, const Error& error);
-  void settle(Lane& lane);
+  void open(Member& member, std::size_t device, const DevicePlan& plan);
+  std::vector<DevicePlan> plan();
+  std::vector<WorkerState> states(const std::vector<DevicePlan>& plans) const;
+  void work(std::size_t worker, Schedule& schedule, const BatchInput& batch, const Options& options);
+  void warm_up(std::size_t worker, Schedule& schedule, const Options& options);
+  void run_job(std::size_t worker, Schedule& schedule, const std::shared_ptr<Job>& job, const BatchInput& batch,
+               const Options& options);
+  Made make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
+  void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);
+  void settle(Worker& worker);
   void lose(std::size_t device, const Error& error);
-  void add_reports();
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
 
   std::mutex mutex_;  ///< held during callbacks, and while a device is reported as lost
-  runtime::Log log_;
+  runtime::Log log_;  ///< takes the mutex, as does the trace
   Trace trace_;
+  std::vector<PooledDevice> devices_;
   std::vector<DeviceReport> reports_;
-  std::vector<Lane> lanes_;
+  std::vector<Worker> workers_;
 };
 
 }  // namespace gcdt

@@ -10,7 +10,8 @@ namespace gcdt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-// The most progress that is reported while lanes are busy; all may be settled, and they rehearse, or run in vain.
+// The most progress that is reported while workers are busy. When all is settled, some may still warm up or run in
+// vain.
 constexpr double most_told = 0.99;
 
 std::chrono::nanoseconds nanoseconds(double milliseconds) {
@@ -19,7 +20,8 @@ std::chrono::nanoseconds nanoseconds(double milliseconds) {
 
 }  // namespace
 
-Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batch_(batch), lanes_(std::move(lanes)) {
+Schedule::Schedule(const BatchInput& batch, std::vector<WorkerState> workers)
+    : batch_(batch), workers_(std::move(workers)) {
   places.resize(batch.problems);
   unsettled_ = batch.problems;
   bytes_.reserve(batch.problems), waiting_.reserve(batch.problems);
@@ -38,8 +40,8 @@ Schedule::Schedule(const BatchInput& batch, std::vector<LaneShare> lanes) : batc
   sort_waiting();
 }
 
-// A radix sort: it sorts 100,000 problems in 1 ms instead of 12, and all devices wait for it. Each pass keeps the order
-// of equals, so problems of one size stay in the order of their numbers.
+// A radix sort, since all devices wait for it: it sorts 100,000 problems in 1 ms, std::sort in 12. Each pass keeps the
+// order of equals, so problems of one size stay in the order of their numbers.
 void Schedule::sort_waiting() {
   constexpr unsigned digit_bits = 11, all_bits = 64;
   constexpr std::uint64_t digit_mask = (std::uint64_t{1} << digit_bits) - 1;
@@ -58,135 +60,140 @@ void Schedule::sort_waiting() {
 }
 
 // Larger first, then by number, so that the order does not depend on chance.
-bool Schedule::before(std::uint32_t p, std::uint32_t q) const {
+bool Schedule::is_before(std::uint32_t p, std::uint32_t q) const {
   return bytes(p) != bytes(q) ? bytes(p) > bytes(q) : p < q;
 }
 
-std::uint64_t Schedule::bytes(const Pack& pack) const {
+std::uint64_t Schedule::bytes(const Job& job) const {
   std::uint64_t n = 0, m = 0;
-  for (const std::uint32_t p : pack.problems) n += batch_.n(p), m += batch_.m(p);
-  return forest_bytes(pack.problems.size(), n, m);
+  for (const std::uint32_t p : job.problems) n += batch_.n(p), m += batch_.m(p);
+  return forest_bytes(job.problems.size(), n, m);
 }
 
-std::shared_ptr<Pack> Schedule::take(std::size_t lane) {
+std::shared_ptr<Job> Schedule::take(std::size_t worker) {
   Lock lock(mutex_);
-  // The loop ends: a lane waits only while another one runs or is about to end. Every run ends, and each end settles
-  // problems, shrinks a capacity, makes a lane refuse a problem, or makes lanes end.
+  // The loop ends, because a worker waits only while another one runs or is about to end. Every run ends. Each end
+  // settles problems, shrinks a capacity, makes a worker refuse a problem, or makes workers end.
   for (;;) {
-    if (cancelled_ || lanes_[lane].lost || unsettled_ == 0) return nullptr;
-    if (!must_wait(lane)) {
-      if (auto pack = cut(lane)) return pack;
-      if (auto pack = steal(lane)) return pack;
+    if (cancelled_ || workers_[worker].lost || unsettled_ == 0) return nullptr;
+    if (!must_wait(worker)) {
+      if (auto job = take_waiting(worker)) return job;
+      if (auto job = steal(worker)) return job;
       if (running_.empty()) {
         refuse_what_is_too_large();
         changed_.notify_all();
         if (unsettled_ == 0) return nullptr;
       }
     }
-    changed_.wait_for(lock, Tuning::glance);
+    changed_.wait_for(lock, Tuning::steal_interval);
   }
 }
 
-// The mean over the lanes of the device that have been measured, as they are equally fast; 0 if none has.
-double Schedule::speed_of(std::size_t device) const {
-  double speeds = 0, known = 0;
-  for (const LaneShare& share : lanes_)
-    if (share.device == device && share.speed.known()) speeds += share.speed.value(), ++known;
-  return known > 0 ? speeds / known : 0;
+// The mean of the workers of the device that have been measured, because all are equally fast; 0 if none has.
+double Schedule::throughput_of(std::size_t device) const {
+  double throughputs = 0, known = 0;
+  for (const WorkerState& state : workers_)
+    if (state.device == device && state.throughput.known()) throughputs += state.throughput.value(), ++known;
+  return known > 0 ? throughputs / known : 0;
 }
 
-// In how many milliseconds all lanes would end if the rest were shared out so that they end together. `lane` is idle
-// and has a speed.
-double Schedule::milliseconds_of_rest(std::size_t lane) const {
-  std::vector<BusyLane> lanes(lanes_.size());
-  for (std::size_t i = 0; i < lanes_.size(); ++i)
-    if (i == lane || (!lanes_[i].lost && !lanes_[i].left_out)) lanes[i].speed = speed_of(lanes_[i].device);
-  for (const auto& pack : running_) {
-    const std::chrono::duration<double, std::milli> left = remaining(*pack);
-    if (!pack->done && pack->owner != lane) lanes[pack->owner].milliseconds = left.count();
+// Shares the rest out so that all workers end together, and returns in how many milliseconds they end. `worker` is idle
+// and has a throughput.
+double Schedule::milliseconds_of_rest(std::size_t worker) const {
+  std::vector<BusyWorker> workers(workers_.size());
+  for (std::size_t i = 0; i < workers_.size(); ++i)
+    if (i == worker || (!workers_[i].lost && !workers_[i].too_slow))
+      workers[i].throughput = throughput_of(workers_[i].device);
+  for (const auto& job : running_) {
+    const std::chrono::duration<double, std::milli> left = remaining(*job);
+    if (!job->done && job->owner != worker) workers[job->owner].milliseconds = left.count();
   }
-  return common_end(std::move(lanes), static_cast<double>(waiting_weight_));
+  return common_end(std::move(workers), static_cast<double>(waiting_weight_));
 }
 
-// The weight that the lane's next pack should have, before the limits for memory and weight.
-double Schedule::wanted_weight(std::size_t lane) const {
-  const LaneShare& share = lanes_[lane];
+// The weight that the worker's next job should have, before the limits for memory and weight.
+double Schedule::wanted_weight(std::size_t worker) const {
+  const WorkerState& state = workers_[worker];
   const auto rest = static_cast<double>(waiting_weight_);
   double alive = 0;
   bool alike = true;
-  for (const LaneShare& other : lanes_)
-    if (!other.lost) ++alive, alike = alike && other.device == share.device;
+  for (const WorkerState& other : workers_)
+    if (!other.lost) ++alive, alike = alike && other.device == state.device;
   if (alive == 1) return rest;
-  const double part = share.started ? 1 : share.first_part, speed = speed_of(share.device);
-  if (speed <= 0)
+  const double part = state.started ? 1 : state.first_part, throughput = throughput_of(state.device);
+  if (throughput <= 0)
     return part * (alike ? std::max(Tuning::first_weight, rest / alive * Tuning::part_of_rest)
                          : std::min(Tuning::first_weight, rest / alive));
-  const double end = milliseconds_of_rest(lane), least = speed * share.overhead * Tuning::least_overheads;
-  if (!share.started && end > Tuning::little_milliseconds)
-    return std::max(least, part * speed * end * Tuning::part_of_rest);
-  const double wanted = std::max(least, speed * end * (end <= Tuning::last_milliseconds ? 1 : Tuning::part_of_rest));
-  return rest - wanted < speed * Tuning::least_left_milliseconds ? rest : wanted;
+  const double end = milliseconds_of_rest(worker),
+               least = throughput * state.plan.job_overhead * Tuning::least_overheads;
+  if (!state.started && end > Tuning::little_milliseconds)
+    return std::max(least, part * throughput * end * Tuning::part_of_rest);
+  const double wanted =
+      std::max(least, throughput * end * (end <= Tuning::last_milliseconds ? 1 : Tuning::part_of_rest));
+  return rest - wanted < throughput * Tuning::least_left_milliseconds ? rest : wanted;
 }
 
-// Whether the lane should leave problem p to a GPU: the lane is a CPU's, and much slower than a GPU that can take p.
-bool Schedule::leaves(std::size_t lane, std::uint32_t p) const {
-  const LaneShare& share = lanes_[lane];
-  if (!share.beside_gpus || !share.speed.known()) return false;
-  std::map<std::size_t, double> speeds;  // of devices
-  for (const LaneShare& other : lanes_)
-    if (!other.beside_gpus && !other.lost && other.capacity >= bytes(p) && other.refused.count(p) == 0)
-      speeds[other.device] += other.speed.value();
-  return std::any_of(speeds.begin(), speeds.end(), [&](const auto& device) {
-    return share.speed.value() < device.second * Tuning::least_part_of_gpu;
+// Whether the worker should leave problem p to a GPU. It should if it is a CPU's, and much slower than a GPU that can
+// take p.
+bool Schedule::leaves_to_gpu(std::size_t worker, std::uint32_t p) const {
+  const WorkerState& state = workers_[worker];
+  if (!state.plan.beside_gpus || !state.throughput.known()) return false;
+  std::map<std::size_t, double> throughputs;  // of devices
+  for (const WorkerState& other : workers_)
+    if (!other.plan.beside_gpus && !other.lost && other.plan.capacity >= bytes(p) && other.refused.count(p) == 0)
+      throughputs[other.device] += other.throughput.value();
+  return std::any_of(throughputs.begin(), throughputs.end(), [&](const auto& device) {
+    return state.throughput.value() < device.second * Tuning::least_part_of_gpu;
   });
 }
 
-// Whether lanes of the same device are about to end: they still hold memory that the lane needs.
-bool Schedule::must_wait(std::size_t lane) const {
-  return std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& other) {
-    return other.device == lanes_[lane].device && other.lost && !other.ended;
+// Whether the worker needs memory that other workers of its device still hold, which are about to end.
+bool Schedule::must_wait(std::size_t worker) const {
+  return std::any_of(workers_.begin(), workers_.end(), [&](const WorkerState& other) {
+    return other.device == workers_[worker].device && other.lost && !other.ended;
   });
 }
 
-// A pack from the front of the list, from the largest problem that fits on.
-std::shared_ptr<Pack> Schedule::cut(std::size_t lane) {
-  const LaneShare& share = lanes_[lane];
+// Makes a job of the largest problem in the list that fits, and of problems that follow it.
+std::shared_ptr<Job> Schedule::take_waiting(std::size_t worker) {
+  const WorkerState& state = workers_[worker];
   const auto fits = std::partition_point(waiting_.begin(), waiting_.end(),
-                                         [&](std::uint32_t p) { return bytes(p) > share.capacity; });
-  const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return share.refused.count(p) == 0; });
+                                         [&](std::uint32_t p) { return bytes(p) > state.plan.capacity; });
+  const auto begin = std::find_if(fits, waiting_.end(), [&](std::uint32_t p) { return state.refused.count(p) == 0; });
   if (begin == waiting_.end()) return nullptr;
-  double wanted = std::min(wanted_weight(lane), static_cast<double>(share.most_weight));
-  if (leaves(lane, *begin)) {
-    lanes_[lane].left_out = true;
-    if (share.started) return nullptr;
-    wanted = std::min(wanted, std::max(Tuning::first_weight, share.speed.value() * Tuning::little_milliseconds));
+  double wanted = std::min(wanted_weight(worker), static_cast<double>(state.plan.job_weight));
+  if (leaves_to_gpu(worker, *begin)) {
+    workers_[worker].too_slow = true;
+    if (state.started) return nullptr;
+    wanted = std::min(wanted, std::max(Tuning::first_weight, state.throughput.value() * Tuning::little_milliseconds));
   }
-  auto pack = std::make_shared<Pack>();
-  const auto end =
-      begin + static_cast<std::ptrdiff_t>(that_fit(share, static_cast<std::size_t>(begin - waiting_.begin()), wanted));
-  pack->problems.assign(begin, end);
-  for (const std::uint32_t p : pack->problems) pack->weight += weight(p);
+  auto job = std::make_shared<Job>();
+  const auto end = begin + static_cast<std::ptrdiff_t>(
+                               count_that_fit(state, static_cast<std::size_t>(begin - waiting_.begin()), wanted));
+  job->problems.assign(begin, end);
+  for (const std::uint32_t p : job->problems) job->weight += weight(p);
   waiting_.erase(begin, end);
-  waiting_weight_ -= pack->weight;
-  lanes_[lane].started = true;
-  start(lane, pack, true);
-  return pack;
+  waiting_weight_ -= job->weight;
+  workers_[worker].started = true;
+  start(worker, job, true);
+  return job;
 }
 
-// How many waiting problems from `begin` on make a pack, at least one. The memory formula is the slowest part, and all
-// lanes wait for it. So it is asked once, for all problems that the other limits allow, and then by bisection.
-std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double most_weight) const {
+// How many waiting problems from `begin` on make a job, at least one. The memory formula takes longest here, and all
+// workers wait for it. So it is asked once for all problems that the other limits allow, and only if they do not fit
+// again, by bisection.
+std::size_t Schedule::count_that_fit(const WorkerState& state, std::size_t begin, double most_weight) const {
   std::vector<std::array<std::uint64_t, 2>> sums;  // [i]: vertices and constraints of the first i + 1 problems
   std::uint64_t n = 0, m = 0, all = 0;
   for (std::size_t i = begin; i < waiting_.size(); ++i) {
     const std::uint32_t p = waiting_[i];
     n += batch_.n(p), m += batch_.m(p), all += weight(p);
-    const bool alone = outgrown(waiting_[begin]) || outgrown(p);
+    const bool by_itself = outgrown(waiting_[begin]) || outgrown(p);
     // Triangle numbers are 30 bits wide, and a root counts as a vertex at most.
-    if (i > begin && (alone || static_cast<double>(all) > most_weight || n + i + 1 - begin > max_vertices)) break;
+    if (i > begin && (by_itself || static_cast<double>(all) > most_weight || n + i + 1 - begin > max_vertices)) break;
     sums.push_back({n, m});
   }
-  const std::uint64_t most_bytes = std::min(share.most_bytes, share.capacity);
+  const std::uint64_t most_bytes = std::min(state.plan.job_bytes, state.plan.capacity);
   const auto fits = [&](std::size_t count) {
     return forest_bytes(count, sums[count - 1][0], sums[count - 1][1]) <= most_bytes;
   };
@@ -196,63 +203,64 @@ std::size_t Schedule::that_fit(const LaneShare& share, std::size_t begin, double
   return least;
 }
 
-// A pack that is overdue may take as long again as it is late: nothing better is known.
-Clock::duration Schedule::remaining(const Pack& pack) {
+// A job that is overdue is taken to need as long again as it is late, because nothing better is known.
+Clock::duration Schedule::remaining(const Job& job) {
   const auto now = Clock::now();
-  return now < pack.due ? pack.due - now : now - pack.due;
+  return now < job.due ? job.due - now : now - job.due;
 }
 
-// The pack of another device that will be done last, if this lane would be done with it well before.
-std::shared_ptr<Pack> Schedule::steal(std::size_t lane) {
-  const LaneShare& share = lanes_[lane];
-  const double speed = speed_of(share.device);
-  if (speed <= 0) return nullptr;
-  std::shared_ptr<Pack> latest;
-  for (const auto& pack : running_)
-    if (!pack->done && pack->runners == 1 && lanes_[pack->owner].device != share.device &&
-        (!latest || remaining(*pack) > remaining(*latest)))
-      latest = pack;
+// Takes the job of another device that will be done last, if this worker would be done with it well before.
+std::shared_ptr<Job> Schedule::steal(std::size_t worker) {
+  const WorkerState& state = workers_[worker];
+  const double throughput = throughput_of(state.device);
+  if (throughput <= 0) return nullptr;
+  std::shared_ptr<Job> latest;
+  for (const auto& job : running_)
+    if (!job->done && job->runners == 1 && workers_[job->owner].device != state.device &&
+        (!latest || remaining(*job) > remaining(*latest)))
+      latest = job;
   if (!latest) return nullptr;
-  if (bytes(*latest) > share.capacity) return nullptr;
-  for (const std::uint32_t p : share.refused)
+  if (bytes(*latest) > state.plan.capacity) return nullptr;
+  for (const std::uint32_t p : state.refused)
     if (std::count(latest->problems.begin(), latest->problems.end(), p) > 0) return nullptr;
-  const double own =
-      std::max(share.overhead + static_cast<double>(latest->weight) / speed, Tuning::least_theft_milliseconds);
+  const double own = std::max(state.plan.job_overhead + static_cast<double>(latest->weight) / throughput,
+                              Tuning::least_theft_milliseconds);
   if (nanoseconds(own * Tuning::theft_margin) >= remaining(*latest)) return nullptr;
-  start(lane, latest, false);
+  start(worker, latest, false);
   return latest;
 }
 
-void Schedule::start(std::size_t lane, const std::shared_ptr<Pack>& pack, bool first) {
-  ++pack->runners;
+void Schedule::start(std::size_t worker, const std::shared_ptr<Job>& job, bool first) {
+  ++job->runners;
   if (!first) return;
-  pack->owner = lane;
-  const double speed = speed_of(lanes_[lane].device);
-  pack->began = pack->due = Clock::now();
-  if (speed > 0) pack->due += nanoseconds(lanes_[lane].overhead + static_cast<double>(pack->weight) / speed);
-  running_.push_back(pack);
+  job->owner = worker;
+  const double throughput = throughput_of(workers_[worker].device);
+  job->began = job->due = Clock::now();
+  if (throughput > 0)
+    job->due += nanoseconds(workers_[worker].plan.job_overhead + static_cast<double>(job->weight) / throughput);
+  running_.push_back(job);
 }
 
-bool Schedule::finish(std::size_t lane, const std::shared_ptr<Pack>& pack, ForestResult result,
+bool Schedule::finish(std::size_t worker, const std::shared_ptr<Job>& job, ForestResult result,
                       std::vector<std::pair<std::uint32_t, Error>> own_errors, double milliseconds) {
   const std::vector<std::uint32_t> problems = result.problems;
   Lock lock(mutex_);
-  LaneShare& share = lanes_[lane];
-  share.speed.add(static_cast<double>(pack->weight),
-                  std::max(milliseconds - share.overhead, milliseconds * Tuning::least_part_of_contents));
-  if (pack->done) {
-    stop_running(pack);
+  WorkerState& state = workers_[worker];
+  state.throughput.add(static_cast<double>(job->weight),
+                       std::max(milliseconds - state.plan.job_overhead, milliseconds * Tuning::least_part_of_contents));
+  if (job->done) {
+    stop_running(job);
     return false;
   }
-  // From here on nothing throws, so the pack is marked as done.
+  // From here on nothing throws, so the job is marked as done.
   const auto number = static_cast<std::uint32_t>(results.size());
   results.push_back(std::move(result));
   for (auto& [p, error] : own_errors) errors.insert_or_assign(p, std::move(error));
-  pack->done = true;
-  settled_weight_ += pack->weight;
-  unsettled_ -= pack->problems.size();
-  stop_running(pack);
-  lock.unlock();  // no other lane writes these places, and nobody reads them before all lanes have ended
+  job->done = true;
+  settled_weight_ += job->weight;
+  unsettled_ -= job->problems.size();
+  stop_running(job);
+  lock.unlock();  // no other worker writes these places, and nobody reads them before all workers have ended
   for (std::uint32_t i = 0; i < problems.size(); ++i) places[problems[i]] = {number, i};
   return true;
 }
@@ -263,82 +271,79 @@ void Schedule::settle(std::uint32_t p, Error error) {
   --unsettled_;
 }
 
-void Schedule::stop_running(const std::shared_ptr<Pack>& pack) {
-  if (--pack->runners == 0) running_.remove(pack);
+void Schedule::stop_running(const std::shared_ptr<Job>& job) {
+  if (--job->runners == 0) running_.remove(job);
   changed_.notify_all();
 }
 
-// The pack's problems go back into the list, unless another lane has done the pack or is running it.
-void Schedule::put_back(const std::shared_ptr<Pack>& pack) {
-  stop_running(pack);
-  if (pack->done || pack->runners > 0) return;
+// Puts the job's problems back into the list, unless another worker has done the job or is running it.
+void Schedule::put_back(const std::shared_ptr<Job>& job) {
+  stop_running(job);
+  if (job->done || job->runners > 0) return;
   const std::size_t middle = waiting_.size();
-  waiting_.insert(waiting_.end(), pack->problems.begin(), pack->problems.end());
+  waiting_.insert(waiting_.end(), job->problems.begin(), job->problems.end());
   std::inplace_merge(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(middle), waiting_.end(),
-                     [&](std::uint32_t p, std::uint32_t q) { return before(p, q); });
-  waiting_weight_ += pack->weight;
+                     [&](std::uint32_t p, std::uint32_t q) { return is_before(p, q); });
+  waiting_weight_ += job->weight;
 }
 
-void Schedule::too_large(std::size_t lane, const std::shared_ptr<Pack>& pack, const Error& error,
+void Schedule::too_large(std::size_t worker, const std::shared_ptr<Job>& job, const Error& error,
                          std::optional<std::uint32_t> problem) {
   const Lock lock(mutex_);
-  if (crowd_out_others(lane)) {
-    put_back(pack);
+  if (evict_others(worker)) {
+    put_back(job);
     return;
   }
   shortage_ = error;
   if (problem) {
-    lanes_[lane].refused.insert(*problem);
+    workers_[worker].refused.insert(*problem);
     outgrown_.insert(*problem);
-    put_back(pack);
+    put_back(job);
     return;
   }
-  const std::uint64_t needed = bytes(*pack);
-  // Half of what the pack needs, but enough for its largest problem; less than that if it is the only one.
-  lanes_[lane].capacity = std::min(
-      lanes_[lane].capacity, pack->problems.size() > 1 ? std::max(needed / 2, bytes(pack->problems[0])) : needed - 1);
-  put_back(pack);
+  const std::uint64_t needed = bytes(*job);
+  // The worker takes half as much from now on, but enough for the largest problem of several, and not again this one.
+  workers_[worker].plan.capacity =
+      std::min(workers_[worker].plan.capacity,
+               job->problems.size() > 1 ? std::max(needed / 2, bytes(job->problems[0])) : needed - 1);
+  put_back(job);
 }
 
-// Makes the other lanes of the device end. Returns whether there were any, or the lane itself is to end.
-bool Schedule::crowd_out_others(std::size_t lane) {
-  bool shared = lanes_[lane].lost;
-  for (std::size_t other = 0; other < lanes_.size(); ++other)
-    if (other != lane && lanes_[other].device == lanes_[lane].device && !lanes_[lane].lost && !lanes_[other].lost)
-      shared = lanes_[other].lost = lanes_[other].crowded_out = true;
+// Makes the other workers of the device end. Returns whether there were any, or whether the worker itself is to end.
+bool Schedule::evict_others(std::size_t worker) {
+  bool shared = workers_[worker].lost;
+  for (std::size_t other = 0; other < workers_.size(); ++other)
+    if (other != worker && workers_[other].device == workers_[worker].device && !workers_[worker].lost &&
+        !workers_[other].lost)
+      shared = workers_[other].lost = workers_[other].evicted = true;
   return shared;
 }
 
-bool Schedule::crowded_out(std::size_t lane) {
+void Schedule::end(std::size_t worker) {
   const Lock lock(mutex_);
-  return lanes_[lane].crowded_out;
-}
-
-void Schedule::end(std::size_t lane) {
-  const Lock lock(mutex_);
-  lanes_[lane].lost = lanes_[lane].ended = true;
+  workers_[worker].lost = workers_[worker].ended = true;
   changed_.notify_all();
 }
 
-void Schedule::lose(std::size_t lane, const std::shared_ptr<Pack>& pack) {
+void Schedule::lose(std::size_t worker, const std::shared_ptr<Job>& job) {
   const Lock lock(mutex_);
-  for (LaneShare& other : lanes_)
-    if (other.device == lanes_[lane].device) other.lost = true;
-  if (pack) put_back(pack);
+  for (WorkerState& other : workers_)
+    if (other.device == workers_[worker].device) other.lost = true;
+  if (job) put_back(job);
   changed_.notify_all();
 }
 
-// A lane that was not done with its pack by now is no faster than the pack's weight over this time. If it was its first
-// pack, that bound is all that is known of its speed.
-void Schedule::drop(std::size_t lane, const std::shared_ptr<Pack>& pack) {
+// If another worker has done the job, this one's throughput is at most the job's weight over the time until now. If the
+// job was its first, nothing else is known of its throughput.
+void Schedule::drop(std::size_t worker, const std::shared_ptr<Job>& job) {
   const Lock lock(mutex_);
-  if (pack->owner == lane && pack->done) {
-    const std::chrono::duration<double, std::milli> took = Clock::now() - pack->began;
-    const double most = static_cast<double>(pack->weight) / std::max(took.count(), 1e-3);
-    Speed& speed = lanes_[lane].speed;
-    if (!speed.known() || most < speed.value()) speed = Speed(most);
+  if (job->owner == worker && job->done) {
+    const std::chrono::duration<double, std::milli> took = Clock::now() - job->began;
+    const double most = static_cast<double>(job->weight) / std::max(took.count(), 1e-3);
+    Throughput& throughput = workers_[worker].throughput;
+    if (!throughput.known() || most < throughput.value()) throughput = Throughput(most);
   }
-  put_back(pack);
+  put_back(job);
 }
 
 void Schedule::cancel() {
@@ -347,12 +352,12 @@ void Schedule::cancel() {
   changed_.notify_all();
 }
 
-// No lane runs, and one that lives has found nothing that it can take. So the problems that are too large for every
-// lane that lives get an error.
+// No worker runs, and a living one has found nothing that it can take. So the problems that are too large for every
+// living worker get an error.
 void Schedule::refuse_what_is_too_large() {
   std::uint64_t most = 0;
-  for (const LaneShare& share : lanes_)
-    if (!share.lost) most = std::max(most, share.capacity);
+  for (const WorkerState& state : workers_)
+    if (!state.lost) most = std::max(most, state.plan.capacity);
   const auto refuse = [&](std::uint32_t p) {
     waiting_weight_ -= weight(p);
     std::string message = "the problem needs ";
@@ -367,8 +372,8 @@ void Schedule::refuse_what_is_too_large() {
   }
   for (const std::uint32_t p : outgrown_) {
     const auto found = std::find(waiting_.begin(), waiting_.end(), p);
-    if (found == waiting_.end() || std::any_of(lanes_.begin(), lanes_.end(), [&](const LaneShare& share) {
-          return !share.lost && share.refused.count(p) == 0 && bytes(p) <= share.capacity;
+    if (found == waiting_.end() || std::any_of(workers_.begin(), workers_.end(), [&](const WorkerState& state) {
+          return !state.lost && state.refused.count(p) == 0 && bytes(p) <= state.plan.capacity;
         }))
       continue;
     refuse(p);
@@ -379,22 +384,17 @@ void Schedule::refuse_what_is_too_large() {
 double Schedule::wait() {
   Lock lock(mutex_);
   const auto ended = [&] {
-    return std::all_of(lanes_.begin(), lanes_.end(), [](const LaneShare& share) { return share.ended; });
+    return std::all_of(workers_.begin(), workers_.end(), [](const WorkerState& state) { return state.ended; });
   };
-  if (!ended()) changed_.wait_for(lock, Tuning::beat);
+  if (!ended()) changed_.wait_for(lock, Tuning::progress_interval);
   if (ended()) return 1;
   const double settled = weight_ > 0 ? static_cast<double>(settled_weight_) / static_cast<double>(weight_) : 1;
   return std::min(settled, most_told);
 }
 
-bool Schedule::left_out(std::size_t lane) {
+WorkerState Schedule::state(std::size_t worker) {
   const Lock lock(mutex_);
-  return lanes_[lane].left_out;
-}
-
-Speed Schedule::speed(std::size_t lane) {
-  const Lock lock(mutex_);
-  return lanes_[lane].speed;
+  return workers_[worker];
 }
 
 }  // namespace gcdt

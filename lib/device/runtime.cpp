@@ -14,7 +14,7 @@
 namespace gcdt::runtime {
 
 namespace {
-// llvmpipe ends all loops of a work-item after 65535 rounds in all, and says nothing: a work-item takes so few items
+// llvmpipe may end all loops of a work-item after 65535 rounds in all, and say nothing: a work-item takes so few items
 // that each may have some thousands (docs/devices.md).
 constexpr std::size_t most_items_of_lanes = 16;
 constexpr std::size_t least_alignment = 128;
@@ -23,9 +23,9 @@ constexpr auto long_time = std::chrono::seconds(1);
 
 // PoCL loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last 128, and
 // in versions 4 and 5, when a launch ends, counts down whichever of the kernel's was used last (3 counts up too often
-// to mind, 6 counts right). Two runs at once with launches of different widths (lanes, sub-devices, solvers) end the
-// process that way, by an assertion. So launches are of one width while there are several runtimes, and the first one
-// of each kernel is always, since others may come.
+// to mind, 6 counts right). Two runs at once with launches of different widths (workers of a pool, sub-devices,
+// solvers) end the process that way, by an assertion. So launches are of one width while there are several runtimes,
+// and the first one of each kernel is always, since others may come.
 bool loads_code_by_width(const DeviceInfo& info) {
   const int version = std::atoi(info.driver.c_str());
   return info.platform == pocl_platform && (version == 4 || version == 5);
@@ -200,7 +200,7 @@ cl_int Runtime::ask_until_done(cl_event event) {
 
 void Runtime::share_context() {
   download_ = Download::make(*this);
-  if (!download_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its lanes wait for one another");
+  if (!download_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its workers wait for one another");
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {

@@ -23,16 +23,22 @@ class Tracer {
   Tracer() = default;
   Tracer(Trace sink, std::string device) : sink_(std::move(sink)), device_(std::move(device)) {}
   bool on() const { return static_cast<bool>(sink_); }
-  /// Spans of a further lane of a device have a number and a name of their own: they overlap the first one's.
-  void set_lane(std::uint32_t number, std::uint32_t lane) {
+  /// Spans of a further worker (device_pool.hpp) of a device have a number and a name of their own: they overlap the
+  /// first one's.
+  void set_worker(std::uint32_t number, std::uint32_t worker) {
     device_number_ = number;
-    if (lane > 0) device_ += ", lane " + std::to_string(lane + 1);
+    if (worker > 0) device_ += ", worker " + std::to_string(worker + 1);
   }
 
   /// Spans of launches are told while a phase lasts, as parts of it; phases nest.
   void begin_phase(const char* name);
   /// The queue is finished: all launches of the phase are told, then the phase.
   void end_phase();
+  /// Tells `text` as a span of no length in a phase of its own.
+  void note(const char* phase, const std::string& text) {
+    begin_phase(phase), begin_phase(text.c_str());
+    end_phase(), end_phase();
+  }
   /// Forgets phases and launches, after an error.
   void clear();
 

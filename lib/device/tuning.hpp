@@ -35,7 +35,7 @@ struct Tuning {
   /// thin ring of random vertices has 26 times as many and no chains of flips, and so few vertices make short ones.
   std::uint32_t times_evenly = 32, least_row = 256;
   /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
-  /// on a pool's GPUs: device_pool.cpp.)
+  /// on a pool's GPUs: pool_plan.cpp.)
   std::uint32_t rounds_per_read = 4;
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
@@ -56,25 +56,25 @@ struct Tuning {
   /// Whether constraints are cleaned in the order of the curve; none: where a work-item is a thread.
   std::optional<bool> walk_along_curve;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
-  /// (kernels/programs/few.cl): in less time than the launches and blocking reads take that other threads would need to
-  /// help it, each of which wakes all of them (bench/NOTES.md).
-  std::uint32_t few_vertices = 2048;
+  /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
+  /// need to help it, each of which wakes all of them (bench/NOTES.md).
+  std::uint32_t one_item_vertices = 2048;
   /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;
   /// none: where the driver needs them to be of one width, as many as the widest has (opencl.cpp).
   std::optional<std::uint32_t> width;
   /// Whether a pool's runs write through memory of the driver's own, and have the room for their results made while the
-  /// device works (upload.hpp, forest_copy.hpp); none: where the device's threads are not the host's, on GPUs.
+  /// device works (upload.hpp, copy.hpp); none: where the device's threads are not the host's, on GPUs.
   std::optional<bool> prepares_host_memory;
-  /// Runs at once on a device of a pool; none: by the kind of device (device_pool.cpp).
-  std::optional<std::uint32_t> lanes;
+  /// Workers of a pool on a device, each with one run at a time; none: by the kind of device (pool_plan.cpp).
+  std::optional<std::uint32_t> workers;
   /// Milliseconds that a run of a pool takes whatever is in it; none: by the kind of device.
-  std::optional<double> pack_overhead;
-  /// Whether these runs share a context, so that the device does not go from one to another whenever one waits; none:
-  /// on GPUs. (A context that the application brings is shared in any case.)
+  std::optional<double> job_overhead;
+  /// Whether the workers of a device share a context, so that the device does not change contexts whenever one worker
+  /// waits; none: on GPUs. (A context that the application brings is shared in any case.)
   std::optional<bool> shares_context;
-  /// Whether a pool has all the device's kernels launched once in the first batch (rehearsal.hpp), while others work on
-  /// it; none: of a CPU beside GPUs.
-  std::optional<bool> rehearses;
+  /// Whether a pool launches all kernels of the device once in the first batch (warmup.hpp), while other devices work
+  /// on it; none: on a CPU beside GPUs.
+  std::optional<bool> warms_up;
 
   // The rest is the same in every run: nothing but speed depends on it. Each says what it is a number of, what it
   // trades, and where that was measured; NOTES is bench/NOTES.md.
@@ -142,14 +142,14 @@ struct Tuning {
   /// Elements that are worth a part of their own (not measured).
   static constexpr std::size_t scan_span = 4096, sort_span_serial = 4096;
   /// Keys that a CPU sorts by one work-item: faster than launches for each digit (NOTES, "CPUs").
-  static constexpr std::size_t few_keys_alone = 8192;
+  static constexpr std::size_t one_item_keys = 8192;
   /// Keys of a run that a work-item sorts by insertion; longer runs are a work-group's (NOTES, "Batches").
   static constexpr std::uint32_t longest_run = 32;
   /// Keys from which on a sort begins with the high bits: below, its passes are launches only (not measured).
   static constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
 
   // ---- Order ------------------------------------------------------------------------------------
-  // (order.cpp, forest_order.cpp)
+  // (order.cpp, order_problems.cpp)
 
   /// Rows of a table of maxima, or of quality, that are read back; the rest is folded on the device, in a launch for
   /// each 64th (not measured).
@@ -172,7 +172,7 @@ struct Tuning {
 
   /// Vertices of the levels that one work-item inserts, one after the other: a thread's share of less is not worth a
   /// launch (not measured).
-  static constexpr std::uint32_t grown_alone = 4096;
+  static constexpr std::uint32_t most_grown_by_one = 4096;
   /// Vertices of a share at least, and shares per compute unit: every border between shares is inserted again (not
   /// measured).
   static constexpr std::uint32_t least_grown = 1024, grown_shares_per_unit = 4;
@@ -202,49 +202,53 @@ struct Tuning {
   /// Queries in the device's memory at once: 40 bytes each and what is copied back; more are no faster (not measured).
   static constexpr std::size_t queries_at_once = std::size_t{1} << 20;
 
-  // ---- Pools: packs and lanes -------------------------------------------------------------------
-  // (device_pool.cpp, schedule.cpp, forest_copy.cpp)
+  // ---- Pools: jobs and workers ------------------------------------------------------------------
+  // (pool_plan.cpp, schedule.cpp, copy.cpp)
 
-  /// The greatest weight of a pack, in vertices and constraints. A CPU is fastest if a pack stays in its caches: it
-  /// takes 2.0 microseconds a vertex with 75,000 vertices, and 4.9 with 2.2 million. A GPU needs enough vertices to
-  /// make launches cheap, but not so many that the host cannot keep up with copying the results.
+  /// The greatest weight of a job, in vertices and constraints. A CPU is fastest if a job stays in its caches: it takes
+  /// 2.0 microseconds a vertex with 75,000 vertices, and 4.9 with 2.2 million. A GPU needs enough vertices to make
+  /// launches cheap, but not so many that the host cannot keep up with copying the results.
   static constexpr std::uint64_t cpu_weight = 1u << 17, gpu_weight = 1u << 24;
-  /// Lanes of a GPU. Copying results to the host takes longer than making them, and the GPU would stand still
+  /// Workers of a GPU. Copying results to the host takes longer than making them, and the GPU would stand still
   /// meanwhile. They share a context, because a GPU changes slowly from one context to another, and would do so each
-  /// time that a lane waits (NOTES, "Batches": two, four to six lanes).
-  static constexpr std::uint32_t gpu_lanes = 3;
-  /// Rounds of insertion and of flips between two reads there: a wait costs more than a few rounds that find nothing,
-  /// as other lanes' work goes first before this lane's next launch (NOTES, "Batches": 10de70b).
+  /// time that a worker waits (NOTES, "Batches": two, four to six workers).
+  static constexpr std::uint32_t gpu_workers = 3;
+  /// Rounds of insertion and of flips between two reads there. A wait costs more than a few rounds that find nothing,
+  /// because the work of other workers goes before this worker's next launch (NOTES, "Batches": 10de70b).
   static constexpr std::uint32_t gpu_rounds_per_read = 16;
   /// Milliseconds that some 120 launches and 20 waits take: an H200 takes 3.7 for 100 sketches (NOTES, "Batches": 4).
   static constexpr double gpu_overhead = 2;
+  /// Compute units that CPU devices leave to each worker of a GPU: one for its thread, and one for the thread that
+  /// makes room for its results (NOTES, "Batches": "PoCL beside an H200").
+  static constexpr std::uint32_t cores_per_gpu_worker = 2;
   /// The fixed cost of a problem, in vertices and constraints: it takes about 0.7 microseconds on the host and on an
   /// H200 whatever its size, and an H200 does 70 vertices and constraints a microsecond (NOTES, "Batches": b0b92ff).
   static constexpr std::uint64_t problem_weight = 48;
-  /// The weight of a first pack where the speed is unknown: enough to measure it, little enough to lose no time on a
-  /// slow lane (not measured).
+  /// The weight of a first job where the throughput is unknown: large enough to measure it, small enough to lose no
+  /// time on a slow worker (not measured).
   static constexpr double first_weight = 20000;
-  /// A lane takes `part_of_rest` of its share of the rest, since speeds are not exact, and all of its share if the end
-  /// is at most `last_milliseconds` away. It takes the whole rest if it would leave less than it does in
-  /// `least_left_milliseconds`. First packs of a device's lanes differ in size unless the end is nearer than
+  /// A worker takes `part_of_rest` of its share of the rest, since throughputs are not exact. It takes all of its share
+  /// if the end is at most `last_milliseconds` away, and the whole rest if it would leave less than it does in
+  /// `least_left_milliseconds`. First jobs of a device's workers differ in size unless the end is nearer than
   /// `little_milliseconds` (NOTES, "Batches": b0b92ff and what follows it).
   static constexpr double part_of_rest = 0.8, last_milliseconds = 60, least_left_milliseconds = 10,
                           little_milliseconds = 40;
-  /// Times that a pack's contents take as long as its overhead, at least (NOTES, "Batches": one lane for small
+  /// A job's contents take at least so many times as long as its overhead (NOTES, "Batches": one worker for small
   /// batches).
   static constexpr double least_overheads = 3;
-  /// The part of a run's time that counts as spent on the contents at least, because the overhead is only an estimate
-  /// (not measured).
+  /// At least this part of a run's time counts as spent on the contents, because the overhead is only an estimate (not
+  /// measured).
   static constexpr double least_part_of_contents = 0.25;
-  /// A lane steals a pack only if so many times its own run is shorter than what the owner still needs; a stolen pack
-  /// is expected to take so many milliseconds at least (not measured).
+  /// A worker steals a job only if its own run, times this margin, is shorter than what the owner still needs. A stolen
+  /// job is expected to take at least so many milliseconds (not measured).
   static constexpr double theft_margin = 1.5, least_theft_milliseconds = 5;
-  /// The part of a GPU's speed below which a CPU beside it does harm: it takes cores from the threads that feed the
-  /// GPU (NOTES, "Batches": "PoCL beside an H200").
+  /// The part of a GPU's throughput below which a CPU beside it does harm: it takes cores from the threads that feed
+  /// the GPU (NOTES, "Batches": "PoCL beside an H200").
   static constexpr double least_part_of_gpu = 0.125;
-  /// How often an idle lane looks for a pack to steal, and how often progress is reported (not measured).
-  static constexpr std::chrono::milliseconds glance{5}, beat{50};
-  /// Vertices of a pack for whose results a thread makes room: of fewer it is not worth its start (not measured).
+  /// How often an idle worker looks for a job to steal, and how often progress is reported (not measured).
+  static constexpr std::chrono::milliseconds steal_interval{5}, progress_interval{50};
+  /// A thread makes room for the results of jobs of so many vertices or more: for fewer it is not worth its start (not
+  /// measured).
   static constexpr std::uint64_t least_prepared_vertices = 1u << 15;
   /// Bytes of a problem that are prefetched before it is gathered: as much as a first cache holds (NOTES, "Batches").
   static constexpr std::size_t most_prefetched = std::size_t{1} << 15;

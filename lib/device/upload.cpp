@@ -33,7 +33,7 @@ void Upload::send() {
   current_ = 1 - current_;
 }
 
-// Waits until the current chunk is free. The last write from it may be that of an earlier upload.
+// Waits until the current chunk is free. The write that still reads it may be one of an earlier upload.
 void Upload::take() {
   const cl::Event written = std::exchange(chunks_.chunks_[current_].written, cl::Event());
   if (written()) runtime_.wait(written);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes to a device of bytes that the host puts together chunk by chunk.
+// Writes bytes to a device that the host puts together chunk by chunk.
 #pragma once
 
 #include <optional>
@@ -15,9 +15,9 @@ inline bool prepares_host_memory(const Runtime& runtime) {
 }
 
 /// Two chunks of host memory that take turns: while one is on its way to the device, the host fills the other. For GPUs
-/// the chunks are memory of the driver's own. The driver reads it six times as fast as other memory, and without the
-/// host (bench/NOTES.md). If the driver has none, and for other devices, they are ordinary memory. They are kept from
-/// call to call.
+/// they are memory of the driver's own, which the driver reads six times as fast as other memory, and without the host
+/// (bench/NOTES.md). For other devices, and if the driver has none, they are ordinary memory. They are kept from call
+/// to call.
 class UploadChunks {
  public:
   explicit UploadChunks(Runtime& runtime);
@@ -36,13 +36,13 @@ class UploadChunks {
   } chunks_[2];
 };
 
-/// One write to a buffer, from its first byte on.
+/// One write to a buffer. It begins at the buffer's first byte.
 class Upload {
  public:
   Upload(Runtime& runtime, UploadChunks& chunks, cl_mem to) : runtime_(runtime), chunks_(chunks), to_(to) {}
 
-  /// Room for 1 to `wanted` more elements. The caller fills it before the next call. All elements of an upload have one
-  /// size.
+  /// Returns room for 1 to `wanted` more elements, which the caller fills before the next call. All elements of an
+  /// upload have one size.
   template <class T>
   std::pair<T*, std::size_t> room(std::size_t wanted) {
     if (filled_ + sizeof(T) > chunks_.bytes_) send();

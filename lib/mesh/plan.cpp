@@ -30,7 +30,9 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const bool threads = device.kind == DeviceKind::threads, lanes = device.kind == DeviceKind::lanes;
   const bool gpu = device.kind == DeviceKind::gpu, many = sizes.problems > 1;
   const std::uint32_t units = std::max(1u, device.units);
-  const auto few = [&](std::uint32_t count) { return threads && count <= tuning.few_vertices ? By::one : By::all; };
+  const auto by_one = [&](std::uint32_t count) {
+    return threads && count <= tuning.one_item_vertices ? By::one : By::all;
+  };
   // Threads take whole problems if each has several.
   const auto shared_out = [&](std::uint32_t count) {
     return threads && many && std::uint64_t{sizes.largest} * units <= count;
@@ -38,7 +40,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const auto of_lanes = [&](std::uint32_t most, std::uint32_t there) { return lanes ? std::min(most, there) : most; };
 
   Plan plan;
-  plan.order = few(sizes.inputs);
+  plan.order = by_one(sizes.inputs);
   plan.sort_problems = !is_cpu(device.kind) && sizes.largest <= GCDT_SORT_SMALL ? By::groups
                        : shared_out(sizes.inputs)                               ? By::each
                                                                                 : By::all;
@@ -68,9 +70,9 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   // Pieces of different problems must not meet: their grids are different.
   plan.all_pairs = many ? 0 : lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
 
-  plan.output = each ? By::each : few(sizes.vertices);
-  plan.number = few(sizes.inputs);
-  plan.check = few(sizes.vertices);
+  plan.output = each ? By::each : by_one(sizes.vertices);
+  plan.number = by_one(sizes.inputs);
+  plan.check = by_one(sizes.vertices);
   plan.lists_pieces = threads;
   return plan;
 }

@@ -32,7 +32,7 @@ struct Plan {
   /// Who does a step that work-items can share.
   enum class By {
     all,     ///< work-items of a launch share it
-    one,     ///< one work-item does all of it (kernels/programs/few.cl)
+    one,     ///< one work-item does all of it (kernels/programs/by_one_item.cl)
     each,    ///< one work-item does all of a problem: threads, problems enough to share out
     groups,  ///< one work-group does all of a problem, without launches and reads in between
   };

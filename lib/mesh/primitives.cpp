@@ -13,8 +13,8 @@ using runtime::Buffer;
 namespace {
 // Elements of a part at least: of a GPU's sort one tile.
 constexpr std::size_t sort_span_group = GCDT_SORT_LANES * GCDT_SORT_WIDTH;
-// On lanes a work-item has 65535 rounds in all, and ends without a word: it walks so many elements at most, and adds up
-// the sums of so many parts (scan_serial).
+// On lanes a work-item may have 65535 rounds in all, and end without a word: it walks so many elements at most, and
+// adds up the sums of so many parts (scan_serial).
 constexpr std::size_t longest_walk = 60000, most_parts_of_lanes = 5000;
 constexpr std::size_t most_elements = std::size_t{1} << 31;
 
@@ -27,7 +27,7 @@ void match(runtime::Runtime& runtime, Buffer<T>& scratch, const char* name, std:
 }
 }  // namespace
 
-Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) const {
+Primitives::Partition Primitives::partition(std::size_t count, std::size_t least_span) const {
   if (count > most_elements) throw Error(Status::invalid_argument, "scan and sort take at most 2^31 elements");
   const std::size_t units = std::max<std::size_t>(runtime_.info().compute_units, 1);
   const std::size_t most_parts =
@@ -37,22 +37,22 @@ Primitives::Parts Primitives::cut(std::size_t count, std::size_t least_span) con
   const std::size_t parts = std::max<std::size_t>((count + span - 1) / span, 1);
   if (runtime_.kind() == DeviceKind::lanes && walk_ == Walk::serial && parts > most_parts_of_lanes)
     throw Error(Status::device_failed,
-                runtime_.info().name + " ends loops after 65535 rounds: it scans and sorts at most " +
+                runtime_.info().name + " may end loops after 65535 rounds: it scans and sorts at most " +
                     std::to_string(longest_walk * most_parts_of_lanes) + " elements, not " + std::to_string(count));
   return {static_cast<cl_uint>(count), static_cast<cl_uint>(span), static_cast<cl_uint>(parts),
           runtime_.over_groups(parts)};
 }
 
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
-  const Parts cut_at = cut(count, Tuning::scan_span);
+  const Partition cut = partition(count, Tuning::scan_span);
   const bool serial = walk_ == Walk::serial;
   const char* program = serial ? "primitives" : "primitives_group";
-  runtime_.reserve(part_sums_, "sums of parts", cut_at.parts);
-  if (cut_at.parts > 1)
-    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut_at.range, cut_at.count, cut_at.span,
-                    cut_at.parts, in, part_sums_);
-  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut_at.range, cut_at.count, cut_at.span, cut_at.parts,
-                  in, part_sums_, out);
+  runtime_.reserve(part_sums_, "sums of parts", cut.parts);
+  if (cut.parts > 1)
+    runtime_.launch(program, serial ? "scan_sum_serial" : "scan_sum_group", cut.range, cut.count, cut.span, cut.parts,
+                    in, part_sums_);
+  runtime_.launch(program, serial ? "scan_serial" : "scan_group", cut.range, cut.count, cut.span, cut.parts, in,
+                  part_sums_, out);
 }
 
 void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl_uint>& out, std::size_t count) {
@@ -66,18 +66,18 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
   if (count < 2) return;
   const bool serial = walk_ == Walk::serial;
   const unsigned digit_bits = serial ? GCDT_SERIAL_DIGIT_BITS : GCDT_GROUP_DIGIT_BITS;
-  const Parts cut_at = cut(count, serial ? Tuning::sort_span_serial : sort_span_group);
+  const Partition cut = partition(count, serial ? Tuning::sort_span_serial : sort_span_group);
   match(runtime_, other_keys, "other half of the keys", keys.size());
   match(runtime_, other_values_, "other half of the values", values.size());
-  runtime_.reserve(digit_table_, "digit counts", (std::size_t{1} << digit_bits) * cut_at.parts + 1);
+  runtime_.reserve(digit_table_, "digit counts", (std::size_t{1} << digit_bits) * cut.parts + 1);
   // Ends after ceil((bits - low) / digit_bits) passes; each leaves the pairs in order of the bits seen so far.
   for (cl_uint shift = low; shift < bits; shift += digit_bits) {
     const cl_uint mask = (1u << std::min(digit_bits, bits - shift)) - 1u;
-    runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut_at.range, cut_at.count, cut_at.span,
-                    cut_at.parts, shift, mask, keys, digit_table_);
-    exclusive_scan(digit_table_, digit_table_, std::size_t{mask + 1u} * cut_at.parts);
-    runtime_.launch(program, serial ? "sort_move_serial" : "sort_move_group", cut_at.range, cut_at.count, cut_at.span,
-                    cut_at.parts, shift, mask, keys, values, digit_table_, other_keys, other_values_);
+    runtime_.launch(program, serial ? "sort_count_serial" : "sort_count_group", cut.range, cut.count, cut.span,
+                    cut.parts, shift, mask, keys, digit_table_);
+    exclusive_scan(digit_table_, digit_table_, std::size_t{mask + 1u} * cut.parts);
+    runtime_.launch(program, serial ? "sort_move_serial" : "sort_move_group", cut.range, cut.count, cut.span, cut.parts,
+                    shift, mask, keys, values, digit_table_, other_keys, other_values_);
     std::swap(keys, other_keys);
     std::swap(values, other_values_);
   }
@@ -85,24 +85,24 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   bits = std::min(bits, 64u);
-  if (count <= (alone() ? Tuning::few_keys_alone : GCDT_SORT_SMALL))
-    sort_few(keys, values, count, bits);
+  if (count <= (by_one_item() ? Tuning::one_item_keys : GCDT_SORT_SMALL))
+    sort_small(keys, values, count, bits);
   else
     sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }
 
-void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+void Primitives::sort_small(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   if (count < 2 || bits == 0) return;
   const auto n = static_cast<cl_uint>(count);
-  if (!alone()) {
+  if (!by_one_item()) {
     const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
     runtime_.launch("sort_finish", "sort_small", runtime::one_group(), n, mask, keys, values);
     return;
   }
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
   match(runtime_, other_values_, "other half of the values", values.size());
-  runtime_.launch("sort_finish", "sort_alone", runtime::one_group(), n, cl_uint{bits}, keys, values, other_keys64_,
-                  other_values_);
+  runtime_.launch("sort_finish", "sort_by_one_item", runtime::one_group(), n, cl_uint{bits}, keys, values,
+                  other_keys64_, other_values_);
   if ((bits + GCDT_SERIAL_DIGIT_BITS - 1) / GCDT_SERIAL_DIGIT_BITS % 2 == 0) return;
   std::swap(keys, other_keys64_);
   std::swap(values, other_values_);

@@ -56,20 +56,20 @@ class Primitives {
 
  private:
   /// `count` elements in `parts` ranges of `span`, and the launch that gives each part a work-group.
-  struct Parts {
+  struct Partition {
     cl_uint count, span, parts;
     runtime::Range range;
   };
-  Parts cut(std::size_t count, std::size_t least_span) const;
+  Partition partition(std::size_t count, std::size_t least_span) const;
   template <class Key>
   void sort_pairs(const char* program, runtime::Buffer<Key>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                   unsigned low, unsigned bits, runtime::Buffer<Key>& other_keys);
-  void sort_few(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
+  void sort_small(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
   /// Orders pairs that are in order of their keys' bits from `low` on.
   void sort_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned low,
                  unsigned bits);
   /// Whether one work-item sorts few keys.
-  bool alone() const { return walk_ == Walk::serial && runtime_.contiguous(); }
+  bool by_one_item() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;

@@ -107,9 +107,9 @@ class Checker {
     const bool lists = plan_.lists_pieces && pieces_.count > 0;
     auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
     if (plan_.check == Plan::By::one) {
-      runtime_.launch("few", "check_few", runtime::one_group(), count, n, vertices_.levels_buffer, vertices_.points,
-                      ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
-                      pieces_.ends, next, previous, report_);
+      runtime_.launch("by_one_item", "check_by_one_item", runtime::one_group(), count, n, vertices_.levels_buffer,
+                      vertices_.points, ordered_.corners, ordered_.neighbours, ordered_.constrained,
+                      cl_uint{pieces_.count}, first_pieces, pieces_.ends, next, previous, report_);
     } else {
       clear_report();
       runtime_.fill<cl_uint>(next, GCDT_NONE, n);

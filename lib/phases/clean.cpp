@@ -85,7 +85,7 @@ void Cleaner::put_along_curve(Kept& kept) {
 
 // Pieces are written in the order of their sources, in whatever order these were walked: sorting them keeps the sources
 // of equal ones ascending.
-void Cleaner::place_pieces(const Kept& kept, const Parts& parts, const runtime::Buffer<cl_uint>& offsets,
+void Cleaner::place_pieces(const Kept& kept, const PieceParts& parts, const runtime::Buffer<cl_uint>& offsets,
                            runtime::Buffer<cl_uint>& firsts) {
   firsts = runtime_.allocate<cl_uint>("first pieces of constraints", kept.along_curve ? kept.count + 1u : 0u);
   if (!kept.along_curve) return;
@@ -101,7 +101,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   result.zero_length = selected - kept.count;
   runtime_.end_step();
   Step walking(runtime_, "walk");
-  const Parts parts = parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count);
+  const PieceParts parts = parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count);
   auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
   auto crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
   auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);

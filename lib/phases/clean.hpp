@@ -46,7 +46,7 @@ class Cleaner {
   };
   Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);
   void put_along_curve(Kept& kept);
-  void place_pieces(const Kept& kept, const Parts& parts, const runtime::Buffer<cl_uint>& offsets,
+  void place_pieces(const Kept& kept, const PieceParts& parts, const runtime::Buffer<cl_uint>& offsets,
                     runtime::Buffer<cl_uint>& firsts);
   Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,
                const runtime::Buffer<cl_uint>& crossed, const runtime::Buffer<cl_uint2>& whole, cl_uint count,

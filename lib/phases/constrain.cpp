@@ -215,7 +215,7 @@ class Constraining {
   History& history_;
   const Pieces& pieces_;
   PhaseCounters& counters_;
-  Parts parts_;
+  PieceParts parts_;
   runtime::Buffer<cl_uint> near_, piece_edge_, part_piece_, part_face_, crossed_, crossed_edges_, starts_, far_,
       hexagon_face_;
   runtime::Buffer<cl_int4> lines_;

@@ -33,7 +33,7 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
 // Records by face, unless testing all pairs of pieces takes fewer tests.
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
-  const Parts parts = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
+  const PieceParts parts = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
   starts_ = runtime_.filled<cl_uint>("record starts", std::size_t(faces) + 1, 0);
   auto filled = runtime_.filled<cl_uint>("records filled", faces, 0);
   auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {

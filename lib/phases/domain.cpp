@@ -185,8 +185,8 @@ class Selection {
     auto seeds = runtime_.filled<cl_uint>("seeds of regions", regions_, GCDT_NONE);
     if (points.empty()) return seeds;
     if (!starts_.allocated()) starts_ = least_triangles(runtime_, vertices_, mesh_, false);
-    const Terrain terrain = {vertices_, mesh_, false, nullptr, mesh_, starts_, starts_};
-    const Located located = locate(runtime_, primitives_, terrain, stage(runtime_, Points(points)));
+    const SearchMesh mesh = {vertices_, mesh_, false, nullptr, mesh_, starts_, starts_};
+    const Located located = locate(runtime_, primitives_, mesh, stage(runtime_, Points(points)));
     runtime_.launch("domain", "mark_seeds", over(points.size()), static_cast<cl_uint>(points.size()), located.triangles,
                     region_, seeds);
     return seeds;

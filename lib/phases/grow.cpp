@@ -118,7 +118,8 @@ GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& ver
     std::uint32_t next = level + 1;
     // The first levels together.
     if (level == 0)
-      while (next < levels.count && levels.begin[next] < end && levels.begin[next + 1] <= Tuning::grown_alone) ++next;
+      while (next < levels.count && levels.begin[next] < end && levels.begin[next + 1] <= Tuning::most_grown_by_one)
+        ++next;
     growth.insert(begin, std::min(levels.begin[next], end), level);
     level = next;
   }

@@ -54,20 +54,20 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
 }
 
 /// The triangle that each query has arrived in, in sorted order.
-Buffer<cl_uint> walk(Runtime& runtime, const Terrain& terrain, const Queries& queries) {
+Buffer<cl_uint> walk(Runtime& runtime, const SearchMesh& mesh, const Queries& queries) {
   auto places = runtime.allocate<cl_uint>("places of queries", queries.count);
   auto pending = runtime.allocate<cl_uint>("queries on their way", 1);
-  runtime.launch("locate", "locate_start", over(queries.count), queries.count, terrain.vertices.levels_buffer,
-                 terrain.vertices.points, queries.keys, terrain.starts, places);
+  runtime.launch("locate", "locate_start", over(queries.count), queries.count, mesh.vertices.levels_buffer,
+                 mesh.vertices.points, queries.keys, mesh.starts, places);
   // A straight way has at most as many triangles as there are; a walk that also turns back is given sixteen
   // times that.
-  const std::uint64_t limit = 16 + 16ull * terrain.all.triangles / GCDT_LOCATE_STEPS;
+  const std::uint64_t limit = 16 + 16ull * mesh.all.triangles / GCDT_LOCATE_STEPS;
   for (cl_uint round = 0;; ++round) {
     if (round == limit) throw Error(Status::round_limit, "locate: queries have not arrived after the limit of rounds");
     runtime.fill<cl_uint>(pending, 0, 1);
-    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, round, terrain.all.corners,
-                   terrain.all.neighbours, cl_uint{terrain.by_input}, terrain.vertices.input_vertex,
-                   terrain.vertices.points, queries.keys, places, pending);
+    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, round, mesh.all.corners,
+                   mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex, mesh.vertices.points,
+                   queries.keys, places, pending);
     if (runtime.read_one(pending) == 0) return places;
   }
 }
@@ -90,13 +90,13 @@ Buffer<cl_int> least_triangles_by_input(Runtime& runtime, const Vertices& vertic
   return triangles;
 }
 
-Located locate(Runtime& runtime, Primitives& primitives, const Terrain& terrain, const InputPoints& points) {
+Located locate(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& points) {
   Located located = {runtime.allocate<cl_int>("triangles of queries", points.n),
                      runtime.allocate<cl_uint>("corners of queries", std::size_t{3} * points.n),
                      runtime.allocate<cl_long>("areas of queries", std::size_t{3} * points.n)};
   if (points.n == 0) return located;
-  Queries queries = place(runtime, terrain.vertices, points);
-  if (terrain.all.triangles == 0) {
+  Queries queries = place(runtime, mesh.vertices, points);
+  if (mesh.all.triangles == 0) {
     runtime.fill<cl_int>(located.triangles, -1, points.n);
     runtime.fill<cl_uint>(located.corners, 0, std::size_t{3} * points.n);
     runtime.fill<cl_long>(located.areas, 0, std::size_t{3} * points.n);
@@ -104,12 +104,12 @@ Located locate(Runtime& runtime, Primitives& primitives, const Terrain& terrain,
   }
   primitives.sort(queries.keys, queries.numbers, queries.count, GCDT_QUERY_KEY_BITS);
   primitives.release();
-  const Buffer<cl_uint> places = walk(runtime, terrain, queries);
+  const Buffer<cl_uint> places = walk(runtime, mesh, queries);
   const Buffer<cl_int> none = runtime.allocate<cl_int>("no selection", 0);
   runtime.launch("locate", "locate_finish", over(queries.count), queries.count, queries.keys, queries.numbers, places,
-                 terrain.all.corners, terrain.all.neighbours, cl_uint{terrain.by_input}, terrain.vertices.input_vertex,
-                 terrain.vertices.points, cl_uint{terrain.kept != nullptr}, terrain.kept ? *terrain.kept : none,
-                 terrain.result.corners, terrain.least, located.triangles, located.corners, located.areas);
+                 mesh.all.corners, mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex,
+                 mesh.vertices.points, cl_uint{mesh.kept != nullptr}, mesh.kept ? *mesh.kept : none,
+                 mesh.result.corners, mesh.least, located.triangles, located.corners, located.areas);
   return located;
 }
 

@@ -8,7 +8,7 @@
 namespace gcdt {
 
 /// The mesh in which queries are located. It covers the convex hull; all or some of its triangles are kept.
-struct Terrain {
+struct SearchMesh {
   const Vertices& vertices;
   const OrderedMesh& all;
   bool by_input;                           ///< whether corners are input numbers; if not, they are vertices
@@ -36,6 +36,6 @@ runtime::Buffer<cl_int> least_triangles_by_input(runtime::Runtime& runtime, cons
 
 /// Rounds queries to the grid as vertices are, and locates them; a query off the grid is outside. Throws
 /// coordinate_not_finite, indices {query, axis}, and round_limit. Needs about 100 bytes a query; blocks.
-Located locate(runtime::Runtime& runtime, Primitives& primitives, const Terrain& terrain, const InputPoints& queries);
+Located locate(runtime::Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& queries);
 
 }  // namespace gcdt

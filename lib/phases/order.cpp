@@ -127,9 +127,9 @@ void set_together(runtime::Runtime& runtime, const InputPoints& points, OrderRes
   result.together = rounded_together(runtime, points, result.vertices, {0, points.n})[0];
 }
 
-/// The whole phase by one work-item (kernels/programs/few.cl), which reads nothing back in between.
-OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::optional<FixedGrid>& fixed,
-                      std::uint32_t coarsest_level) {
+/// The whole phase by one work-item (kernels/programs/by_one_item.cl), which reads nothing back in between.
+OrderResult order_by_one_item(runtime::Runtime& runtime, InputPoints points, const std::optional<FixedGrid>& fixed,
+                              std::uint32_t coarsest_level) {
   const cl_uint n = points.n;
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
@@ -150,8 +150,8 @@ OrderResult order_few(runtime::Runtime& runtime, InputPoints points, const std::
   vertices.points = runtime.allocate<cl_int2>("points", n);
   vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
   Step sorting(runtime, "sort");
-  runtime.launch("few", "order_few", runtime::one_group(), n, points.type, points.coordinates, cl_uint(!!given),
-                 cl_uint{coarsest_level}, report_buffer, keys, numbers, other_keys, other_numbers,
+  runtime.launch("by_one_item", "order_by_one_item", runtime::one_group(), n, points.type, points.coordinates,
+                 cl_uint(!!given), cl_uint{coarsest_level}, report_buffer, keys, numbers, other_keys, other_numbers,
                  vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
   report = runtime.read_one(report_buffer);
   result.sort_ms = sorting.end();
@@ -217,7 +217,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   const std::uint32_t coarsest_level = plan.coarsest_level;
   const cl_uint n = points.n;
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
-  if (plan.order == Plan::By::one) return order_few(runtime, std::move(points), fixed, coarsest_level);
+  if (plan.order == Plan::By::one) return order_by_one_item(runtime, std::move(points), fixed, coarsest_level);
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));
   if (!may_round_together(keys.grid)) points = {};
   runtime.end_step();

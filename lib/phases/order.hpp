@@ -37,7 +37,7 @@ struct OrderResult {
   std::uint64_t merged = 0;  ///< input points that are not representatives
   RoundedTogether together;  ///< those of them that were given elsewhere; not set for a forest
   /// Wall time of sorting and numbering, which `core` of the statistics includes. Where one work-item does the whole
-  /// phase (few.cl), it also has surveying and quantising.
+  /// phase (by_one_item.cl), it also has surveying and quantising.
   double sort_ms = 0;
 };
 

@@ -52,8 +52,8 @@ void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
   ordered.constrained = runtime.allocate<cl_uchar>("output flags", triangles);
 }
 
-/// All of it by one work-item (kernels/programs/few.cl).
-OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
+/// All of it by one work-item (kernels/programs/by_one_item.cl).
+OrderedMesh order_triangles_by_one_item(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
   Step gathering(runtime, "gather");
   OrderedMesh ordered;
   const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
@@ -64,9 +64,9 @@ OrderedMesh order_few(Runtime& runtime, const Mesh& mesh, const Vertices& vertic
              other_refs = runtime.allocate<cl_uint>("other half of the values", faces),
              finite = runtime.allocate<cl_uint>("output count", 1);
   const auto positions = runtime.allocate<cl_int>("output positions", faces);
-  runtime.launch("few", "output_few", runtime::one_group(), faces, vertices.levels_buffer, bits, mesh.face_data,
-                 mesh.edge_faces, mesh.edge_marks, keys, refs, other_keys, other_refs, positions, finite,
-                 ordered.corners, ordered.neighbours, ordered.constrained);
+  runtime.launch("by_one_item", "output_by_one_item", runtime::one_group(), faces, vertices.levels_buffer, bits,
+                 mesh.face_data, mesh.edge_faces, mesh.edge_marks, keys, refs, other_keys, other_refs, positions,
+                 finite, ordered.corners, ordered.neighbours, ordered.constrained);
   ordered.triangles = runtime.read_one(finite);
   ordered.corners.shrink(std::size_t{3} * ordered.triangles);
   ordered.neighbours.shrink(std::size_t{3} * ordered.triangles);
@@ -81,7 +81,7 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan
                             const Vertices& vertices, bool canonical) {
   if (canonical && mesh.n >= 3 && plan.output == Plan::By::one) {
     primitives.release();
-    return order_few(runtime, mesh, vertices);
+    return order_triangles_by_one_item(runtime, mesh, vertices);
   }
   OrderedMesh ordered;
   auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
@@ -106,8 +106,8 @@ Buffer<cl_uint> number_by_input(Runtime& runtime, const Plan& plan, const Vertic
   const cl_uint ends = 2 * pieces.count;
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
   if (inputs != 0 && plan.number == Plan::By::one) {
-    runtime.launch("few", "number_few", runtime::one_group(), inputs, cl_uint{3 * ordered.triangles}, ends,
-                   vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners, pieces.ends,
+    runtime.launch("by_one_item", "number_by_one_item", runtime::one_group(), inputs, cl_uint{3 * ordered.triangles},
+                   ends, vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners, pieces.ends,
                    pieces.source_offsets);
     return representatives;
   }

@@ -16,7 +16,7 @@ struct OrderedMesh {
   runtime::Buffer<cl_int> neighbours;     ///< 3T: [3t + k] is across from corner k; -1: none
   runtime::Buffer<cl_uchar> constrained;  ///< T: bit k tells of the edge across from corner k
   /// Wall time of finding the finite faces and of writing these arrays from them; `core` of the statistics includes it.
-  /// Sorting is not in it, unless one work-item does all of that, or one for each problem (few.cl, arrange.cl).
+  /// Sorting is not in it, unless one work-item does all of that, or one for each problem (by_one_item.cl, arrange.cl).
   double gather_ms = 0;
 };
 

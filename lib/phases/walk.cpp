@@ -5,11 +5,11 @@ namespace gcdt {
 
 namespace {
 // Crossed faces are about (total weight >> shift) * factor. `walked` is not read unless `again`.
-Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                 const runtime::Buffer<cl_uint>& weights, cl_uint pieces, cl_uint shift, cl_uint factor, cl_uint again,
-                 const runtime::Buffer<cl_uint2>& walked) {
+PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                      const runtime::Buffer<cl_uint>& weights, cl_uint pieces, cl_uint shift, cl_uint factor,
+                      cl_uint again, const runtime::Buffer<cl_uint2>& walked) {
   const cl_uint least = plan.least_parts, most = plan.most_parts;
-  Parts parts;
+  PieceParts parts;
   parts.capacity = pieces + (again ? 2 * most : most);
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
   runtime::Buffer<cl_uint> total = runtime.filled<cl_uint>("weight of pieces", 2, 0);
@@ -22,8 +22,8 @@ Parts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& 
 
 }  // namespace
 
-Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
-                      const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
+PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                           const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
   cl_uint root = 1;
   while (std::uint64_t(root) * root < device::gcdt_face_count(vertices.n())) ++root;
   auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
@@ -31,7 +31,8 @@ Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const P
   return make_parts(runtime, primitives, plan, lengths, pieces, 31, root, 0, ends);
 }
 
-Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Pieces& pieces) {
+PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                              const Pieces& pieces) {
   return make_parts(runtime, primitives, plan, pieces.walked.weights, pieces.count, 0, 1, 1, pieces.walked.parts);
 }
 

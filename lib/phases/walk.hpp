@@ -32,14 +32,15 @@ struct WalkedMesh {
 };
 
 /// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
-struct Parts {
+struct PieceParts {
   cl_uint capacity = 0;             ///< the most parts there may be; their number is begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
-Parts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
-                      const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                           const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
 /// The same by the weights of the pieces, which are the crossings counted when the constraints were cleaned. They are a
 /// better measure than lengths, because vertices are seldom spread evenly.
-Parts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Pieces& pieces);
+PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                              const Pieces& pieces);
 
 }  // namespace gcdt

@@ -87,9 +87,9 @@ Located Derived::locate(Runtime& runtime, Primitives& primitives, const DeviceTr
   find_least(runtime, result);
   const bool selected = result.kept.allocated();
   if (selected && !starts_.allocated()) starts_ = least_triangles(runtime, result.vertices, result.hull, true);
-  const Terrain terrain = {result.vertices, hull_mesh(result),           true,  selected ? &result.kept : nullptr,
+  const SearchMesh mesh = {result.vertices, hull_mesh(result),           true,  selected ? &result.kept : nullptr,
                            result.mesh,     selected ? starts_ : least_, least_};
-  return gcdt::locate(runtime, primitives, terrain, queries);
+  return gcdt::locate(runtime, primitives, mesh, queries);
 }
 
 }  // namespace gcdt

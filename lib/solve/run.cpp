@@ -38,10 +38,7 @@ void Run::take(OrderResult ordered) {
 void Run::tell_plan() const {
   const std::string text = plan.text();
   runtime.log(GCDT_LOG_INFORMATION, "plan: " + text);
-  runtime.tracer().begin_phase("plan");
-  runtime.tracer().begin_phase(text.c_str());
-  runtime.tracer().end_phase();
-  runtime.tracer().end_phase();
+  runtime.tracer().note("plan", text);
 }
 
 void Run::insert() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A triangulation in the making, of one problem or of many in one mesh, and the steps that are the same for both. Their
-// sequences stand in solve/triangulate.cpp and batch/forest.cpp.
+// sequences stand in solve/triangulate.cpp and batch/pipeline.cpp.
 #pragma once
 
 #include "device/step.hpp"

@@ -21,6 +21,17 @@ void constrain(Run& run) {
   run.count_turns();
 }
 
+OrderedMesh put_in_order(Run& run) {
+  run.ticker.tick("output", 0);
+  run.history = {};
+  run.lists = {};
+  OrderedMesh ordered =
+      order_triangles(run.runtime, run.primitives, run.plan, run.mesh, run.vertices, run.options.canonical);
+  run.statistics.ms.gather = ordered.gather_ms;
+  run.mesh = {};
+  return ordered;
+}
+
 // Regions that are open to the outside are all at depth 0.
 std::string empty_note(const Run& run) {
   const bool by_outer = run.options.domain == Domain::outer || run.options.domain == Domain::outer_holes;
@@ -91,14 +102,7 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
   run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
   OrderedMesh ordered;
-  run.step("output", ms.output, 1, [&] {
-    run.ticker.tick("output", 0);
-    run.history = {};
-    run.lists = {};
-    ordered = order_triangles(runtime, run.primitives, run.plan, run.mesh, run.vertices, options.canonical);
-    ms.gather = ordered.gather_ms;
-    run.mesh = {};
-  });
+  run.step("output", ms.output, 1, [&] { ordered = put_in_order(run); });
   if (options.check) run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
   if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
   run.step("output", ms.output, [&] { number(run, std::move(ordered)); });

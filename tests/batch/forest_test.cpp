@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include "batch/forest.hpp"
+#include "batch/pipeline.hpp"
 #include "batch_cases.hpp"
 #include "device_list.hpp"
 #include "opencl_app.hpp"
@@ -48,7 +48,7 @@ ForestResult run(const RaggedBatch& batch, const std::vector<std::uint32_t>& num
 }
 
 /// What is wrong with a problem alone.
-Error error_alone(const Workload& problem, const Options& options) {
+Error error_of(const Workload& problem, const Options& options) {
   try {
     solver().triangulate(problem.points, problem.constraints, options);
   } catch (const Error& error) {
@@ -59,7 +59,7 @@ Error error_alone(const Workload& problem, const Options& options) {
 
 /// Runs the problems; those with errors of their own, which must be the errors that they have alone, are taken out
 /// until none is left. Returns how many were.
-std::size_t check_same_as_alone(const std::vector<Workload>& problems, const Options& options = {}) {
+std::size_t check_same_as_single(const std::vector<Workload>& problems, const Options& options = {}) {
   const RaggedBatch batch(problems);
   std::vector<std::uint32_t> numbers(problems.size());
   std::iota(numbers.begin(), numbers.end(), 0);
@@ -69,19 +69,19 @@ std::size_t check_same_as_alone(const std::vector<Workload>& problems, const Opt
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         CAPTURE(numbers[i]);
         const Workload& problem = problems[numbers[i]];
-        const Triangulation alone = solver().triangulate(problem.points, problem.constraints, options);
-        CHECK(difference(part_of(forest, i), alone) == "");
+        const Triangulation single = solver().triangulate(problem.points, problem.constraints, options);
+        CHECK(difference(part_of(forest, i), single) == "");
       }
       return invalid;
     } catch (const InvalidProblems& found) {
       REQUIRE(!found.errors.empty());
       for (auto e = found.errors.rbegin(); e != found.errors.rend(); ++e) {
         CAPTURE(numbers[e->first]);
-        const Error alone = error_alone(problems[numbers[e->first]], options);
-        CHECK(e->second.status() == alone.status());
-        CHECK(std::string(e->second.what()) == alone.what());
-        CHECK(e->second.indices() == alone.indices());
-        CHECK(e->second.pair_count() == alone.pair_count());
+        const Error single = error_of(problems[numbers[e->first]], options);
+        CHECK(e->second.status() == single.status());
+        CHECK(std::string(e->second.what()) == single.what());
+        CHECK(e->second.indices() == single.indices());
+        CHECK(e->second.pair_count() == single.pair_count());
         numbers.erase(numbers.begin() + e->first);
         ++invalid;
       }
@@ -92,21 +92,21 @@ std::size_t check_same_as_alone(const std::vector<Workload>& problems, const Opt
 }  // namespace
 
 TEST_CASE("a forest of one is the problem alone") {
-  check_same_as_alone({workload("random_pslg", 40)});
-  check_same_as_alone({uniform(3000)});
+  check_same_as_single({workload("random_pslg", 40)});
+  check_same_as_single({uniform(3000)});
 }
 
 TEST_CASE("the smallest problems side by side: none, one, two, three vertices, lines, duplicates") {
-  check_same_as_alone(smallest_problems());
+  check_same_as_single(smallest_problems());
 }
 
 TEST_CASE("the corpus in one forest: invalid and crossing problems have their own errors and spoil no other") {
   const std::vector<Workload> all = corpus({"ok", "crossing", "invalid"});
   const std::size_t crossing = corpus({"crossing"}).size(), invalid = corpus({"invalid"}).size();
-  CHECK(check_same_as_alone(all) == crossing + invalid);
+  CHECK(check_same_as_single(all) == crossing + invalid);
   Options drop;
   drop.crossing = Crossing::drop;
-  CHECK(check_same_as_alone(all, drop) == invalid);
+  CHECK(check_same_as_single(all, drop) == invalid);
 }
 
 TEST_CASE("under split, a forest names the problems that cross, and has the others") {
@@ -126,15 +126,15 @@ TEST_CASE("under split, a forest names the problems that cross, and has the othe
     CHECK(found.errors.empty());
     CHECK(found.crossing == crossing);
   }
-  CHECK(check_same_as_alone(corpus({"ok"}), options) == 0);
+  CHECK(check_same_as_single(corpus({"ok"}), options) == 0);
 }
 
 TEST_CASE("a grid that is given holds for every problem, and those outside say so") {
   Options options;
   options.grid = FixedGrid{-1000, -1000, "0.001"};
-  CHECK(check_same_as_alone(smallest_problems(), options) == 0);
+  CHECK(check_same_as_single(smallest_problems(), options) == 0);
   options.grid = FixedGrid{0, 0, "0.001"};
-  const std::size_t outside = check_same_as_alone(corpus({"ok"}), options);
+  const std::size_t outside = check_same_as_single(corpus({"ok"}), options);
   CHECK(outside > 0);
   CHECK(outside < corpus({"ok"}).size());
 }
@@ -147,13 +147,13 @@ TEST_CASE("domains and regions of every problem, side by side with those without
   for (const Domain domain : {Domain::hull, Domain::even_odd, Domain::nonzero, Domain::outer}) {
     options.domain = domain;
     options.regions = true;
-    CHECK(check_same_as_alone(all, options) == 0);
+    CHECK(check_same_as_single(all, options) == 0);
   }
-  CHECK(check_same_as_alone(std::vector<Workload>(3, problem({})), options) == 0);
+  CHECK(check_same_as_single(std::vector<Workload>(3, problem({})), options) == 0);
 }
 
 TEST_CASE("generated problems of all kinds and sizes in one forest, in several levels") {
-  check_same_as_alone(generated_problems());
+  check_same_as_single(generated_problems());
 }
 
 // On CPUs with few cores each problem's constraints are enforced by one work-item (kernels/constrain/enforce.cl).
@@ -171,24 +171,24 @@ TEST_CASE("many problems of one size, with constraints of all kinds") {
   Options options;
   options.regions = true;
   options.domain = Domain::even_odd;
-  CHECK(check_same_as_alone(problems, options) == check_same_as_alone(problems));
+  CHECK(check_same_as_single(problems, options) == check_same_as_single(problems));
 }
 
 TEST_CASE("problems that are inserted by one work-item each, and too large for their constraints to be") {
-  check_same_as_alone({workload("fan", 17000), workload("letters", 17000), workload("star", 17000), uniform(17000)});
+  check_same_as_single({workload("fan", 17000), workload("letters", 17000), workload("star", 17000), uniform(17000)});
 }
 
 TEST_CASE("crossing constraints in one of many problems") {
   std::vector<Workload> problems(20, random_pslg(200, 1000, 60, 7));
   problems.insert(problems.begin() + 3, random_crossing(200, 1000, 60, 5));
-  CHECK(check_same_as_alone(problems) == 1);
+  CHECK(check_same_as_single(problems) == 1);
   Options drop;
   drop.crossing = Crossing::drop;
-  CHECK(check_same_as_alone(problems, drop) == 0);
+  CHECK(check_same_as_single(problems, drop) == 0);
 }
 
 TEST_CASE("equal problems have equal parts") {
-  check_same_as_alone(std::vector<Workload>(300, workload("random_pslg", 8)));
+  check_same_as_single(std::vector<Workload>(300, workload("random_pslg", 8)));
 }
 
 std::vector<Workload> small_problems() {
@@ -203,10 +203,10 @@ TEST_CASE("problems that work-groups put in order, as on GPUs: few vertices each
   Device by_groups(app_device(), Primitives::Walk::group);
   const On on(by_groups);
   std::vector<Workload> problems = small_problems();
-  check_same_as_alone(problems);
+  check_same_as_single(problems);
   problems.push_back(workload("fan", 5000));  // more triangles at a vertex than a group sorts
   problems.push_back(workload("star", 20000));
-  check_same_as_alone(problems);
+  check_same_as_single(problems);
 }
 
 // As on GPUs, with problems that are small enough for CPUs.
@@ -223,14 +223,14 @@ TEST_CASE("problems that a work-group triangulates, on every device whose work-i
     CAPTURE(device.runtime.info().name);
     ++devices;
     const On on(device);
-    check_same_as_alone(small);
+    check_same_as_single(small);
     device.runtime.geometry().max_groups = 3;  // several launches on CPUs, several problems a group on GPUs
-    check_same_as_alone(small);
+    check_same_as_single(small);
     runtime::CallHook two_rounds;  // a launch: the next goes on with what is left
     two_rounds.tuning.rounds_of_group = 2;
     Device haltingly(each, two_rounds);
     const On then(haltingly);
-    check_same_as_alone(small);
+    check_same_as_single(small);
   }
   REQUIRE_MESSAGE(devices > 0, "this needs a GPU, or Mesa's driver (Debian and Ubuntu: mesa-opencl-icd)");
 }
@@ -240,8 +240,8 @@ TEST_CASE("problems that a work-group triangulates, on every device whose work-i
 TEST_CASE("a launch wider than the forest") {
   const runtime::Geometry usual = geometry();
   geometry().max_groups = std::size_t{1} << 20;
-  check_same_as_alone(std::vector<Workload>(65, uniform(1000)));
-  check_same_as_alone({uniform(65000)});
+  check_same_as_single(std::vector<Workload>(65, uniform(1000)));
+  check_same_as_single({uniform(65000)});
   geometry() = usual;
 }
 
@@ -258,8 +258,8 @@ TEST_CASE("programs that were built for one problem are built anew for forests")
   const RaggedBatch batch({problem, problem, problem});
   Staging staging(runtime);
   const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1, 2}, {}, staging);
-  const Triangulation alone = solver().triangulate(problem.points, problem.constraints);
-  for (std::size_t i = 0; i < 3; ++i) CHECK(difference(part_of(forest, i), alone) == "");
+  const Triangulation single = solver().triangulate(problem.points, problem.constraints);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(difference(part_of(forest, i), single) == "");
 }
 
 TEST_CASE("results are the same in room that was made beforehand, whether it is too large or too small") {
@@ -277,7 +277,7 @@ TEST_CASE("results are the same in room that was made beforehand, whether it is 
   for (const Workload& problem : {uniform(40000), line, overlapping, uniform(50000)}) {
     const RaggedBatch batch({problem, problem});
     const ForestResult forest = triangulate_forest(runtime, primitives, batch.view(), {0, 1}, {}, staging);
-    const Triangulation alone = solver().triangulate(problem.points, problem.constraints);
-    for (std::size_t i = 0; i < 2; ++i) CHECK(difference(part_of(forest, i), alone) == "");
+    const Triangulation single = solver().triangulate(problem.points, problem.constraints);
+    for (std::size_t i = 0; i < 2; ++i) CHECK(difference(part_of(forest, i), single) == "");
   }
 }

@@ -11,33 +11,33 @@ using namespace gcdt::test;
 
 namespace {
 
-/// There are more packs than one, and launches are of one width, for the same reason (lib/device/runtime.cpp).
+/// There are more jobs than one, and launches are of one width, for the same reason (lib/device/runtime.cpp).
 runtime::CallHook as_gpu(const Tuning& tuning) {
   runtime::CallHook hook;
   hook.tuning = tuning;
   hook.tuning.kind = DeviceKind::gpu;
-  hook.tuning.pack_overhead = 0;
+  hook.tuning.job_overhead = 0;
   hook.tuning.width = static_cast<std::uint32_t>(runtime::Runtime(app_device(), hook).geometry().max_groups);
   return hook;
 }
 
 }  // namespace
 
-// Which leaves cores to the GPU's lanes, and rehearses while the GPU works.
+// Which leaves cores to the GPU's workers, and which warms up while the GPU works.
 TEST_CASE("a CPU beside a device treated as a GPU, in one pool") {
   std::vector<Workload> problems = smallest_problems();
   for (std::uint64_t seed = 1; seed <= 200; ++seed) problems.push_back(random_pslg(150, 1000, 40, seed));
   const runtime::CallHook hook = as_gpu(Tuning());
   DevicePool pool({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), {}}}, {}, {});
   const RaggedBatch batch(problems);
-  const Alone alone(problems);
+  const Singles singles(problems);
   for (int round = 0; round < 3; ++round) {
-    alone.check(pool.triangulate(batch.view(), {}));
+    singles.check(pool.triangulate(batch.view(), {}));
     CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
   }
 }
 
-// Of a pool's GPU: lanes in one context, memory of the driver's own, results through it.
+// Of a pool's GPU: workers in one context, memory of the driver's own, results through it.
 TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups', give each problem's bytes alone") {
   std::vector<Workload> problems = smallest_problems();
   for (const std::string& name : workload_names()) problems.push_back(workload(name, 60));
@@ -55,6 +55,6 @@ TEST_CASE("batches on a device treated as a GPU, whose problems are work-groups'
       Options regions;
       regions.regions = true;
       for (const Options& options : {Options(), regions})
-        Alone(some, options).check(pool.triangulate(batch.view(), options));
+        Singles(some, options).check(pool.triangulate(batch.view(), options));
     }
 }

@@ -24,7 +24,7 @@ std::vector<Workload> mixed_problems() {
   return all;
 }
 
-/// Holds all devices of a pool but one back until that one has made a pack: a fast device would be done with the batch
+/// Holds all devices of a pool but one back until that one has made a job: a fast device would be done with the batch
 /// before a slow one has compiled its kernels.
 class Turn {
  public:
@@ -39,7 +39,7 @@ class Turn {
   }
   runtime::CallHook hook_of(std::size_t device) {
     runtime::CallHook hook;
-    hook.tuning.rehearses = false;
+    hook.tuning.warms_up = false;
     hook.before = [this, device](const char* call, const char*) {
       if (std::string(call) == "clEnqueueNDRangeKernel") launch(device);
       return CL_SUCCESS;
@@ -48,7 +48,7 @@ class Turn {
   }
 
  private:
-  // If the holder never made a pack the wait would end all the same, and the holder be found to have done nothing.
+  // If the holder never made a job the wait would end all the same, and the holder be found to have done nothing.
   void launch(std::size_t device) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, std::chrono::minutes(5), [&] { return over_ || device == holder_; });
@@ -60,11 +60,11 @@ class Turn {
   bool over_ = true;
 };
 
-/// Every device in turn makes the first pack of a pool's first batch, in which nobody takes all that there is, as no
-/// speeds are known; then all do what they can.
+/// Every device in turn makes the first job of a pool's first batch, in which nobody takes all that there is, as no
+/// throughputs are known; then all do what they can.
 void check_each_takes_part(const std::vector<std::pair<cl::Context, cl::Device>>& devices) {
   const std::vector<Workload> problems = mixed_problems();
-  const Alone alone(problems);
+  const Singles singles(problems);
   const RaggedBatch batch(problems);
   for (std::size_t holder = 0; holder < devices.size(); ++holder) {
     CAPTURE(holder);
@@ -79,7 +79,7 @@ void check_each_takes_part(const std::vector<std::pair<cl::Context, cl::Device>>
       if (done > 0) turn.end();  // which nobody else can have done
       return true;
     };
-    alone.check(pool.triangulate(batch.view(), options));
+    singles.check(pool.triangulate(batch.view(), options));
     CHECK(pool.report(holder).problems > 0);
     std::uint64_t done = 0;
     for (std::size_t i = 0; i < pool.size(); ++i) {
@@ -95,7 +95,7 @@ void check_each_takes_part(const std::vector<std::pair<cl::Context, cl::Device>>
 TEST_CASE("the corpus, generated and smallest problems as one batch: one device") {
   const std::vector<Workload> problems = mixed_problems();
   Pool one(test_device());
-  Alone(problems).check(one.triangulate(batch_of(problems)));
+  Singles(problems).check(one.triangulate(batch_of(problems)));
 }
 
 TEST_CASE("the same on two sub-devices") {
@@ -130,6 +130,6 @@ TEST_CASE("a pool of all devices by their name") {
   const std::vector<Workload> problems = smallest_problems();
   Pool all("all");
   CHECK(all.devices().size() == all_of_them.size());
-  Alone(problems).check(all.triangulate(batch_of(problems)));
+  Singles(problems).check(all.triangulate(batch_of(problems)));
   for (const PoolDevice& device : all.devices()) CHECK(!device.lost);
 }

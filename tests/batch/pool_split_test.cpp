@@ -52,18 +52,18 @@ TEST_CASE("problems that cross are split as alone: one device, and two sub-devic
   const Batch batch = batch_of(problems);
   Pool one(test_device()), two = make_pool(half_devices());
   for (const Options& options : {splitting_on_any_grid(), graphs::splitting()}) {
-    const Alone alone(problems, options);
+    const Singles singles(problems, options);
     std::size_t split = 0, failed = 0;
     for (std::size_t p = 0; p < problems.size(); ++p) {
-      split += alone.meshes[p].statistics.vertices_added > 0;
-      failed += !alone.errors[p].empty();
+      split += singles.meshes[p].statistics.vertices_added > 0;
+      failed += !singles.errors[p].empty();
     }
     CHECK(split >= 10);
     CHECK(failed >= 1);  // and those that are not on the given grid
     CHECK(failed < problems.size() / 2);
-    alone.check(one.triangulate(batch, options));
-    for (int round = 0; round < 2; ++round) {  // with speeds unknown and known
-      alone.check(two.triangulate(batch, options));
+    singles.check(one.triangulate(batch, options));
+    for (int round = 0; round < 2; ++round) {  // with throughputs unknown and known
+      singles.check(two.triangulate(batch, options));
       std::uint64_t done = 0;
       for (const PoolDevice& device : two.devices()) {
         CHECK(!device.lost);
@@ -86,12 +86,12 @@ TEST_CASE("routes that cross others are among the problems, and what is said of 
   for (std::size_t p = 0; p < problems.size(); ++p) {
     CAPTURE(p);
     const Workload& problem = problems[p];
-    const Statistics alone = solver().triangulate(problem.points, problem.constraints, graphs::splitting()).statistics;
+    const Statistics single = solver().triangulate(problem.points, problem.constraints, graphs::splitting()).statistics;
     const SplitReport report = result.split(p);
-    CHECK(report.crossings == alone.crossings);
-    CHECK(report.vertices_added == alone.vertices_added);
-    CHECK(report.constraints_split == alone.constraints_split);
-    CHECK(report.constraint_move == alone.constraint_move);
+    CHECK(report.crossings == single.crossings);
+    CHECK(report.vertices_added == single.vertices_added);
+    CHECK(report.constraints_split == single.constraints_split);
+    CHECK(report.constraint_move == single.constraint_move);
     split += report.crossings > 0;
     std::set<std::uint64_t> cross;
     try {
@@ -119,9 +119,9 @@ TEST_CASE("the corpus with its crossings split, as one batch") {
   const std::vector<Workload> problems = corpus({"ok", "crossing", "invalid"});
   Pool pool(test_device());
   const Options options = splitting_on_any_grid();
-  const Alone alone(problems, options);
+  const Singles singles(problems, options);
   const BatchResult result = pool.triangulate(batch_of(problems), options);
-  alone.check(result);
+  singles.check(result);
   CHECK(result.statistics().failed == corpus({"invalid"}).size());
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("domains and regions of problems that are split") {
     options.canonical = false;  // batches are in canonical order all the same
     const BatchResult result = two.triangulate(batch_of(problems), options);
     options.canonical = true;
-    Alone(problems, options).check(result);
+    Singles(problems, options).check(result);
   }
 }
 
@@ -172,10 +172,10 @@ TEST_CASE("from and to device memory") {
                              app.buffer(batch.constraints), app.buffer(batch.constraint_offsets)};
   const Options options = splitting_on_any_grid();
   const BatchResult result = triangulate(pool, app.queue, given, options);
-  const Alone alone(problems, options);
-  alone.check(result);
+  const Singles singles(problems, options);
+  singles.check(result);
   std::vector<Constraint> expected;
-  for (const Triangulation& mesh : alone.meshes)
+  for (const Triangulation& mesh : singles.meshes)
     expected.insert(expected.end(), mesh.added_crossing.begin(), mesh.added_crossing.end());
   const cl::Buffer to = app.buffer(8 * expected.size());
   copy(result, GCDT_ADDED_CROSSINGS, app.queue, to, expected.size());
@@ -194,7 +194,7 @@ TEST_CASE("a run of a problem that is split can be stopped, and the pool works o
     CHECK(error.status() == Status::cancelled);
   }
   options.progress = {};
-  Alone(problems, options).check(pool.triangulate(batch_of(problems), options));
+  Singles(problems, options).check(pool.triangulate(batch_of(problems), options));
 }
 
 TEST_CASE(
@@ -219,14 +219,14 @@ TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes n
                                           problem({{0, 0}, {9, 1}, {0, 1}, {9, 0}, {3, 3}}, {{0, 1}, {2, 3}, {0, 4}})};
   const RaggedBatch batch(problems);
   const Options options = splitting_on_any_grid();
-  const Alone alone(problems, options);
-  REQUIRE(alone.meshes[0].statistics.vertices_added + alone.meshes[2].statistics.vertices_added == 3);
+  const Singles singles(problems, options);
+  REQUIRE(singles.meshes[0].statistics.vertices_added + singles.meshes[2].statistics.vertices_added == 3);
   const auto right = [&](DevicePool& pool) {
     const PoolResult result = pool.triangulate(batch.view(), options);
     for (std::size_t p = 0; p < problems.size(); ++p) {
       const Schedule::Place place = result.places[p];
       if (result.errors.count(p) > 0 ||
-          difference(test::part_of(result.results[place.result], place.place), alone.meshes[p]) != "")
+          difference(test::part_of(result.results[place.result], place.place), singles.meshes[p]) != "")
         return false;
     }
     return true;
@@ -234,7 +234,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes n
   const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
   {
     runtime::CallHook counted = failing(calls, 0, false, 0);
-    counted.tuning.lanes = 1;
+    counted.tuning.workers = 1;
     DevicePool pool({{cl::Context(), app_device(), counted}}, {}, {});
     REQUIRE(right(pool));
   }
@@ -245,7 +245,7 @@ TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes n
     *calls = 0;
     const cl_int code = tried % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
     runtime::CallHook broken = failing(calls, k, tried % 2 == 0, code);
-    broken.tuning.lanes = 1 + tried / 2 % 2;
+    broken.tuning.workers = 1 + tried / 2 % 2;
     DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy()}}, {}, {});
     CHECK(right(pool));
     CHECK(!pool.report(1).lost);

@@ -1,91 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who gets which problems of a batch: every problem settled once, whatever lanes do.
-#include <doctest/doctest.h>
-
-#include <atomic>
-#include <numeric>
-#include <random>
-#include <set>
+// Who gets which problems of a batch, while all workers work.
 #include <thread>
 
-#include "batch/schedule.hpp"
+#include "batch/backoff.hpp"
+#include "schedule_cases.hpp"
 
 using namespace gcdt;
+using namespace schedule_cases;
 
-namespace {
-
-/// Problems of so many vertices and no constraints; nobody reads them.
-struct Sizes {
-  std::vector<std::uint64_t> vertex_offsets = {0}, constraint_offsets;
-
-  explicit Sizes(const std::vector<std::uint64_t>& sizes) {
-    for (const std::uint64_t n : sizes) vertex_offsets.push_back(vertex_offsets.back() + n);
-    constraint_offsets.assign(vertex_offsets.size(), 0);
-  }
-  BatchInput view() const {
-    return {vertex_offsets.size() - 1, Points::Type::float64, nullptr, vertex_offsets.data(), nullptr,
-            constraint_offsets.data()};
-  }
-};
-
-LaneShare lane(std::size_t device, double speed = 0, std::uint64_t capacity = std::uint64_t{1} << 40) {
-  LaneShare share;
-  share.device = device;
-  share.capacity = share.most_bytes = capacity;
-  share.most_weight = std::uint64_t{1} << 24;
-  share.speed = Speed(speed);
-  return share;
-}
-
-ForestResult result_of(const Pack& pack) {
-  ForestResult result;
-  result.problems = pack.problems;
-  return result;
-}
-
-void finish(Schedule& schedule, std::size_t number, const std::shared_ptr<Pack>& pack, double milliseconds = 1) {
-  schedule.finish(number, pack, result_of(*pack), {}, milliseconds);
-}
-
-/// Every problem has one place in the results, where its number stands, or an error.
-void check_settled(const Schedule& schedule, std::size_t problems) {
-  CHECK(schedule.unsettled() == 0);
-  for (std::size_t p = 0; p < problems; ++p) {
-    if (schedule.errors.count(static_cast<std::uint32_t>(p)) > 0) continue;
-    const Schedule::Place place = schedule.places[p];
-    REQUIRE(place.result < schedule.results.size());
-    REQUIRE(place.place < schedule.results[place.result].problems.size());
-    CHECK(schedule.results[place.result].problems[place.place] == p);
-  }
-}
-
-/// So many problems of weight 1000 each.
-Sizes thousands(std::size_t problems) {
-  return Sizes(std::vector<std::uint64_t>(problems, 1000 - Tuning::problem_weight));
-}
-
-/// So many thousands, but for a problem less: the clock goes on while a test runs.
-bool nearly(std::uint64_t weight, std::uint64_t thousand) {
-  return weight == thousand * 1000 || weight == (thousand - 1) * 1000;
-}
-
-Error shortage() { return Error(Status::out_of_memory, "made up"); }
-
-}  // namespace
-
-TEST_CASE("a lane that is alone takes everything at once, largest first") {
+TEST_CASE("a single worker takes everything at once, largest first") {
   const Sizes sizes({5, 100, 7, 100, 1});
   const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0)});
-  const auto pack = schedule.take(0);
-  REQUIRE(bool(pack));
-  CHECK(pack->problems == std::vector<std::uint32_t>{1, 3, 2, 0, 4});
-  finish(schedule, 0, pack);
+  Schedule schedule(batch, {worker(0)});
+  const auto job = schedule.take(0);
+  REQUIRE(bool(job));
+  CHECK(job->problems == std::vector<std::uint32_t>{1, 3, 2, 0, 4});
+  finish(schedule, 0, job);
   CHECK(bool(schedule.take(0)) == false);
   check_settled(schedule, 5);
 }
 
-TEST_CASE("lanes that are shared out work so that they end together") {
+TEST_CASE("workers that are shared out work so that they end together") {
   CHECK(common_end({{0, 10}}, 100) == doctest::Approx(10));
   CHECK(common_end({{0, 10}, {0, 30}}, 100) == doctest::Approx(2.5));
   // 30 milliseconds of the first one alone, then both: 300 + 40 (end - 30) = 700.
@@ -94,23 +29,23 @@ TEST_CASE("lanes that are shared out work so that they end together") {
   CHECK(common_end({{5, 10}, {0, 0}}, 100) == doctest::Approx(15));      // whoever is not measured gets none
 }
 
-TEST_CASE("a speed is that of the latest runs, large ones above all") {
-  Speed speed;
-  CHECK(!speed.known());
-  speed.add(10, 10);
-  CHECK(speed.value() == doctest::Approx(1));
-  speed.add(10000, 100);
-  CHECK(speed.value() == doctest::Approx(10005.0 / 105));
-  speed.add(10, 1);  // a small one says little
-  CHECK(speed.value() == doctest::Approx(5012.5 / 53.5));
-  for (int run = 0; run < 20; ++run) speed.add(10, 1);
-  CHECK(speed.value() == doctest::Approx(10).epsilon(0.01));
+TEST_CASE("a throughput is that of the latest runs, large ones above all") {
+  Throughput throughput;
+  CHECK(!throughput.known());
+  throughput.add(10, 10);
+  CHECK(throughput.value() == doctest::Approx(1));
+  throughput.add(10000, 100);
+  CHECK(throughput.value() == doctest::Approx(10005.0 / 105));
+  throughput.add(10, 1);  // a small one says little
+  CHECK(throughput.value() == doctest::Approx(5012.5 / 53.5));
+  for (int run = 0; run < 20; ++run) throughput.add(10, 1);
+  CHECK(throughput.value() == doctest::Approx(10).epsilon(0.01));
 }
 
-TEST_CASE("lanes of one device take packs as if all were to end together, which shrink") {
+TEST_CASE("workers of one device take jobs as if all were to end together, which shrink") {
   const Sizes sizes = thousands(1000);
   const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0, 1), lane(0, 1)});
+  Schedule schedule(batch, {worker(0, 1), worker(0, 1)});
   const auto first = schedule.take(0), second = schedule.take(1);
   CHECK(first->weight == 400 * 1000u);             // four fifths of half
   CHECK(nearly(second->weight, 400));              // the same
@@ -120,44 +55,44 @@ TEST_CASE("lanes of one device take packs as if all were to end together, which 
   CHECK(schedule.take(1)->weight == 32 * 1000u);
 }
 
-TEST_CASE("when the end is near a lane takes all that it would have, and does not leave crumbs") {
+TEST_CASE("when the end is near a worker takes all that it would have, and does not leave crumbs") {
   const Sizes sizes = thousands(10);
   const BatchInput batch = sizes.view();
   SUBCASE("an even part") {
-    Schedule schedule(batch, {lane(0, 250), lane(0, 250)});  // 20 ms
+    Schedule schedule(batch, {worker(0, 250), worker(0, 250)});  // 20 ms
     CHECK(schedule.take(0)->weight == 5 * 1000u);
     CHECK(schedule.take(1)->weight == 5 * 1000u);
   }
   SUBCASE("the rest") {
-    Schedule schedule(batch, {lane(0, 1000), lane(1, 100)});
+    Schedule schedule(batch, {worker(0, 1000), worker(1, 100)});
     CHECK(schedule.take(0)->weight == 10 * 1000u);  // 9.09 of it would leave less than 10 ms of its time
   }
 }
 
-TEST_CASE("a pack is worth its overhead, which is no part of a lane's speed") {
+TEST_CASE("a job is worth its overhead, which is no part of a worker's throughput") {
   const Sizes sizes = thousands(100);
   const BatchInput batch = sizes.view();
-  LaneShare share = lane(0, 1000);  // 50 ms each
-  share.overhead = 20;
-  Schedule schedule(batch, {share, share});
+  WorkerState state = worker(0, 1000);  // 50 ms each
+  state.plan.job_overhead = 20;
+  Schedule schedule(batch, {state, state});
   const auto first = schedule.take(0);
   CHECK(first->weight == 60 * 1000u);  // three overheads' worth
   finish(schedule, 0, first, 80);
-  CHECK(schedule.speed(0).value() == doctest::Approx(1000));
+  CHECK(schedule.state(0).throughput.value() == doctest::Approx(1000));
   CHECK(schedule.take(1)->weight == 40 * 1000u);
   SUBCASE("whatever is thought of the overhead") {
-    Schedule other(batch, {share, share});
+    Schedule other(batch, {state, state});
     finish(other, 0, other.take(0), 16);  // at least a quarter
-    CHECK(other.speed(0).value() == doctest::Approx((500.0 + 60000) / (0.5 + 4)));
+    CHECK(other.state(0).throughput.value() == doctest::Approx((500.0 + 60000) / (0.5 + 4)));
   }
 }
 
-TEST_CASE("the first packs of a device's lanes differ as asked for, later ones do not") {
+TEST_CASE("the first jobs of a device's workers differ as asked for, later ones do not") {
   const Sizes sizes = thousands(1000);
   const BatchInput batch = sizes.view();
-  std::vector<LaneShare> lanes = {lane(0, 1), lane(0, 1)};
-  lanes[0].first_part = 0.5;
-  Schedule schedule(batch, lanes);
+  std::vector<WorkerState> workers = {worker(0, 1), worker(0, 1)};
+  workers[0].first_part = 0.5;
+  Schedule schedule(batch, workers);
   const auto first = schedule.take(0), second = schedule.take(1);
   CHECK(first->weight == 200 * 1000u);
   CHECK(nearly(second->weight, 400));
@@ -170,13 +105,13 @@ TEST_CASE("problems are taken by size, then by number, whatever digits their siz
   for (std::uint64_t i = 0; i < 3000; ++i) counts.push_back(std::uint64_t{1} << (i * 7919 % 27));
   const Sizes sizes(counts);
   const BatchInput batch = sizes.view();
-  LaneShare any = lane(0);
-  any.capacity = any.most_bytes = any.most_weight = UINT64_MAX;
+  WorkerState any = worker(0);
+  any.plan.capacity = any.plan.job_bytes = any.plan.job_weight = UINT64_MAX;
   Schedule schedule(batch, {any});
   std::vector<std::uint32_t> taken, expected;
-  while (const auto pack = schedule.take(0)) {
-    taken.insert(taken.end(), pack->problems.begin(), pack->problems.end());
-    finish(schedule, 0, pack);
+  while (const auto job = schedule.take(0)) {
+    taken.insert(taken.end(), job->problems.begin(), job->problems.end());
+    finish(schedule, 0, job);
   }
   for (std::uint32_t p = 0; p < counts.size(); ++p) expected.push_back(p);
   std::stable_sort(expected.begin(), expected.end(), [&](std::uint32_t p, std::uint32_t q) {
@@ -185,10 +120,10 @@ TEST_CASE("problems are taken by size, then by number, whatever digits their siz
   CHECK(taken == expected);
 }
 
-TEST_CASE("a lane takes over a pack of a slow device, but none of its own device's") {
+TEST_CASE("a worker takes over a job of a slow device, but none of its own device's") {
   const Sizes sizes({500000, 400000, 300000});
   const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0, 1), lane(1, 1000), lane(1, 1000)});
+  Schedule schedule(batch, {worker(0, 1), worker(1, 1000), worker(1, 1000)});
   const auto slow = schedule.take(0), second = schedule.take(1), third = schedule.take(2);
   REQUIRE(bool(second));
   REQUIRE(bool(third));
@@ -205,12 +140,12 @@ TEST_CASE("a lane takes over a pack of a slow device, but none of its own device
   check_settled(schedule, 3);
 }
 
-TEST_CASE("a pack that is overdue is taken over, however soon it was to be done") {
+TEST_CASE("a job that is overdue is taken over, however soon it was to be done") {
   const Sizes sizes({500000, 400000});
   const BatchInput batch = sizes.view();
-  std::vector<LaneShare> lanes = {lane(0, 1e6), lane(1, 1e6)};  // half a millisecond
-  for (LaneShare& share : lanes) share.most_weight = 1;         // so one problem at a time
-  Schedule schedule(batch, lanes);
+  std::vector<WorkerState> workers = {worker(0, 1e6), worker(1, 1e6)};  // half a millisecond
+  for (WorkerState& state : workers) state.plan.job_weight = 1;         // so one problem at a time
+  Schedule schedule(batch, workers);
   const auto first = schedule.take(0), second = schedule.take(1);
   finish(schedule, 1, second, 0.4);
   const auto taken = schedule.take(1);  // blocks until it is
@@ -222,31 +157,32 @@ TEST_CASE("a pack that is overdue is taken over, however soon it was to be done"
   check_settled(schedule, 2);
 }
 
-TEST_CASE("whose pack was done by another before it is known to be no faster than that") {
+TEST_CASE("whose job was done by another before it is known to be no faster than that") {
   const Sizes sizes({5000, 4000});
   const BatchInput batch = sizes.view();
-  for (const double speed : {0.0, 1e6}) {
-    std::vector<LaneShare> lanes = {lane(0, speed), lane(1, 1e6)};
-    for (LaneShare& share : lanes) share.most_weight = 1;
-    Schedule schedule(batch, lanes);
+  for (const double throughput : {0.0, 1e6}) {
+    std::vector<WorkerState> workers = {worker(0, throughput), worker(1, 1e6)};
+    for (WorkerState& state : workers) state.plan.job_weight = 1;
+    Schedule schedule(batch, workers);
     const auto slow = schedule.take(0);
     finish(schedule, 1, schedule.take(1), 0.004);
     finish(schedule, 1, schedule.take(1), 0.004);  // taken over
     CHECK(schedule.needless(*slow));
     schedule.drop(0, slow);
-    CHECK(schedule.speed(0).known());
-    CHECK(schedule.speed(0).value() < (5000.0 + Tuning::problem_weight) / 5);  // no theft takes less than 5 ms
+    CHECK(schedule.state(0).throughput.known());
+    CHECK(schedule.state(0).throughput.value() <
+          (5000.0 + Tuning::problem_weight) / 5);  // no theft takes less than 5 ms
     check_settled(schedule, 2);
   }
 }
 
-TEST_CASE("a CPU beside a much faster GPU takes one small pack a call, and what the GPU has no memory for") {
+TEST_CASE("a CPU beside a much faster GPU takes one small job a call, and what the GPU has no memory for") {
   const Sizes sizes = thousands(1000);
   const BatchInput batch = sizes.view();
-  LaneShare cpu = lane(1, 100);
-  cpu.beside_gpus = true;
-  SUBCASE("one small pack") {
-    Schedule schedule(batch, {lane(0, 1000), cpu});
+  WorkerState cpu = worker(1, 100);
+  cpu.plan.beside_gpus = true;
+  SUBCASE("one small job") {
+    Schedule schedule(batch, {worker(0, 1000), cpu});
     const auto small = schedule.take(1);
     REQUIRE(bool(small));
     CHECK(small->weight == 20000u);
@@ -258,188 +194,51 @@ TEST_CASE("a CPU beside a much faster GPU takes one small pack a call, and what 
   }
   SUBCASE("none if it sits out") {
     cpu.started = true;
-    Schedule schedule(batch, {lane(0, 1000), cpu});
+    Schedule schedule(batch, {worker(0, 1000), cpu});
     std::thread other([&] { CHECK(bool(schedule.take(1)) == false); });
     while (schedule.unsettled() > 0) finish(schedule, 0, schedule.take(0));
     other.join();
     check_settled(schedule, 1000);
   }
   SUBCASE("what it is fast enough for") {
-    cpu.speed = Speed(200);
-    Schedule schedule(batch, {lane(0, 1000), cpu});
+    cpu.throughput = Throughput(200);
+    Schedule schedule(batch, {worker(0, 1000), cpu});
     CHECK(schedule.take(1)->weight > 100000u);
   }
   SUBCASE("what the GPU has no memory for") {
-    Schedule schedule(batch, {lane(0, 1000, 1), cpu});
+    Schedule schedule(batch, {worker(0, 1000, 1), cpu});
     CHECK(bool(schedule.take(1)));
     CHECK(bool(schedule.take(1)));
   }
 }
 
-TEST_CASE("a lane that is too slow sits out ever more calls, until it is not") {
-  SittingOut lane;
+TEST_CASE("a worker that is too slow sits out ever more calls, until it is not") {
+  Backoff worker;
   std::string calls;
   for (int call = 0; call < 17; ++call) {
-    calls += lane.now() ? '.' : 'x';
-    lane.next_call(true);
+    calls += worker.sits_out() ? '.' : 'x';
+    worker.next_call(true);
   }
   CHECK(calls == "x.x..x....x......");
-  while (lane.now()) lane.next_call(true);
-  lane.next_call(false);
-  CHECK(!lane.now());
-  lane.next_call(true);
-  lane.next_call(true);
-  CHECK(!lane.now());
+  while (worker.sits_out()) worker.next_call(true);
+  worker.next_call(false);
+  CHECK(!worker.sits_out());
+  worker.next_call(true);
+  worker.next_call(true);
+  CHECK(!worker.sits_out());
 }
 
-TEST_CASE("the lanes of a device do not take over from one another, however slow one was") {
+TEST_CASE("the workers of a device do not take over from one another, however slow one was") {
   const Sizes sizes({500000, 400000});
   const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0, 1), lane(0, 1000)});
+  Schedule schedule(batch, {worker(0, 1), worker(0, 1000)});
   const auto slow = schedule.take(0), second = schedule.take(1);
   finish(schedule, 1, second, 400);
-  std::shared_ptr<Pack> taken;
+  std::shared_ptr<Job> taken;
   std::thread other([&] { taken = schedule.take(1); });
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   finish(schedule, 0, slow);
   other.join();
   CHECK(bool(taken) == false);
   check_settled(schedule, 2);
-}
-
-TEST_CASE("a lane without memory has its neighbour end first, and is refused only when it is alone") {
-  const Sizes sizes({1000000, 10});
-  const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0), lane(0)});
-  const auto large = schedule.take(0), small = schedule.take(1);
-  REQUIRE(large->problems == std::vector<std::uint32_t>{0});
-  schedule.too_large(0, large, shortage());
-  CHECK(schedule.crowded_out(1));
-  CHECK(!schedule.crowded_out(0));
-  std::atomic<bool> ended{false};
-  std::thread other([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    finish(schedule, 1, small);
-    CHECK(bool(schedule.take(1)) == false);
-    ended = true;
-    schedule.end(1);
-  });
-  auto again = schedule.take(0);
-  CHECK(ended);
-  CHECK(again->problems == large->problems);
-  other.join();
-  SUBCASE("then there is enough") { finish(schedule, 0, again); }
-  SUBCASE("then there is not") {
-    schedule.too_large(0, again, shortage());
-    CHECK(bool(schedule.take(0)) == false);
-    REQUIRE(schedule.errors.count(0) == 1);
-    CHECK(schedule.errors.at(0).status() == Status::out_of_memory);
-  }
-  CHECK(bool(schedule.take(0)) == false);
-  check_settled(schedule, 2);
-}
-
-TEST_CASE("both lanes of a device without memory: one goes on alone") {
-  const Sizes sizes({30000, 30000});
-  const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0), lane(0)});
-  const auto a = schedule.take(0), b = schedule.take(1);
-  schedule.too_large(1, b, shortage());
-  schedule.too_large(0, a, shortage());  // crowded out meanwhile: no fault of the pack's
-  CHECK(bool(schedule.take(0)) == false);
-  schedule.end(0);
-  const auto both = schedule.take(1);
-  CHECK(both->problems.size() == 2);
-  finish(schedule, 1, both);
-  check_settled(schedule, 2);
-}
-
-TEST_CASE("a lost device's lanes end, and its work goes to others") {
-  const Sizes sizes(std::vector<std::uint64_t>(10, 9000));
-  const BatchInput batch = sizes.view();
-  Schedule schedule(batch, {lane(0), lane(0), lane(1)});
-  const auto a = schedule.take(0), b = schedule.take(1), c = schedule.take(2);
-  schedule.lose(0, a);
-  CHECK(bool(schedule.take(0)) == false);
-  finish(schedule, 1, b);  // what was running still counts
-  CHECK(bool(schedule.take(1)) == false);
-  finish(schedule, 2, c);
-  while (const auto rest = schedule.take(2)) finish(schedule, 2, rest);
-  check_settled(schedule, 10);
-}
-
-TEST_CASE("a problem that needs more than its size says goes to another device, by itself, or is refused") {
-  const Sizes sizes({900, 500, 20, 10});
-  const BatchInput batch = sizes.view();
-  const std::uint64_t little = std::uint64_t{1} << 30;
-  SUBCASE("another device") {
-    Schedule schedule(batch, {lane(0, 0, little), lane(1, 0, little)});
-    const auto pack = schedule.take(0);
-    const std::uint32_t outgrown = pack->problems.back();
-    schedule.too_large(0, pack, shortage(), outgrown);
-    for (auto more = schedule.take(1); more; more = schedule.take(1)) {
-      if (std::count(more->problems.begin(), more->problems.end(), outgrown) > 0) CHECK(more->problems.size() == 1);
-      finish(schedule, 1, more);
-    }
-    CHECK(bool(schedule.take(0)) == false);
-    check_settled(schedule, 4);
-    CHECK(schedule.errors.empty());
-  }
-  SUBCASE("no other device") {
-    Schedule schedule(batch, {lane(0, 0, little)});
-    const auto pack = schedule.take(0);
-    REQUIRE(pack->problems.size() == 4);
-    schedule.too_large(0, pack, shortage(), 2);
-    // Larger ones are not refused for its sake.
-    for (const auto& expected : {std::vector<std::uint32_t>{0, 1}, std::vector<std::uint32_t>{3}}) {
-      const auto rest = schedule.take(0);
-      CHECK(rest->problems == expected);
-      finish(schedule, 0, rest);
-    }
-    CHECK(bool(schedule.take(0)) == false);
-    check_settled(schedule, 4);
-    REQUIRE(schedule.errors.count(2) == 1);
-    CHECK(schedule.errors.at(2).status() == Status::out_of_memory);
-  }
-}
-
-TEST_CASE("whatever lanes do, in any order, everything is settled once") {
-  std::mt19937 seeds(11);
-  for (int round = 0; round < 60; ++round) {
-    CAPTURE(round);
-    std::vector<std::uint64_t> given(1 + seeds() % 200);
-    for (auto& n : given) n = seeds() % (seeds() % 10 == 0 ? 100000 : 1000);
-    const Sizes sizes(given);
-    const BatchInput batch = sizes.view();
-    std::vector<LaneShare> shares;
-    for (std::size_t device = 0, count = 1 + seeds() % 3; device < count; ++device)
-      for (std::size_t i = 0, lanes = 1 + seeds() % 3; i < lanes; ++i)
-        shares.push_back(lane(device, seeds() % 2 ? 0 : 1 + seeds() % 1000, 40000000));
-    Schedule schedule(batch, shares);
-    std::vector<std::thread> threads;
-    // The last device's lanes never fail.
-    const std::size_t safe = shares.back().device;
-    for (std::size_t number = 0; number < shares.size(); ++number)
-      threads.emplace_back([&, number, random = std::mt19937(seeds())]() mutable {
-        while (const auto pack = schedule.take(number)) {
-          const auto chance = random() % 10;
-          if (chance < 2 && shares[number].device != safe) {
-            schedule.lose(number, pack);
-          } else if (chance < 4) {
-            schedule.too_large(number, pack, shortage());
-          } else if (chance == 4) {
-            schedule.too_large(number, pack, shortage(), pack->problems[random() % pack->problems.size()]);
-          } else if (chance < 6 && schedule.needless(*pack)) {
-            schedule.drop(number, pack);
-          } else {
-            std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
-            finish(schedule, number, pack, 0.01 + static_cast<double>(random() % 100));
-          }
-        }
-        schedule.end(number);
-      });
-    for (std::thread& thread : threads) thread.join();
-    // A problem is refused only for want of memory.
-    check_settled(schedule, given.size());
-  }
 }

@@ -187,6 +187,29 @@ TEST_CASE("reference counts of the application's objects are what they were") {
   CHECK(references(to) == 1);
 }
 
+TEST_CASE("what is wrong with what device buffers hold is named, by vertex, end, or pair") {
+  const App app;
+  const Integers input = integer_input();
+  Solver solver = make_solver(app.queue);
+  Integers negative = input;
+  negative.points[17][1] = -1;
+  const Error outside = error_of([&] { solve(solver, device_points(app, negative)); });
+  CHECK(outside.status() == Status::coordinate_outside_grid);
+  CHECK(outside.indices() == std::vector<std::uint64_t>{17, 1});
+  Integers broken = input;
+  broken.constraints[5][1] = static_cast<std::uint32_t>(input.points.size());
+  const Error index = error_of([&] { solve(solver, device_points(app, broken), device_constraints(app, broken)); });
+  CHECK(index.status() == Status::index_out_of_range);
+  CHECK(index.indices() == std::vector<std::uint64_t>{5, 1});
+  const Integers crossing{{{0, 0}, {8, 0}, {8, 8}, {0, 8}}, {{0, 2}, {1, 3}}};
+  // Constraints that the host may not read are named all the same.
+  const DeviceConstraints hidden = {app.buffer(crossing.constraints, CL_MEM_READ_ONLY | CL_MEM_HOST_NO_ACCESS), 2, 0};
+  const Error cross = error_of([&] { solve(solver, device_points(app, crossing), hidden); });
+  CHECK(cross.status() == Status::constraints_cross);
+  CHECK(cross.indices() == std::vector<std::uint64_t>{0, 1});
+  CHECK(cross.pair_count() == 1);
+}
+
 TEST_CASE("wrong device arguments are named, and nothing of the caller's is touched") {
   const App app, foreign;
   const Integers input = integer_input();
@@ -207,24 +230,6 @@ TEST_CASE("wrong device arguments are named, and nothing of the caller's is touc
   CHECK(beyond.indices() == std::vector<std::uint64_t>{points.count + 1, points.count});
   CHECK(status_of({Points::Type::int32, points.buffer, 1, ~std::uint64_t(0)}, {}) == Status::buffer_too_small);
   CHECK(status_of({Points::Type::float64, points.buffer, points.count, 0}, {}) == Status::buffer_too_small);
-
-  Integers negative = input;
-  negative.points[17][1] = -1;
-  const Error outside = error_of([&] { solve(solver, device_points(app, negative)); });
-  CHECK(outside.status() == Status::coordinate_outside_grid);
-  CHECK(outside.indices() == std::vector<std::uint64_t>{17, 1});
-  Integers broken = input;
-  broken.constraints[5][1] = static_cast<std::uint32_t>(input.points.size());
-  const Error index = error_of([&] { solve(solver, device_points(app, broken), device_constraints(app, broken)); });
-  CHECK(index.status() == Status::index_out_of_range);
-  CHECK(index.indices() == std::vector<std::uint64_t>{5, 1});
-  const Integers crossing{{{0, 0}, {8, 0}, {8, 8}, {0, 8}}, {{0, 2}, {1, 3}}};
-  // Constraints that the host may not read are named all the same.
-  const DeviceConstraints hidden = {app.buffer(crossing.constraints, CL_MEM_READ_ONLY | CL_MEM_HOST_NO_ACCESS), 2, 0};
-  const Error cross = error_of([&] { solve(solver, device_points(app, crossing), hidden); });
-  CHECK(cross.status() == Status::constraints_cross);
-  CHECK(cross.indices() == std::vector<std::uint64_t>{0, 1});
-  CHECK(cross.pair_count() == 1);
 
   const Result result = solve(solver, points, constraints);
   const std::size_t count = result.triangle_count();

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "cache_folder.hpp"
+#include "failure_cases.hpp"
 #include "opencl_app.hpp"
 #include "scratch_folder.hpp"
 
@@ -20,8 +21,6 @@ namespace {
 
 // Before the loader is first called.
 const bool layered = (set_variable("OPENCL_LAYERS", GCDT_FAULT_LAYER), true);
-
-using Variables = std::vector<std::pair<std::string, std::string>>;
 
 /// Drivers have the faults for the object's life.
 class Faults {
@@ -38,114 +37,12 @@ class Faults {
   Variables variables_;
 };
 
-Variables edit(const char* from, const char* to) { return {{"GCDT_FAULT_FROM", from}, {"GCDT_FAULT_TO", to}}; }
-
 /// How a call went: the C interface's code, the C++ interface's status, and what was said.
 struct Seen {
   std::int32_t code = GCDT_OK;
   Status status = Status::ok;
   std::string said;
 };
-
-/// One thing that goes wrong.
-struct Failure {
-  std::string name;
-  Variables faults;
-  Workload work;
-  Options options;
-  Status status;
-  std::int32_t code;
-  int exit;
-  std::string said;
-  std::string arguments = {};  ///< of the command
-  bool of_device = true;       ///< else of the problem, where there are others
-};
-
-/// Larger than what is refused of memory.
-Workload large() {
-  Workload work = uniform(30000);
-  work.constraints = {{0, 1}};
-  return work;
-}
-
-std::vector<Failure> failures() {
-  const Workload square = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.25}}, {{0, 2}}};
-  std::vector<Failure> all = {
-      {"a buffer is refused",
-       {{"GCDT_FAULT_BUFFERS", "1000000"}},
-       large(),
-       {},
-       Status::out_of_memory,
-       CL_MEM_OBJECT_ALLOCATION_FAILURE,
-       4,
-       "clCreateBuffer",
-       "",
-       false},
-      {"the device is small",
-       {{"GCDT_FAULT_MEMORY", "400000"}},
-       large(),
-       {},
-       Status::out_of_memory,
-       GCDT_ERROR_OUT_OF_MEMORY,
-       4,
-       "400000",
-       "",
-       false},
-      {"a program does not build",
-       edit("kernel void clean_map(", "kernel vold clean_map("),
-       square,
-       {},
-       Status::device_failed,
-       GCDT_ERROR_DEVICE_FAILED,
-       4,
-       "clBuildProgram"},
-      {"a kernel is not there",
-       edit("kernel void clean_map(", "kernel void clean_mop("),
-       square,
-       {},
-       Status::device_failed,
-       CL_INVALID_KERNEL_NAME,
-       4,
-       "clean_map"},
-      {"vertices are not found",
-       edit("  for (uint step = 0; step < limit; ++step) {", "  for (; false;) {"),
-       square,
-       {},
-       Status::round_limit,
-       GCDT_ERROR_ROUND_LIMIT,
-       4,
-       "point location left the mesh"},
-      {"a link is wrong",
-       edit("out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);",
-            "out_constrained[i] = (uchar)(marks.x | marks.y << 1 | marks.z << 2);\n  out_neighbours[0] = 99;"),
-       square,
-       {},
-       Status::check_failed,
-       GCDT_ERROR_CHECK_FAILED,
-       5,
-       "check: "},
-  };
-  const auto add = [&](const char* name, Workload work, Status status, std::int32_t code, const char* said,
-                       const char* arguments = "") {
-    all.push_back({name, {}, std::move(work), {}, status, code, 3, said, arguments, false});
-    return &all.back();
-  };
-  Workload nan = square, far = square, missing = square, cross = square;
-  nan.points[3][1] = std::nan("");
-  missing.constraints = {{0, 5}};
-  cross.constraints = {{0, 2}, {1, 3}};
-  add("not finite", nan, Status::coordinate_not_finite, GCDT_ERROR_COORDINATE_NOT_FINITE, "");
-  add("off the grid", far, Status::coordinate_outside_grid, GCDT_ERROR_COORDINATE_OUTSIDE_GRID, "grid", "--grid 5,0,1")
-      ->options.grid = FixedGrid{5, 0, "1"};
-  add("no such vertex", missing, Status::index_out_of_range, GCDT_ERROR_INDEX_OUT_OF_RANGE, "");
-  add("crossing", cross, Status::constraints_cross, GCDT_ERROR_CONSTRAINTS_CROSS, "cross");
-  Failure* wrong = add("no grid", square, Status::invalid_argument, GCDT_ERROR_INVALID_ARGUMENT, "", "--grid 0,0,0");
-  wrong->options.grid = FixedGrid{0, 0, "0"}, wrong->exit = 2, wrong->of_device = true;
-  Failure* stopped = add("cancelled", large(), Status::cancelled, GCDT_ERROR_CANCELLED, "cancelled");
-  stopped->options.progress = [](const char*, double) { return false; };
-  stopped->exit = 0, stopped->of_device = true;  // the command: command_test.cpp
-  return all;
-}
 
 template <class F>
 Seen in_cpp(F&& f) {

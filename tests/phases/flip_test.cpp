@@ -5,8 +5,6 @@
 #include "kinds.hpp"
 #include "mesh_fixture.hpp"
 #include "oracle.hpp"
-#include "phases/insert.hpp"
-#include "reference.hpp"
 
 using namespace fixture;
 using test::GridPoint;
@@ -86,40 +84,16 @@ std::set<std::array<std::uint32_t, 3>> expected_faces(const HostMesh& m) {
       const Ends ends = quadrilateral(m, e).first;
       constraints.push_back({ends.first, ends.second});
     }
-  std::set<std::array<std::uint32_t, 3>> faces;
-  for (auto t : reference::reference_cdt(m.points, constraints)) {
-    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-    faces.insert(t);
-  }
-  return faces;
+  return fixture::expected_faces(m.points, constraints);
 }
 
 // All vertices inserted at once, no edge flipped.
-struct Unflipped {
-  runtime::Runtime& runtime;
-  std::vector<Point> points;
-  Vertices vertices;
-  Mesh mesh;
-  WorkLists lists;
-  PhaseCounters counters;
-
-  Unflipped(runtime::Runtime& on, std::vector<Point> given)
-      : runtime(on),
-        points(std::move(given)),
-        vertices(upload(on, points, all)),
-        mesh(make_mesh(on, vertices.n())),
-        lists(make_work_lists(on, vertices.n())),
-        counters(on) {
-    History history = make_history(runtime, vertices.levels);
-    Ticker ticker;
-    insert_root(runtime, vertices, mesh);
-    insert_level(runtime, make_plan(runtime, vertices), vertices, mesh, history, lists, counters, 0, ticker);
-  }
-  HostMesh now() const { return download(runtime, mesh, points, vertices.n()); }
+struct Unflipped : MeshOnDevice {
+  Unflipped(runtime::Runtime& on, std::vector<Point> given) : MeshOnDevice(on, std::move(given), all) { insert(0); }
   void mark(const HostMesh& m) const { runtime.write(mesh.edge_marks, m.marks.data(), m.marks.size()); }
   FlipResult flip(const Progress& progress = {}) {
-    Ticker ticker(progress);
-    return gcdt::flip(runtime, make_plan(runtime, vertices), vertices, mesh, lists, counters, vertices.n(), ticker);
+    ticker = Ticker(progress);
+    return MeshOnDevice::flip();
   }
 };
 

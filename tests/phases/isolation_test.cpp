@@ -179,7 +179,7 @@ TEST_CASE("on every device a table numbers the vertices, and the isolated ones a
   for (const Treated& device : devices_as_all_kinds()) {
     CAPTURE(device.name);
     Tuning tuning = device.runtime->tuning();
-    tuning.few_vertices = 0;
+    tuning.one_item_vertices = 0;
     const Tuned tuned(*device.runtime, tuning);
     const Ordered read = order_on(*device.runtime, row_twice(5000));
     REQUIRE(read.levels().tabled != 0);
@@ -198,7 +198,7 @@ TEST_CASE("on every device vertices of less depth are of no finer level, however
   for (const Treated& device : devices_as_all_kinds()) {
     CAPTURE(device.name);
     Tuning tuning = small_thresholds();
-    tuning.few_vertices = 0;
+    tuning.one_item_vertices = 0;
     const Tuned tuned(*device.runtime, tuning);
     for (const char* name : {"clusters", "letters", "uniform", "spiral", "line_and_one"}) {
       CAPTURE(name);

@@ -1,179 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The order phase on every device against the oracle.
-#include "phases/order.hpp"
-
-#include <doctest/doctest.h>
-
-#include <cstring>
-#include <limits>
 #include <map>
-#include <memory>
 
-#include "coordinate_families.hpp"
-#include "device_list.hpp"
-#include "grid_oracle.hpp"
+#include "order_cases.hpp"
 
 using namespace gcdt;
 using namespace families;
-using oracle::Doubles;
-
-namespace {
-
-struct Device {
-  runtime::Runtime runtime;
-  Primitives primitives;
-  explicit Device(const cl::Device& device, runtime::CallHook hook = {})
-      : runtime(device, std::move(hook)), primitives(runtime) {}
-};
-
-// Every device present, the software device of rusticl included; one that has a way of its own for few vertices also
-// without it. That way does not look for isolated vertices, so that none does here (isolation_test.cpp).
-std::vector<std::unique_ptr<Device>>& devices_under_test() {
-  static auto* made = [] {
-    auto* list = new std::vector<std::unique_ptr<Device>>;
-    for (const auto& device : test::every_device()) {
-      runtime::CallHook hook;
-      hook.tuning.least_row = std::numeric_limits<std::uint32_t>::max();
-      list->push_back(std::make_unique<Device>(device, hook));
-      hook.tuning.few_vertices = 0;
-      if (list->back()->runtime.contiguous()) list->push_back(std::make_unique<Device>(device, hook));
-    }
-    return list;
-  }();
-  return *made;
-}
-
-constexpr std::uint32_t coarsest = 16;
-
-Plan plan_for(const runtime::Runtime& runtime, const Points& points, std::uint32_t coarsest_level) {
-  const auto n = static_cast<std::uint32_t>(points.size());
-  Plan plan = make_plan(runtime, {1, n, n});
-  plan.coarsest_level = coarsest_level;
-  return plan;
-}
-
-/// What the order phase left on the device.
-struct Read {
-  Grid grid;
-  std::vector<device::Levels> levels_and_table;
-  std::uint64_t merged = 0;
-  std::vector<cl_int2> points;
-  std::vector<cl_uint> vertex_input, input_vertex;
-  const device::Levels& levels() const { return levels_and_table[0]; }
-};
-
-Read run(Device& device, Points points, const std::optional<FixedGrid>& fixed = {}) {
-  const OrderResult result = order(device.runtime, device.primitives, plan_for(device.runtime, points, coarsest),
-                                   stage(device.runtime, points), fixed);
-  const Vertices& v = result.vertices;
-  Read read{v.grid, {}, result.merged, {}, {}, {}};
-  read.points.resize(v.n());
-  read.vertex_input.resize(v.n());
-  read.input_vertex.resize(points.size());
-  device.runtime.read(v.points, read.points.data(), v.n());
-  device.runtime.read(v.vertex_input, read.vertex_input.data(), v.n());
-  device.runtime.read(v.input_vertex, read.input_vertex.data(), points.size());
-  read.levels_and_table.resize(v.levels_buffer.size());
-  device.runtime.read(v.levels_buffer, read.levels_and_table.data(), read.levels_and_table.size());
-  CHECK(std::memcmp(&read.levels(), &v.levels, sizeof v.levels) == 0);
-  CHECK(v.points.size() == v.n());
-  CHECK(v.vertex_input.size() == v.n());
-  CHECK(v.input_vertex.size() == points.size());
-  return read;
-}
-
-void check_same(const Read& a, const Read& b) {
-  CHECK(a.grid.kind == b.grid.kind);
-  CHECK(std::memcmp(a.grid.origin.data(), b.grid.origin.data(), sizeof a.grid.origin) == 0);
-  CHECK(a.grid.cell_units == b.grid.cell_units);
-  CHECK(a.grid.cell_decimals == b.grid.cell_decimals);
-  CHECK(a.grid.cell_exponent == b.grid.cell_exponent);
-  CHECK(a.grid.largest_move == b.grid.largest_move);
-  CHECK(a.vertex_input == b.vertex_input);
-  CHECK(a.input_vertex == b.input_vertex);
-  CHECK(std::memcmp(a.points.data(), b.points.data(), a.points.size() * sizeof(cl_int2)) == 0);
-}
-
-// Numbering: least input number, strictly ascending along the curve, ids as the levels say.
-void check_numbering(const Read& read) {
-  const auto n = static_cast<std::uint32_t>(read.points.size());
-  CHECK(read.levels().n == n);
-  CHECK(read.merged == read.input_vertex.size() - n);
-  std::vector<cl_uint> least(n, std::numeric_limits<cl_uint>::max());
-  for (cl_uint i = 0; i < read.input_vertex.size(); ++i) {
-    REQUIRE(read.input_vertex[i] < n);
-    cl_uint& l = least[read.input_vertex[i]];
-    l = std::min(l, i);
-  }
-  CHECK(least == read.vertex_input);
-  std::uint64_t before = 0;
-  for (std::uint32_t rank = 0; rank < n; ++rank) {
-    const std::uint32_t id = device::gcdt_vertex_of_rank(&read.levels(), read.levels().count - 1, rank);
-    REQUIRE(id < n);
-    const std::uint64_t code =
-        device::gcdt_morton(static_cast<cl_uint>(read.points[id].s[0]), static_cast<cl_uint>(read.points[id].s[1]));
-    if (rank > 0) CHECK(code > before);
-    before = code;
-  }
-}
-
-void check_grid_points(const Read& read, const std::vector<std::array<oracle::Integer, 2>>& expected) {
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    const cl_int2 at = read.points[read.input_vertex[i]];
-    CAPTURE(i);
-    CHECK(oracle::Integer(at.s[0]) == expected[i][0]);
-    CHECK(oracle::Integer(at.s[1]) == expected[i][1]);
-  }
-}
-
-void check_move(double reported, const oracle::Rational& exact, const oracle::Rational& cell) {
-  CHECK((reported == 0) == (exact == 0));
-  const auto distance = [&](double v) { return oracle::Rational(abs(oracle::exact(v) - exact)); };
-  const bool nearest = distance(reported) <= distance(std::nextafter(reported, HUGE_VAL)) &&
-                       distance(reported) <= distance(std::nextafter(reported, 0));
-  const bool decimal = boost::multiprecision::numerator(cell) != 1 || boost::multiprecision::denominator(cell) % 5 == 0;
-  const oracle::Rational more = oracle::exact(reported) - exact;
-  CHECK((nearest || (decimal && more >= 0 && more <= exact * oracle::power_of_two(-51))));
-}
-
-void check_against_oracle(const Read& read, const Doubles& points) {
-  const oracle::Choice expected = oracle::choose(points);
-  CHECK(read.grid.kind == expected.kind);
-  for (int axis = 0; axis < 2 && !points.empty(); ++axis)
-    CHECK(oracle::exact(read.grid.origin[axis]) == expected.origin[axis]);
-  CHECK(read.grid.cell_units == (expected.decimal_cell ? 1u : 0u));
-  if (expected.decimal_cell)
-    CHECK(read.grid.cell_decimals == expected.cell_decimals);
-  else
-    CHECK(read.grid.cell_exponent == expected.cell_exponent);
-  check_grid_points(read, expected.grid);
-  check_move(read.grid.largest_move, expected.largest_move, oracle::cell_of(expected));
-}
-
-// All that the phase promises (lib/phases/order.hpp) on all devices for one input.
-Read check_all(const Doubles& points) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 8); ++i) {
-    char line[80];
-    std::snprintf(line, sizeof line, "(%a, %a) ", points[i][0], points[i][1]);
-    text += line;
-  }
-  CAPTURE(text);
-  std::optional<Read> first;
-  for (auto& device : devices_under_test()) {
-    CAPTURE(device->runtime.info().name);
-    Read read = run(*device, points);
-    check_numbering(read);
-    if (first)
-      check_same(*first, read);
-    else
-      check_against_oracle(read, points);
-    if (!first) first = std::move(read);
-  }
-  return *first;
-}
-
-}  // namespace
+using namespace order_cases;
 
 TEST_CASE("every family of coordinates gets the grid and the places that the rules say") {
   Engine e(1);
@@ -306,68 +139,6 @@ TEST_CASE("a fixed grid places points as given, and its report is the caller's g
   }
 }
 
-TEST_CASE("a point outside a fixed grid is an error that names the least such vertex, never clipped") {
-  for (auto& device : devices_under_test()) {
-    Engine e(8);
-    Doubles points =
-        draw(e, 3000, families::all.at("uniform in the unit square"), families::all.at("uniform in the unit square"));
-    auto expect = [&](const FixedGrid& fixed, std::vector<std::uint64_t> indices) {
-      try {
-        run(*device, points, fixed);
-        FAIL("no error");
-      } catch (const Error& error) {
-        CHECK(error.status() == Status::coordinate_outside_grid);
-        CHECK(error.indices() == indices);
-      }
-    };
-    points[2000] = {-0.2, -1};
-    points[1000] = {0.5, 3e9};
-    expect({0, 0, "1"}, {1000, 1});
-    points[1000] = {0.5, 2147483647.5};
-    expect({0, 0, "1"}, {1000, 1});
-    points[1000] = {0.5, 2147483647.25};
-    expect({0, 0, "1"}, {2000, 1});
-    expect({0, 0, "0.1"}, {1000, 1});
-    points[1000] = points[2000] = {-0.5, -0.5};
-    CHECK(run(*device, points, FixedGrid{0, 0, "1"}).points.size() == 4);
-    CHECK_THROWS_AS(run(*device, points, FixedGrid{0, 0, "-1"}), Error);
-    CHECK_THROWS_AS(run(*device, Doubles{}, FixedGrid{0, 0, "-1"}), Error);
-    CHECK(run(*device, Doubles{}, FixedGrid{0, 0, "2"}).grid.cell() == 2);
-  }
-}
-
-TEST_CASE("the least vertex that is not finite is named, x before y") {
-  const double infinite = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-  for (auto& device : devices_under_test())
-    for (double bad : {infinite, -infinite, nan, -nan}) {
-      Engine e(4);
-      Doubles points = draw(e, 5000, families::all.at("uniform around 0"), families::all.at("uniform around 0"));
-      points[4000][0] = bad;
-      points[1234][1] = bad;
-      std::vector<std::array<float, 2>> floats;
-      for (const auto& p : points) floats.push_back({float(p[0]), float(p[1])});
-      for (const Points& view : {Points(points), Points(floats)})
-        for (const std::optional<FixedGrid>& fixed :
-             {std::optional<FixedGrid>(), std::optional<FixedGrid>(FixedGrid{5, 5, "1"})})
-          try {
-            run(*device, view, fixed);
-            FAIL("no error");
-          } catch (const Error& error) {
-            CHECK(error.status() == Status::coordinate_not_finite);
-            CHECK(error.indices() == std::vector<std::uint64_t>{1234, 1});
-          }
-    }
-}
-
-TEST_CASE("more vertices than can be numbered are refused before they are read") {
-  try {
-    run(*devices_under_test()[0], Points::pairs(static_cast<const double*>(nullptr), max_vertices + 1));
-    FAIL("no error");
-  } catch (const Error& error) {
-    CHECK(error.status() == Status::too_many_vertices);
-  }
-}
-
 TEST_CASE("the launch geometry does not matter") {
   Engine e(5);
   const Doubles points = draw(e, 3000, families::all.at("tenths"), families::all.at("degrees with 6 decimals"));
@@ -386,7 +157,7 @@ TEST_CASE("the launch geometry does not matter") {
 }
 
 TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
-  const auto few = static_cast<int>(Tuning().few_vertices);
+  const auto few = static_cast<int>(Tuning().one_item_vertices);
   Engine e(7);
   for (const int n : {few - 1, few, few + 1})
     for (const char* family : {"tenths", "uniform around 0", "1e300, 1 and 1e-300"}) {

@@ -31,6 +31,81 @@ std::string fault_of(const Graph& graph, const std::vector<std::array<std::int32
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+// A graph, how it is split, and what of that the functions below change.
+struct Split {
+  const Graph& graph;
+  const oracle::Split right;
+  std::vector<std::array<std::int32_t, 2>> added;
+  std::vector<std::array<oracle::GridPair, 2>> links;
+  std::set<oracle::GridPair> taken;
+
+  explicit Split(const Graph& of) : graph(of), right(oracle::split(of.wide(), of.constraints)) {
+    for (const auto& [at, pair] : right.added)
+      added.push_back({static_cast<std::int32_t>(at[0]), static_cast<std::int32_t>(at[1])});
+    for (const auto& chain : right.links)
+      for (std::size_t i = 0; i + 1 < chain.size(); ++i) links.push_back({chain[i], chain[i + 1]});
+    for (const auto& p : graph.wide()) taken.insert(p);
+    for (const auto& [at, pair] : right.added) taken.insert(at);
+  }
+};
+
+// One more vertex, where none cross. Returns how many were tried, as do the others.
+int reject_one_more(const Split& split, std::uint64_t seed) {
+  Random random(seed);
+  const oracle::GridPair extra = {static_cast<std::int64_t>(random.below(30)),
+                                  static_cast<std::int64_t>(random.below(6))};
+  auto more = split.added;
+  more.push_back({static_cast<std::int32_t>(extra[0]), static_cast<std::int32_t>(extra[1])});
+  std::sort(more.begin(), more.end());
+  bool free = !split.taken.count(extra);
+  for (const auto& [a, b] : split.links) free &= !oracle::meets(a, b, extra);
+  if (!free) return 0;
+  CHECK(fault_of(split.graph, more, split.links) != "");
+  return 1;
+}
+
+// A routed constraint that leaves out a vertex where it bends, if what is left does not cross others.
+int reject_shortcuts(const Split& split) {
+  const oracle::Split& right = split.right;
+  int routed = 0;
+  for (std::uint32_t c : right.moved) {
+    const auto& chain = right.links[c];
+    for (std::size_t i = 1; i + 1 < chain.size(); ++i) {
+      if (oracle::turn(chain[i - 1], chain[i], chain[i + 1]) == 0) continue;
+      auto fewer = split.links;
+      for (std::size_t j : {i - 1, i})
+        if (right.pieces.at(oracle::edge_of(chain[j], chain[j + 1])).size() == 1)
+          fewer.erase(std::remove(fewer.begin(), fewer.end(), std::array{chain[j], chain[j + 1]}), fewer.end());
+      fewer.push_back({chain[i - 1], chain[i + 1]});
+      std::string reason;
+      std::set<oracle::Edge> edges, all;
+      for (const auto& piece : right.pieces) all.insert(piece.first);
+      try {
+        reason = fault_of(split.graph, split.added, fewer, &edges);
+      } catch (const Error& error) {
+        CHECK(error.status() == Status::constraints_cross);
+        continue;
+      }
+      CHECK((reason == "") == (edges == all));  // others may run along the edges
+      routed += edges != all;
+    }
+  }
+  return routed;
+}
+
+// A vertex beside the pixel where it must be.
+int reject_shifted(const Split& split) {
+  if (split.added.empty()) return 0;
+  auto shifted = split.added;
+  shifted[0][0] += 1;
+  std::sort(shifted.begin(), shifted.end());
+  if (split.taken.count({shifted[0][0], shifted[0][1]}) ||
+      std::adjacent_find(shifted.begin(), shifted.end()) != shifted.end())
+    return 0;
+  CHECK(fault_of(split.graph, shifted, {}) != "");
+  return 1;
+}
+
 }  // namespace
 
 TEST_CASE("the verification rejects a vertex too many or too few, and constraints routed wrongly") {
@@ -38,67 +113,11 @@ TEST_CASE("the verification rejects a vertex too many or too few, and constraint
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const Graph graph = seed % 2 ? random_graph(300 + seed, 16, 10, 30) : strip(seed, 8, 300, 6);
     CAPTURE(graph.name);
-    const oracle::Split right = oracle::split(graph.wide(), graph.constraints);
-    std::vector<std::array<std::int32_t, 2>> added;
-    for (const auto& [at, pair] : right.added)
-      added.push_back({static_cast<std::int32_t>(at[0]), static_cast<std::int32_t>(at[1])});
-    std::vector<std::array<oracle::GridPair, 2>> links;
-    for (const auto& chain : right.links)
-      for (std::size_t i = 0; i + 1 < chain.size(); ++i) links.push_back({chain[i], chain[i + 1]});
-    CHECK(fault_of(graph, added, links) == "");
-
-    // One more vertex, where none cross.
-    Random random(seed);
-    std::set<oracle::GridPair> taken;
-    for (const auto& p : graph.wide()) taken.insert(p);
-    for (const auto& [at, pair] : right.added) taken.insert(at);
-    const oracle::GridPair extra = {static_cast<std::int64_t>(random.below(30)),
-                                    static_cast<std::int64_t>(random.below(6))};
-    auto more = added;
-    more.push_back({static_cast<std::int32_t>(extra[0]), static_cast<std::int32_t>(extra[1])});
-    std::sort(more.begin(), more.end());
-    bool free = !taken.count(extra);
-    for (const auto& [a, b] : links) free &= !oracle::meets(a, b, extra);
-    if (free) {
-      CHECK(fault_of(graph, more, links) != "");
-      ++added_wrongly;
-    }
-
-    // A routed constraint that leaves out a vertex where it bends, if what is left does not cross others.
-    for (std::uint32_t c : right.moved) {
-      const auto& chain = right.links[c];
-      for (std::size_t i = 1; i + 1 < chain.size(); ++i) {
-        if (oracle::turn(chain[i - 1], chain[i], chain[i + 1]) == 0) continue;
-        auto fewer = links;
-        for (std::size_t j : {i - 1, i})
-          if (right.pieces.at(oracle::edge_of(chain[j], chain[j + 1])).size() == 1)
-            fewer.erase(std::remove(fewer.begin(), fewer.end(), std::array{chain[j], chain[j + 1]}), fewer.end());
-        fewer.push_back({chain[i - 1], chain[i + 1]});
-        std::string reason;
-        std::set<oracle::Edge> edges, all;
-        for (const auto& piece : right.pieces) all.insert(piece.first);
-        try {
-          reason = fault_of(graph, added, fewer, &edges);
-        } catch (const Error& error) {
-          CHECK(error.status() == Status::constraints_cross);
-          continue;
-        }
-        CHECK((reason == "") == (edges == all));  // others may run along the edges
-        routed += edges != all;
-      }
-    }
-
-    // A vertex beside the pixel where it must be.
-    if (!added.empty()) {
-      auto shifted = added;
-      shifted[0][0] += 1;
-      std::sort(shifted.begin(), shifted.end());
-      if (!taken.count({shifted[0][0], shifted[0][1]}) &&
-          std::adjacent_find(shifted.begin(), shifted.end()) == shifted.end()) {
-        CHECK(fault_of(graph, shifted, {}) != "");
-        ++lacking;
-      }
-    }
+    const Split split(graph);
+    CHECK(fault_of(graph, split.added, split.links) == "");
+    added_wrongly += reject_one_more(split, seed);
+    routed += reject_shortcuts(split);
+    lacking += reject_shifted(split);
   }
   CHECK(routed > 30);
   CHECK(added_wrongly > 20);

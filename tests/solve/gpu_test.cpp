@@ -9,7 +9,7 @@
 #include "device_list.hpp"
 #include "kinds.hpp"
 #include "pool_cases.hpp"
-#include "query/foreign.hpp"
+#include "query/imported.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -126,7 +126,7 @@ TEST_CASE("a device treated as a GPU gives the same triangles in any order, and 
   std::swap(wrong.neighbours[0], wrong.neighbours[1]);
   api::State& state = *gpu.handle()->state;
   const auto check = [&](const Triangulation& mesh) {
-    check_foreign(state.runtime, state.primitives, problem.points, mesh.pieces, view(mesh), {});
+    check_imported(state.runtime, state.primitives, problem.points, mesh.pieces, view(mesh), {});
   };
   check(expected);
   CHECK_THROWS_AS(check(wrong), Error);

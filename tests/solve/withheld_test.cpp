@@ -6,7 +6,7 @@
 #include <numeric>
 #include <thread>
 
-#include "batch/alone.hpp"
+#include "batch/single.hpp"
 #include "device_list.hpp"
 #include "pool_cases.hpp"
 
@@ -82,11 +82,11 @@ Answer on_host(Solver& solver, const WithheldCase& one, const Options& options) 
       [&] { return std::vector<Triangulation>{solver.triangulate(one.work.points, one.work.constraints, options)}; });
 }
 
-/// Runs of a batch's lane, which a pool would end with the first that fails: of copies of one problem, or of one that
+/// Runs of a batch's worker, which a pool would end with the first that fails: of copies of one problem, or of one that
 /// is to be split alone.
-class Lane {
+class Worker {
  public:
-  Lane(const runtime::CallHook& hook, std::size_t copies)
+  Worker(const runtime::CallHook& hook, std::size_t copies)
       : runtime_(app_device(), hook), primitives_(runtime_), staging_(runtime_), copies_(copies) {}
 
   Answer operator()(const WithheldCase& one, const Options& options) {
@@ -96,7 +96,7 @@ class Lane {
     const Answer answer = answer_of([&] {
       const ForestResult made =
           options.crossing == Crossing::split
-              ? triangulate_alone(runtime_, primitives_, batch.view(), 0, options)
+              ? triangulate_single(runtime_, primitives_, batch.view(), 0, options)
               : triangulate_forest(runtime_, primitives_, batch.view(), numbers, options, staging_);
       std::vector<Triangulation> meshes;
       for (std::size_t p = 0; p < copies_; ++p) meshes.push_back(test::part_of(made, p));
@@ -118,8 +118,8 @@ const FaultyDevice& faulty() {
   return device;
 }
 
-runtime::CallHook without_few(runtime::CallHook hook) {
-  hook.tuning.few_vertices = 0;
+runtime::CallHook without_one_item(runtime::CallHook hook) {
+  hook.tuning.one_item_vertices = 0;
   return hook;
 }
 
@@ -155,7 +155,7 @@ const std::vector<std::string> of_any_input = {"orientation", "a link cut on one
 TEST_CASE("a single call withholds every kind of wrong mesh, by one work-item and by many") {
   for (const bool few : {true, false}) {
     CAPTURE(few);
-    Solver solver = hooked_solver(few ? faulty().hook() : without_few(faulty().hook()));
+    Solver solver = hooked_solver(few ? faulty().hook() : without_one_item(faulty().hook()));
     each_case(faulty(), [&](const WithheldCase& one, const Options& options) { return on_host(solver, one, options); });
     const Workload other = uniform(500);  // the device is right where it is not made to err
     CHECK(same_bytes(solver.triangulate(other.points), test::solver().triangulate(other.points)));
@@ -179,8 +179,8 @@ TEST_CASE("a batch withholds every kind of wrong mesh, problem by problem and al
     for (const std::size_t count : {std::size_t{1}, withheld_copies()}) {
       CAPTURE(few);
       CAPTURE(count);
-      Lane lane(few ? faulty().hook() : without_few(faulty().hook()), count);
-      each_case(faulty(), std::ref(lane), not_covered);
+      Worker worker(few ? faulty().hook() : without_one_item(faulty().hook()), count);
+      each_case(faulty(), std::ref(worker), not_covered);
     }
   met(faulty().gathers);
   met(faulty().phases);
@@ -220,7 +220,7 @@ TEST_CASE("a device whose meshes fail the check is lost to its pool, and the oth
   });
   DevicePool& pool = *handle->devices;
   started = true;
-  Alone(problems, one.options).check(pool.triangulate(RaggedBatch(problems).view(), one.options));
+  Singles(problems, one.options).check(pool.triangulate(RaggedBatch(problems).view(), one.options));
   REQUIRE(pool.report(0).lost);
   CHECK(pool.report(0).lost->status() == Status::check_failed);
   CHECK(!pool.report(1).lost);
@@ -232,9 +232,9 @@ TEST_CASE("what is split, dropped, cut to a domain or adopted is withheld if the
                              {of_nets, net, withheld::on_grid()}});
   REQUIRE(device.cases.size() == 2 * of_any_input.size() + of_nets.size());
   Solver solver = hooked_solver(device.hook());
-  Lane lane(device.hook(), 1);  // in a batch what crosses is split alone
+  Worker worker(device.hook(), 1);  // in a batch what crosses is split alone
   each_case(device, [&](const WithheldCase& one, const Options& options) { return on_host(solver, one, options); });
-  each_case(device, std::ref(lane));
+  each_case(device, std::ref(worker));
   met(device.gathers);
   for (const WithheldCase& one : device.cases) {
     CAPTURE(one.name);

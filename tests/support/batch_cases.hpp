@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batch/forest.hpp"
+#include "batch/pipeline.hpp"
 #include "corpus.hpp"
 #include "workloads.hpp"
 

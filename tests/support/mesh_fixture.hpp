@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes for the phase tests: vertices uploaded from grid points, and the mesh read back and proved
-// valid on the host by plain loops.
+// Meshes for the phase tests: vertices uploaded from grid points, a mesh made of them level by level, read back, and
+// proved valid on the host by plain loops.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -15,7 +15,9 @@
 
 #include "common/levels.h"
 #include "common/predicates.h"
-#include "mesh/phase.hpp"
+#include "phases/flip.hpp"
+#include "phases/walk.hpp"
+#include "reference.hpp"
 
 namespace fixture {
 
@@ -49,22 +51,26 @@ inline std::vector<Point> along_curve(std::vector<Point> points) {
   return points;
 }
 
-/// Vertices as the order phase makes them; `points` is left in the order of vertex numbers.
+/// Vertices as the order phase makes them; `points` is left in the order of vertex numbers, and input v is vertex v.
 inline Vertices upload(runtime::Runtime& runtime, std::vector<Point>& points, std::uint32_t coarsest) {
   const std::vector<Point> ranked = along_curve(points);
   Vertices vertices;
   vertices.levels = device::make_levels(std::uint32_t(ranked.size()), coarsest);
   std::vector<cl_int2> xy(ranked.size());
+  std::vector<cl_uint> same(ranked.size());
   points.assign(ranked.size(), {});
   for (std::uint32_t v = 0; v < ranked.size(); ++v) {
     points[v] = ranked[device::gcdt_rank_of_vertex(&vertices.levels, v)];
     xy[v].s[0] = int(points[v][0]);
     xy[v].s[1] = int(points[v][1]);
+    same[v] = v;
   }
   vertices.points = runtime.allocate<cl_int2>("points", xy.size());
   runtime.write(vertices.points, xy.data(), xy.size());
   vertices.levels_buffer = runtime.allocate<device::Levels>("levels", 1);
   runtime.write(vertices.levels_buffer, &vertices.levels, 1);
+  vertices.input_vertex = runtime.allocate<cl_uint>("vertices of inputs", same.size());
+  runtime.write(vertices.input_vertex, same.data(), same.size());
   return vertices;
 }
 
@@ -100,6 +106,55 @@ inline HostMesh download(runtime::Runtime& runtime, const Mesh& mesh, const std:
   runtime.read(mesh.edge_marks, host.marks.data(), host.edges);
   return host;
 }
+
+/// Vertices on a device, and what phases need to make a mesh of them.
+struct MeshOnDevice {
+  runtime::Runtime& runtime;
+  std::vector<Point> points;  ///< in the order of vertex numbers
+  Vertices vertices;
+  Plan plan;
+  Mesh mesh;
+  WorkLists lists;
+  History history;
+  PhaseCounters counters;
+  Ticker ticker;
+
+  MeshOnDevice(runtime::Runtime& on, std::vector<Point> given, std::uint32_t coarsest)
+      : runtime(on),
+        points(std::move(given)),
+        vertices(upload(on, points, coarsest)),
+        plan(make_plan(on, vertices)),
+        mesh(make_mesh(on, vertices.n())),
+        lists(make_work_lists(on, vertices.n())),
+        history(make_history(on, vertices.levels)),
+        counters(on) {}
+  MeshOnDevice(const MeshOnDevice&) = delete;
+  MeshOnDevice& operator=(const MeshOnDevice&) = delete;
+
+  std::uint32_t n() const { return vertices.n(); }
+  unsigned levels() const { return vertices.levels.count; }
+  /// Vertices in the levels up to this one.
+  std::uint32_t vertices_of(unsigned level) const { return vertices.levels.begin[level + 1]; }
+  /// Returns the number of rounds.
+  std::uint64_t insert(unsigned level) {
+    if (level == 0) insert_root(runtime, vertices, mesh);
+    return insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
+  }
+  FlipResult flip(unsigned level) {
+    return gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices_of(level), ticker);
+  }
+  FlipResult flip() { return flip(levels() - 1); }
+  /// All levels; the last one is flipped only if asked.
+  void insert_all(bool flips_last) {
+    for (unsigned level = 0; level < levels(); ++level) {
+      insert(level);
+      if (level + 1 < levels() || flips_last) flip(level);
+    }
+  }
+  HostMesh after(unsigned level) const { return download(runtime, mesh, points, vertices_of(level)); }
+  HostMesh now() const { return after(levels() - 1); }
+  WalkedMesh walked() const { return {plan, vertices, mesh, history}; }
+};
 
 /// Empty if the mesh is a valid triangulation of the symbolic triangle with exactly the vertices
 /// 0 .. vertices_in_mesh-1: all faces counter-clockwise, faces and edges refer to each other, each
@@ -142,6 +197,14 @@ inline std::string invalid_reason(const HostMesh& m, std::uint32_t vertices_in_m
   return "";
 }
 
+/// The vertices of an edge of a valid mesh, ascending.
+inline std::array<std::uint32_t, 2> ends_of_edge(const HostMesh& m, std::uint32_t e) {
+  const cl_uint one = m.edge_faces[2 * e], ref = one == GCDT_NONE ? m.edge_faces[2 * e + 1] : one;
+  const cl_uint* c = m.corners[ref >> 2].s;
+  const std::uint32_t u = c[((ref & 3) + 1) % 3], v = c[((ref & 3) + 2) % 3];
+  return {std::min(u, v), std::max(u, v)};
+}
+
 /// Unconstrained edges that must_flip() rejects.
 inline std::size_t illegal_edges(const HostMesh& m) {
   std::size_t count = 0;
@@ -166,6 +229,17 @@ inline std::set<std::array<std::uint32_t, 3>> finite_faces(const HostMesh& m) {
     all.insert(c);
   }
   return all;
+}
+
+/// CGAL's triangulation as such a set, ties by docs/contract.md, 4.
+inline std::set<std::array<std::uint32_t, 3>> expected_faces(const std::vector<Point>& points,
+                                                             const std::vector<Constraint>& constraints = {}) {
+  std::set<std::array<std::uint32_t, 3>> faces;
+  for (auto t : reference::reference_cdt(points, constraints)) {
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    faces.insert(t);
+  }
+  return faces;
 }
 
 /// Named point sets on the grid, n about as asked.

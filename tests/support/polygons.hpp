@@ -24,6 +24,18 @@ inline std::array<std::int32_t, 2> skewed(std::int64_t x, std::int64_t y) {
   return {static_cast<std::int32_t>(7 * x + 2 * y), static_cast<std::int32_t>(11 * y - 3 * x + 3000)};
 }
 
+/// The cells of one more polygon, of which none may be `taken` unless polygons overlap.
+inline std::vector<int> choose_cells(Polygons& made, std::vector<int>& taken, double share, bool overlap, bool reversed,
+                                     Random& random) {
+  std::vector<int> in(taken.size(), 0);
+  for (std::size_t c = 0; c < in.size(); ++c) {
+    in[c] = random.unit() < share && (overlap || !taken[c]);
+    taken[c] |= in[c];
+    made.winding[c] += reversed ? -in[c] : in[c];
+  }
+  return in;
+}
+
 /// `count` polygons of about `share` of the cells each; `overlap`: a cell may be in several.
 /// `reversible`: some polygons have all their rings reversed.
 inline Polygons make_polygons(std::int64_t columns, std::int64_t rows, int count, double share, bool overlap,
@@ -44,12 +56,7 @@ inline Polygons make_polygons(std::int64_t columns, std::int64_t rows, int count
     number(i % (columns + 1), i / (columns + 1));  // runs of two polygons may meet inside both
   for (int p = 0; p < count; ++p) {
     const bool reversed = reversible && random.below(2);
-    std::vector<int> in(columns * rows, 0);
-    for (std::size_t c = 0; c < in.size(); ++c) {
-      in[c] = random.unit() < share && (overlap || !taken[c]);
-      taken[c] |= in[c];
-      made.winding[c] += reversed ? -in[c] : in[c];
-    }
+    const std::vector<int> in = choose_cells(made, taken, share, overlap, reversed, random);
     auto inside = [&](std::int64_t x, std::int64_t y) {
       return x >= 0 && y >= 0 && x < columns && y < rows && in[y * columns + x] != 0;
     };

@@ -21,11 +21,11 @@ inline Batch batch_of(const std::vector<Workload>& problems) {
 }
 
 /// What problems have alone: a mesh or an error.
-struct Alone {
+struct Singles {
   std::vector<Triangulation> meshes;
   std::vector<std::string> errors;
 
-  explicit Alone(const std::vector<Workload>& problems, const Options& options = {}) {
+  explicit Singles(const std::vector<Workload>& problems, const Options& options = {}) {
     for (const Workload& problem : problems) {
       meshes.emplace_back();
       errors.emplace_back();
@@ -95,6 +95,36 @@ inline runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> cal
     return call == k || (for_good && call > k) ? code : CL_SUCCESS;
   };
   return hook;
+}
+
+/// How a batch on a pool went.
+struct Outcome {
+  bool right = false;    ///< every byte
+  bool refused = false;  ///< some problem has an error, all others are right
+  std::string message;   ///< of the call, if it failed
+};
+
+inline Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
+  try {
+    const PoolResult result = pool.triangulate(batch.view(), {});
+    Outcome outcome{true, false, ""};
+    for (std::size_t p = 0; p < expected.size(); ++p) {
+      const Schedule::Place place = result.places[p];
+      outcome.refused = outcome.refused || result.errors.count(p) > 0;
+      outcome.right = outcome.right && result.errors.count(p) == 0 &&
+                      difference(test::part_of(result.results[place.result], place.place), expected[p]).empty();
+    }
+    return outcome;
+  } catch (const Error& error) {
+    return {false, false, error.what()};
+  }
+}
+
+/// Without errors of their own.
+inline std::vector<Workload> valid_problems() {
+  std::vector<Workload> valid = corpus({"ok"});
+  for (int i = 0; i < 40; ++i) valid.push_back(workload("random_pslg", 4 + std::size_t(i) % 5));
+  return valid;
 }
 
 }  // namespace gcdt::test

@@ -25,7 +25,7 @@ inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
     for (const auto& device : runtime::all_devices()) {
       made.push_back(std::make_unique<runtime::Runtime>(device));
       runtime::CallHook hook;
-      hook.tuning.few_vertices = 0;
+      hook.tuning.one_item_vertices = 0;
       if (!made.back()->contiguous()) continue;
       made.push_back(std::make_unique<runtime::Runtime>(device, hook));
       hook.tuning.kind = DeviceKind::gpu;

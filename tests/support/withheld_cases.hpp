@@ -108,7 +108,8 @@ struct Damage {
   bool returnable = true;
 };
 
-inline std::vector<Damage> damages() {
+/// Of corners and links.
+inline std::vector<Damage> damages_of_links() {
   return {
       {"a corner", "has a corner that is no vertex",
        [](Places& at, HostResult& wrong) {
@@ -146,6 +147,12 @@ inline std::vector<Damage> damages() {
          const auto u = static_cast<cl_uint>(wrong.neighbour(t, k));
          wrong.neighbour(u, at.mesh.corner_to(u, t)) = wrong.neighbour(t, k) = -1;
        }},
+  };
+}
+
+/// Of flags, pieces, and edges that are not locally Delaunay.
+inline std::vector<Damage> damages_of_edges() {
+  return {
       {"a flag on one side", "has constraint flags that do not agree",
        [](Places& at, HostResult& wrong) {
          const auto [t, k] = at.first([&](cl_uint a, cl_uint b) { return at.inner(a, b) && at.mesh.flagged(a, b); });
@@ -180,6 +187,12 @@ inline std::vector<Damage> damages() {
          wrong.flip(t, k);
        }},
   };
+}
+
+inline std::vector<Damage> damages() {
+  std::vector<Damage> all = damages_of_links();
+  for (Damage& damage : damages_of_edges()) all.push_back(std::move(damage));
+  return all;
 }
 
 // Sizes of the inputs of which a phase makes a wrong mesh.

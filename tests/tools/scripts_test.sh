@@ -48,7 +48,7 @@ touch "$rooms/kernels/flip/flip.cl"
 sound() {
   include lib/mesh/mesh.hpp device/runtime.hpp
   include lib/mesh/mesh.cpp flip/flip.h
-  include lib/batch/forest.hpp mesh/mesh.hpp
+  include lib/batch/pipeline.hpp mesh/mesh.hpp
   include lib/proof/verify.cpp common/shared.h
   include lib/api/verify.cpp proof/verify.hpp
   include kernels/insert/insert.cl flip/flip.h
@@ -64,7 +64,7 @@ while read -r file header word; do
   sound
 done <<'END'
 lib/device/runtime.cpp mesh/mesh.hpp lib/mesh comes after lib/device
-lib/mesh/grid.cpp batch/forest.hpp lib/batch comes after lib/mesh
+lib/mesh/grid.cpp batch/pipeline.hpp lib/batch comes after lib/mesh
 lib/mesh/grid.cpp flip/flip.cl the host includes headers
 lib/mesh/grid.cpp mesh.hpp no room has this file
 lib/proof/grid.cpp mesh/mesh.hpp the proof shares

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pairs of a key and a value put in order by one work-item. OpenCL C only.
+#ifndef GCDT_SORT_BY_ONE_ITEM_H
+#define GCDT_SORT_BY_ONE_ITEM_H
+
+#include "common/shared.h"
+#include "sort/sizes.h"
+
+// By insertion, in place and stable: pairs begin .. end - 1 by their keys. Ends: each loop runs through the run.
+GCDT_INLINE void sort_run(global u64* keys, global u32* values, u32 begin, u32 end) {
+  for (u32 i = begin + 1u; i < end; ++i) {
+    const u64 key = keys[i];
+    const u32 value = values[i];
+    u32 at = i;
+    for (; at > begin && keys[at - 1u] > key; --at) {
+      keys[at] = keys[at - 1u];
+      values[at] = values[at - 1u];
+    }
+    keys[at] = key;
+    values[at] = value;
+  }
+}
+
+// By the bits below `bits` of the key, stably, by digits of GCDT_SERIAL_DIGIT_BITS: from one pair of arrays to the
+// other and back. Returns whether the number of digits is odd, so that the pairs are in the other arrays now.
+static bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
+                           global u32* other_values) {
+  bool other = false;
+  for (u32 shift = 0; shift < bits; shift += GCDT_SERIAL_DIGIT_BITS, other = !other) {
+    const u32 mask = (1u << min(GCDT_SERIAL_DIGIT_BITS, bits - shift)) - 1u;
+    u32 next[1u << GCDT_SERIAL_DIGIT_BITS];
+    for (u32 d = 0; d <= mask; ++d) next[d] = 0;
+    for (u32 i = 0; i < count; ++i) ++next[(u32)(keys[i] >> shift) & mask];
+    for (u32 d = 0, sum = 0; d <= mask; ++d) {
+      const u32 keys_of_digit = next[d];
+      next[d] = sum;
+      sum += keys_of_digit;
+    }
+    for (u32 i = 0; i < count; ++i) {
+      const u64 key = keys[i];
+      const u32 to = next[(u32)(key >> shift) & mask]++;
+      other_keys[to] = key;
+      other_values[to] = values[i];
+    }
+    global u64* sorted_keys = other_keys;
+    global u32* sorted_values = other_values;
+    other_keys = keys, other_values = values;
+    keys = sorted_keys, values = sorted_values;
+  }
+  return other;
+}
+
+#endif

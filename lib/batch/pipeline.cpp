@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/pipeline.hpp"
+
+#include <algorithm>
+
+#include "batch/copy.hpp"
+#include "batch/gather.hpp"
+#include "batch/order_problems.hpp"
+#include "phases/arrange.hpp"
+#include "phases/check.hpp"
+#include "phases/enforce.hpp"
+#include "solve/crossing_policy.hpp"
+#include "solve/memory.hpp"
+
+namespace gcdt {
+
+using runtime::Buffer;
+using runtime::over;
+
+namespace {
+
+/// A run of many problems in one mesh, with what a run of one problem does not have.
+struct ForestRun : Run {
+  ForestRun(runtime::Runtime& device, Primitives& all, const Options& wanted, const BatchInput& whole,
+            const std::vector<std::uint32_t>& some, ProblemRanges& begins)
+      : Run(device, all, wanted, begins.first_input.back(), begins.first_constraint.back()),
+        batch(whole),
+        numbers(some),
+        ranges(begins) {}
+
+  const BatchInput& batch;
+  const std::vector<std::uint32_t>& numbers;  ///< of the problems in the batch
+  ProblemRanges& ranges;
+  std::vector<Grid> grids;                      ///< of each problem
+  std::vector<RoundedTogether> together;        ///< of each problem; empty if no problem has any
+  Buffer<cl_uint> first_triangle, first_piece;  ///< of each problem
+};
+
+void take(ForestRun& run, ForestOrder made) {
+  run.grids = std::move(made.grids);
+  run.together = std::move(made.together);
+  InvalidProblems invalid;
+  for (std::uint32_t p = 0; run.options.distinct && p < run.together.size(); ++p)
+    if (run.together[p].count > 0) invalid.errors.emplace_back(p, together_error(run.together[p]));
+  if (!invalid.errors.empty()) throw invalid;
+  run.take(std::move(made.ordered));
+}
+
+// Each problem that has crossing constraints gets an error of its own. The pairs are sorted, so those of a problem
+// follow one another.
+[[noreturn]] void reject(const ForestRun& run, const std::vector<Constraint>& crossings) {
+  InvalidProblems invalid;
+  const auto& first = run.ranges.first_constraint;
+  for (std::size_t begin = 0, end = 0; begin < crossings.size(); begin = end) {
+    const auto after = std::upper_bound(first.begin(), first.end(), crossings[begin][0]);
+    const auto p = static_cast<std::uint32_t>(after - first.begin() - 1);
+    std::vector<Constraint> own;
+    for (; end < crossings.size() && crossings[end][0] < first[p + 1]; ++end)
+      own.push_back({crossings[end][0] - first[p], crossings[end][1] - first[p]});
+    const Constraint* given = run.batch.constraints + run.batch.constraint_offsets[run.numbers[p]];
+    invalid.errors.emplace_back(
+        p, crossings_error(
+               own, [&](std::uint32_t c) { return given[c]; }, run.grids[p].kind == Grid::Kind::rounded));
+  }
+  throw invalid;
+}
+
+// Splitting adds vertices, numbers them through the whole mesh and orders them by their places on one grid. A forest
+// has many grids, so problems that cross are run one by one.
+[[noreturn]] void name_crossing_problems(ForestRun& run) {
+  Splitter splitter(run.runtime, run.primitives, run.constraints, static_cast<std::uint32_t>(run.n));
+  const auto& marked = splitter.mark_crossing(run.walked(), run.pieces, run.counters);
+  if (splitter.marked() == 0) fail_without_crossings({});
+  const auto& begins = run.ranges.first_constraint;
+  std::vector<cl_uint> crosses(begins.back());
+  run.runtime.read(marked, crosses.data(), crosses.size());
+  InvalidProblems invalid;
+  for (std::uint32_t p = 0; p < run.ranges.count(); ++p) {
+    const auto first = crosses.begin() + begins[p], end = crosses.begin() + begins[p + 1];
+    if (std::find(first, end, 1u) != end) invalid.crossing.push_back(p);
+  }
+  throw invalid;
+}
+
+// Each problem's constraints by one work-item. Returns false if constraints of some problem cross; the mesh is void
+// then.
+bool enforce_each(ForestRun& run) {
+  EnforceResult r = enforce_problems(run.runtime, run.primitives, run.vertices, run.mesh,
+                                     run.ranges.first_constraint_buffer, run.constraints, run.counters);
+  if (r.crossing) return false;
+  Statistics& s = run.statistics;
+  s.constraints_zero = r.zero_length;
+  s.cases.constraint_hits = r.hits;
+  s.cases.existing_edges = r.existing_edges;
+  s.cases.pieces_walked = r.pieces.count - r.existing_edges;
+  s.cases.chain_vertices = r.chain_vertices;
+  s.crossed_pairs = r.crossed_pairs;
+  s.flips += r.flips;
+  run.pieces = std::move(r.pieces);
+  return true;
+}
+
+void enforce_all(ForestRun& run) {
+  run.clean(run.constraints, run.n);
+  run.ticker.tick("constrain", 0.3);
+  const ConstrainResult enforced = run.enforce();
+  if (!enforced.failed) return;
+  if (enforced.mesh_changed) run.insert();
+  if (run.options.crossing == Crossing::split) name_crossing_problems(run);
+  const std::vector<Constraint> crossings = find_crossings(run, enforced);
+  if (run.options.crossing != Crossing::drop) reject(run, crossings);
+  drop_crossings(run, crossings);
+}
+
+void constrain(ForestRun& run) {
+  run.pieces = {};
+  if (run.m == 0) return run.no_pieces();
+  run.ticker.tick("constrain", 0);
+  if (run.plan.constraints == Plan::By::each && !enforce_each(run)) {  // all at once finds what crosses
+    PlannedSizes sizes = sizes_of(run.vertices);
+    sizes.crossing = true;
+    run.plan = make_plan(run.runtime, sizes);
+    run.insert();
+  }
+  if (run.plan.constraints == Plan::By::all) enforce_all(run);
+  run.pieces.walked = {};
+  run.count_turns();
+}
+
+/// Where the things of each problem begin. A thing has `stride` words, and the first one is a vertex.
+template <class T>
+Buffer<cl_uint> begins(ForestRun& run, const char* name, cl_uint count, cl_uint stride, const Buffer<T>& things) {
+  const cl_uint problems = run.ranges.count();
+  auto found = run.runtime.allocate<cl_uint>(name, std::size_t{problems} + 1);
+  run.runtime.launch("forest", "forest_begins", over(std::size_t{problems} + 1), problems, count, stride,
+                     run.vertices.n(), run.vertices.points, things, found);
+  return found;
+}
+
+OrderedMesh put_in_order(ForestRun& run) {
+  run.ticker.tick("output", 0);
+  run.history = {};
+  run.lists = {};
+  OrderedMesh ordered;
+  if (run.plan.output == Plan::By::each) {
+    ArrangedForest arranged = arrange_problems(run.runtime, run.primitives, run.mesh, run.vertices);
+    ordered = std::move(arranged.mesh);
+    run.first_triangle = std::move(arranged.first_triangle);
+  } else {
+    ordered = order_triangles(run.runtime, run.primitives, run.plan, run.mesh, run.vertices, true);
+    run.first_triangle = begins(run, "first triangles", ordered.triangles, 3, ordered.corners);
+  }
+  run.statistics.ms.gather = ordered.gather_ms;
+  run.mesh = {};
+  run.first_piece = begins(run, "first pieces", run.pieces.count, 2, run.pieces.ends);
+  return ordered;
+}
+
+// No region leads from one problem to another, and the outside is the same for all. So a search through the forest is a
+// search through each problem, and within each the order of triangles and half edges is what the problem would have by
+// itself.
+void select_domain(ForestRun& run, OrderedMesh& ordered) {
+  const SelectedDomain selected = run.select(ordered);
+  const Buffer<cl_uint> first_of_hull = std::move(run.first_triangle);
+  run.first_triangle = begins(run, "first triangles", ordered.triangles, 3, ordered.corners);
+  run.runtime.launch("forest", "forest_local_regions", over(ordered.triangles), cl_uint{ordered.triangles},
+                     run.vertices.n(), run.vertices.points, ordered.corners, first_of_hull, selected.region_of_hull,
+                     run.result.regions.region);
+}
+
+void number(ForestRun& run, OrderedMesh ordered) {
+  runtime::Runtime& runtime = run.runtime;
+  const Vertices& vertices = run.vertices;
+  const Buffer<cl_uint>& first_input = run.ranges.first_input_buffer;
+  Pieces& pieces = run.pieces;
+  const cl_uint n = vertices.n(), inputs = static_cast<cl_uint>(run.n);
+  runtime.launch("forest", "forest_local_triangles", over(ordered.triangles), cl_uint{ordered.triangles}, n,
+                 vertices.points, vertices.vertex_input, first_input, run.first_triangle, ordered.corners,
+                 ordered.neighbours);
+  run.result.representatives = runtime.allocate<cl_uint>("output representatives", inputs);
+  runtime.launch("forest", "forest_representatives", over(inputs), inputs, n, vertices.points, vertices.vertex_input,
+                 vertices.input_vertex, first_input, run.result.representatives);
+  runtime.launch("forest", "forest_local_sources", over(pieces.source_count), cl_uint{pieces.source_count},
+                 run.ranges.count(), run.ranges.first_constraint_buffer, pieces.sources);
+  runtime.launch("forest", "forest_local_pieces", over(pieces.count), cl_uint{pieces.count}, n, vertices.points,
+                 vertices.vertex_input, first_input, pieces.ends);
+  if (pieces.count == 0) runtime.fill<cl_uint>(pieces.source_offsets, 0, 1);
+  run.result.mesh = std::move(ordered);
+}
+
+/// The steps of solve/triangulate.cpp, for many problems.
+DeviceTriangulation run_steps(ForestRun& run, runtime::UploadChunks& chunks) {
+  auto& ms = run.statistics.ms;
+  run.step("order", ms.order, ordered_share, [&] {
+    run.ticker.tick("order", 0);
+    DeviceInput input = gather(run.runtime, run.batch, run.numbers, run.ranges, chunks);
+    run.constraints = std::move(input.constraints);
+    run.ranges.first_input_buffer = run.runtime.upload("first inputs", run.ranges.first_input);
+    run.ranges.first_constraint_buffer = run.runtime.upload("first constraints", run.ranges.first_constraint);
+    take(run, order_problems(run.runtime, run.primitives, std::move(input.points), run.ranges, run.options.grid));
+  });
+  run.tell_plan();
+  run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
+  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
+  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
+  OrderedMesh ordered;
+  run.step("output", ms.output, 1, [&] { ordered = put_in_order(run); });
+  if (run.options.check)
+    run.step("check", ms.check, [&] {
+      check_problems(run.runtime, run.plan, ordered, run.vertices, run.pieces, run.first_triangle, run.first_piece);
+    });
+  if (run.wants_regions() && ordered.triangles > 0) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
+  run.step("output", ms.output, [&] { number(run, std::move(ordered)); });
+  return run.finish();
+}
+
+}  // namespace
+
+ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
+                                std::vector<std::uint32_t> numbers, const Options& options, Staging& staging) {
+  ForestResult result;
+  ProblemRanges ranges = ranges_of(batch, numbers);
+  ForestRoom room(runtime, ranges, staging, result);
+  runtime.memory().begin_call();
+  runtime.use_programs(runtime::Meshes::many);
+  ForestRun run(runtime, primitives, options, batch, numbers, ranges);
+  const DeviceTriangulation made = run_steps(run, staging.chunks);
+  runtime.tracer().begin_phase("copy");
+  room.wait();
+  copy_forest(runtime, made, run.first_triangle, run.first_piece, ranges, staging, result);
+  runtime.tracer().end_phase();
+  result.problems = std::move(numbers);
+  result.grids = std::move(run.grids);
+  result.together = std::move(run.together);
+  result.statistics = made.statistics;
+  return result;
+}
+
+// What one problem of that size needs, and besides the second sort, the problems of vertices, and tables of problems.
+std::uint64_t forest_bytes(std::uint64_t problems, std::uint64_t n, std::uint64_t m) {
+  return device_bytes_needed(n + problems, m, 2 * n + problems) + 24 * n + 256 * problems;
+}
+
+}  // namespace gcdt

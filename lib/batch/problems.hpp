@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The problems of a batch, those that go through one run together, and what the run makes of them.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "device/host_array.hpp"
+#include "query/arrays.hpp"
+
+namespace gcdt {
+
+/// A ragged batch in the caller's memory. Problem p has the vertices [vertex_offsets[p], vertex_offsets[p + 1]) and the
+/// constraints [constraint_offsets[p], constraint_offsets[p + 1]), whose ends count from its own first vertex.
+struct BatchInput {
+  std::uint64_t problems = 0;
+  Points::Type type = Points::Type::float64;
+  const void* vertices = nullptr;
+  const std::uint64_t* vertex_offsets = nullptr;
+  const Constraint* constraints = nullptr;
+  const std::uint64_t* constraint_offsets = nullptr;
+
+  std::uint64_t n(std::uint64_t p) const { return vertex_offsets[p + 1] - vertex_offsets[p]; }
+  std::uint64_t m(std::uint64_t p) const { return constraint_offsets[p + 1] - constraint_offsets[p]; }
+};
+
+/// Where the problems of a run begin among all input vertices and constraints, on host and device: P + 1 elements.
+struct ProblemRanges {
+  std::vector<cl_uint> first_input, first_constraint;
+  runtime::Buffer<cl_uint> first_input_buffer, first_constraint_buffer;
+  std::uint32_t count() const { return static_cast<std::uint32_t>(first_input.size() - 1); }
+};
+
+/// Problems of a run that cannot be in a forest, by their numbers in the run. They are found before any result is made,
+/// and the others may be right.
+struct InvalidProblems {
+  std::vector<std::pair<std::uint32_t, Error>> errors;  ///< of invalid problems
+  std::vector<std::uint32_t> crossing;  ///< problems that cross under Crossing::split, ascending: see single.hpp
+};
+
+/// What one run made of some problems of a batch. Every problem's arrays are what it would have by itself.
+struct ForestResult {
+  std::vector<std::uint32_t> problems;    ///< their numbers in the batch; those of `singles` last
+  std::vector<Grid> grids;                ///< of each
+  std::vector<RoundedTogether> together;  ///< of each; empty: none of any
+  // By number.
+  std::array<HostArray, array_slots> arrays;
+  std::array<std::vector<std::uint64_t>, array_slots> begins;  ///< elements; P + 1, or none if there is no such array
+  Statistics statistics;
+  std::vector<ForestResult> singles;  ///< results of one problem each (single.hpp)
+
+  void add(ForestResult one) {
+    problems.push_back(one.problems.at(0));
+    singles.push_back(std::move(one));
+  }
+  std::uint64_t triangles() const {
+    const auto& ends = begins[GCDT_TRIANGLES];
+    std::uint64_t count = ends.empty() ? 0 : ends.back();
+    for (const ForestResult& one : singles) count += one.triangles();
+    return count;
+  }
+  /// Where the problem at that place is: in this result or one of `singles`, and its place there.
+  std::pair<const ForestResult*, std::size_t> at(std::size_t place) const {
+    const std::size_t joined = problems.size() - singles.size();
+    return place < joined ? std::make_pair(this, place) : std::make_pair(&singles[place - joined], std::size_t{0});
+  }
+};
+
+}  // namespace gcdt

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/single.hpp"
+
+#include "solve/triangulate.hpp"
+
+namespace gcdt {
+
+using runtime::Runtime;
+
+namespace {
+
+Points points_of(const BatchInput& batch, std::uint32_t p) {
+  const auto count = static_cast<std::size_t>(batch.n(p));
+  const auto from = [&](auto number) {
+    return Points::pairs(static_cast<const decltype(number)*>(batch.vertices) + 2 * batch.vertex_offsets[p], count);
+  };
+  switch (batch.type) {
+    case Points::Type::float32: return from(float{});
+    case Points::Type::int32: return from(std::int32_t{});
+    case Points::Type::int64: return from(std::int64_t{});
+    default: return from(double{});
+  }
+}
+
+/// Copies the arrays that the call left on the device.
+void copy_single(Runtime& runtime, const DeviceTriangulation& made, ForestResult& result) {
+  for (const ResultArray& array : result_arrays) {
+    if (array.there == There::on_demand || !has(made, array)) continue;
+    const auto slot = static_cast<std::size_t>(array.number);
+    const std::uint64_t count = elements(made, array);
+    const auto bytes = static_cast<std::size_t>(count) * array.element_bytes;
+    result.begins[slot] = {0, count};
+    runtime.read_bytes(array.memory(made), 0, result.arrays[slot].make<unsigned char>(bytes), bytes);
+  }
+}
+
+}  // namespace
+
+ForestResult triangulate_single(Runtime& runtime, Primitives& primitives, const BatchInput& batch, std::uint32_t number,
+                                const Options& options) {
+  Options own = options;
+  own.canonical = true;
+  const Points points = points_of(batch, number);
+  const Constraints constraints = {batch.constraints + batch.constraint_offsets[number],
+                                   static_cast<std::size_t>(batch.m(number))};
+  const InputSource source = {points.size(), constraints.size(), [&] {
+                                return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
+                              }};
+  runtime.memory().begin_call();
+  const DeviceTriangulation made = triangulate(runtime, primitives, source, own);
+  ForestResult result;
+  runtime.tracer().begin_phase("copy");
+  copy_single(runtime, made, result);
+  runtime.tracer().end_phase();
+  result.problems = {number};
+  result.grids = {made.statistics.grid};
+  result.together = {{made.statistics.vertices_rounded_together, made.statistics.rounded_pair}};
+  result.statistics = made.statistics;
+  return result;
+}
+
+}  // namespace gcdt
