@@ -55,6 +55,13 @@ std::int32_t failed(State* state, std::int32_t status, const char* message, cons
   return status;
 }
 
+Error too_small(std::uint64_t elements, std::uint64_t capacity, const char* name) {
+  return Error(
+      Status::buffer_too_small,
+      std::to_string(elements) + " " + name + " do not fit where there is room for " + std::to_string(capacity),
+      {elements, capacity});
+}
+
 namespace {
 
 std::vector<std::array<double, 2>> read_seeds(const char* name, const double* xy, std::uint64_t count) {
@@ -115,15 +122,18 @@ Points::Type read_type(std::int32_t coordinate_type) {
               "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32, GCDT_INT64");
 }
 
+Points part_of(Points::Type type, const void* vertices, std::size_t first, std::size_t count) {
+  switch (type) {
+    case Points::Type::float32: return Points::pairs(static_cast<const float*>(vertices) + 2 * first, count);
+    case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(vertices) + 2 * first, count);
+    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(vertices) + 2 * first, count);
+    default: return Points::pairs(static_cast<const double*>(vertices) + 2 * first, count);
+  }
+}
+
 Points read_points(const gcdt_input& input) {
   require(input.vertices || input.vertex_count == 0, "gcdt_input.vertices is null");
-  const auto count = static_cast<std::size_t>(input.vertex_count);
-  switch (read_type(input.coordinate_type)) {
-    case Points::Type::float32: return Points::pairs(static_cast<const float*>(input.vertices), count);
-    case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(input.vertices), count);
-    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(input.vertices), count);
-    default: return Points::pairs(static_cast<const double*>(input.vertices), count);
-  }
+  return part_of(read_type(input.coordinate_type), input.vertices, 0, static_cast<std::size_t>(input.vertex_count));
 }
 
 Constraints read_constraints(const gcdt_input& input) {
@@ -247,12 +257,12 @@ int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** sol
 void gcdt_solver_release(gcdt_solver* solver) { delete solver; }
 
 int32_t gcdt_solver_device(const gcdt_solver* solver, gcdt_device_info* info) {
-  return guarded_call(solver ? solver->state.get() : nullptr,
+  return guarded_call(solver,
                       [&] { write_struct(device_info(solver->state->runtime.info()), info, "gcdt_device_info"); });
 }
 
 int32_t gcdt_solver_trim(gcdt_solver* solver) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     solver->state->settle();
     solver->state->runtime.memory().trim();
   });
@@ -260,7 +270,7 @@ int32_t gcdt_solver_trim(gcdt_solver* solver) {
 
 int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcdt_options* options,
                          gcdt_result** result) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     State& state = *solver->state;
     give_result(solver->state, result, [&] {
       const gcdt_input given = read_struct(input, "gcdt_input");
