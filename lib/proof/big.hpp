@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Natural numbers up to 3072 bits: what differences of doubles, measured in cells, need at most (verify_grid.cpp).
+// Natural numbers up to 3072 bits: what differences of doubles, measured in cells, need at most (grid.cpp).
 #pragma once
 
 #include <algorithm>

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "proof/grid.hpp"
-#include "proof/wide.hpp"
 
 namespace gcdt::proof {
 
@@ -129,6 +128,17 @@ std::optional<Decimal> shortest_decimal(double v) {
     if (twice < five) return result(nearest, d);
   }
   return std::nullopt;
+}
+
+std::optional<Wide> in_units(double v, int decimals) {
+  const auto number = shortest_decimal(v);
+  if (!number || number->decimals > decimals) return std::nullopt;
+  const int zeros = decimals - number->decimals;
+  const auto magnitude = static_cast<std::uint64_t>(number->units < 0 ? -number->units : number->units);
+  const UWide scaled = UWide(magnitude) * power_of_five(zeros);  // < 2^115
+  if (bit_length(scaled) + zeros > 126) return std::nullopt;     // on a decimal grid it is below 2^95
+  const auto value = static_cast<Wide>(scaled << zeros);
+  return number->units < 0 ? -value : value;
 }
 
 void read_cell(const std::string& text, Grid& grid) {

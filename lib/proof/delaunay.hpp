@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Delaunay triangulation of the sites, in exact host arithmetic, for the proof of domains: divide and conquer
-// (Guibas and Stolfi 1985). Half-edges are numbered as in verify_mesh.hpp.
+// (Guibas and Stolfi 1985). Half-edges are numbered as in mesh.hpp.
 #pragma once
 
 #include <array>

@@ -322,16 +322,12 @@ std::vector<char> chosen(const Sites& sites, const Completion& mesh, const Flood
 
 std::string prove(Points points, Constraints constraints, const MeshView& view, const RegionView& regions,
                   const Grid& grid, const Options& options, std::uint64_t& steps) {
-  std::string reason = check_sizes(points, constraints);
+  std::optional<Sites> placed;
+  std::string reason = place_sites(points, constraints, view.added, grid, placed);
   if (!reason.empty()) return reason;
-  auto vertices = quantise(points, grid, reason);
-  if (!reason.empty()) return reason;
-  const auto inputs = static_cast<std::uint32_t>(vertices.size());
-  reason = append_added(view.added, vertices);
-  if (!reason.empty()) return reason;
-  const Sites sites(std::move(vertices));
+  const Sites& sites = *placed;
   if (sites.flat) return verify(points, constraints, view, grid, options.crossing).reason;
-  Rebuilt rebuilt(sites, inputs, constraints, options.crossing, steps);
+  Rebuilt rebuilt(sites, static_cast<std::uint32_t>(points.size()), constraints, options.crossing, steps);
   reason = rebuilt.run();
   if (!reason.empty()) return reason;
   const Completion& mesh = rebuilt.mesh();

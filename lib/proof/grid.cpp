@@ -7,9 +7,7 @@
 
 #include "proof/big.hpp"
 
-namespace gcdt {
-
-namespace proof {
+namespace gcdt::proof {
 
 namespace {
 
@@ -77,18 +75,12 @@ std::optional<int> decimals_of(Points points, const Limits& limits) {
       if (!number) return std::nullopt;
       digits = std::max(digits, number->decimals);
     }
-  Wide larger = 0;  // the larger extent in units of 10^-digits
-  for (int axis = 0; axis < 2; ++axis) {
-    Wide ends[2];
-    for (int end = 0; end < 2; ++end) {  // what fits at both ends fits between them
-      const Decimal number = *shortest_decimal(limits[axis][end]);
-      const int zeros = digits - number.decimals;
-      ends[end] = static_cast<Wide>(number.units) * static_cast<Wide>(power_of_five(zeros));
-      if (ends[end] > std::numeric_limits<std::int64_t>::max() >> zeros) return std::nullopt;
-      if (-ends[end] > std::numeric_limits<std::int64_t>::max() >> zeros) return std::nullopt;
-      ends[end] *= Wide(1) << zeros;
-    }
-    larger = std::max(larger, ends[1] - ends[0]);
+  const Wide most = std::numeric_limits<std::int64_t>::max();
+  Wide larger = 0;                               // the larger extent in units of 10^-digits
+  for (const auto& [least, largest] : limits) {  // what fits at both ends fits between them
+    const auto begin = in_units(least, digits), end = in_units(largest, digits);
+    if (!begin || !end || *begin < -most || *end > most) return std::nullopt;
+    larger = std::max(larger, *end - *begin);
   }
   if (larger > static_cast<Wide>(grid_max)) return std::nullopt;
   for (; digits < max_decimals && 10 * larger <= static_cast<Wide>(grid_max); ++digits) larger *= 10;
@@ -145,6 +137,4 @@ Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed) {
   return fixed ? fixed_grid(points, *fixed) : chosen_grid(points);
 }
 
-}  // namespace proof
-
-}  // namespace gcdt
+}  // namespace gcdt::proof

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "proof/wide.hpp"
+
 namespace gcdt::proof {
 
 /// A vertex on the grid; both in [0, 2^31 - 1].
@@ -40,6 +42,9 @@ std::uint64_t power_of_five(int exponent);  ///< 0 <= exponent <= 22, so less th
 /// The decimal with the fewest digits after the point (at most max_decimals, |units| < 2^63) whose
 /// nearest double, ties to even, is v. Among those with that many digits the nearest to v, half to even.
 std::optional<Decimal> shortest_decimal(double v);
+
+/// v in units of 10^-decimals, v being read as its shortest decimal; nothing if that has more digits or is too large.
+std::optional<Wide> in_units(double v, int decimals);
 
 /// Length units * 2^two * 5^five of a cell's edge.
 struct Cell {

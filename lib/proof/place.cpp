@@ -95,18 +95,6 @@ std::string describe(std::size_t vertex, int axis, const char* what) {
   return std::string(axis ? "y" : "x") + " of vertex " + std::to_string(vertex) + " " + what;
 }
 
-/// v in units of 10^-decimals, v being read as its shortest decimal; nothing if that has more digits or is too large.
-std::optional<Wide> in_units(double v, int decimals) {
-  const auto number = shortest_decimal(v);
-  if (!number || number->decimals > decimals) return std::nullopt;
-  const int zeros = decimals - number->decimals;
-  const auto magnitude = static_cast<std::uint64_t>(number->units < 0 ? -number->units : number->units);
-  const UWide scaled = UWide(magnitude) * power_of_five(zeros);  // < 2^115
-  if (bit_length(scaled) + zeros > 126) return std::nullopt;     // on a decimal grid it is below 2^95
-  const auto value = static_cast<Wide>(scaled << zeros);
-  return number->units < 0 ? -value : value;
-}
-
 /// False if a double is no decimal of so many digits, or if the difference is not a grid coordinate.
 bool place_decimal(double v, double origin, int decimals, std::int32_t& at) {
   const auto value = in_units(v, decimals), zero = in_units(origin, decimals);
@@ -150,9 +138,8 @@ Placed place(double v, double origin, const Cell& cell, double least_move) {
     return place_with_exit(negative, static_cast<UWide>(negative ? -difference : difference), base, cell, least_move);
   }
   const Big left = Big(a.mantissa) << (a.exponent - base), right = Big(b.mantissa) << (b.exponent - base);
-  if (a.negative != b.negative) return place_with_exit(a.negative, left + right, base, cell, least_move);
-  const bool smaller = left < right;
-  return place_with_exit(smaller != a.negative, smaller ? right - left : left - right, base, cell, least_move);
+  const auto [turned, distance] = signed_sum(a.negative == b.negative, left, right);
+  return place_with_exit(turned != a.negative, distance, base, cell, least_move);
 }
 
 std::string grid_defect(const Grid& grid) {
@@ -215,12 +202,9 @@ bool place_seed(const std::array<double, 2>& point, const Grid& grid, Vertex& at
   std::int32_t* to[2] = {&at.x, &at.y};
   for (int axis = 0; axis < 2; ++axis) {
     if (!is_finite(point[axis])) return false;
-    if (grid.kind == Grid::Kind::decimal &&
-        place_decimal(point[axis], grid.origin[axis], grid.cell_decimals, *to[axis]))
-      continue;
-    const Placed placed = place(point[axis], grid.origin[axis], cell_of(grid), HUGE_VAL);
-    if (placed.outside) return false;
-    *to[axis] = placed.at;
+    const auto found = nearest_at(grid, axis, point[axis]);
+    if (!found) return false;
+    *to[axis] = *found;
   }
   return true;
 }

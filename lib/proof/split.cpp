@@ -99,31 +99,27 @@ class SplitProof {
 
   std::string run() {
     sources_.assign(mesh_.half_edges(), none);
-    routed_edge_.assign(mesh_.half_edges(), false);
+    routed_edge_.assign(mesh_.half_edges(), none);
     auto reason = find_crossing(sites_, tree_, inputs_, segments_, crosses_);
     if (reason.empty()) reason = check_chains();
     return reason;
   }
 
  private:
-  using Chain = std::vector<std::uint32_t>;  // half-edges
-
-  const Segment& segment(std::uint32_t s) const { return segments_[s]; }
-  std::string name(std::uint32_t s) const { return proof::name(segment(s)); }
+  std::string name(std::uint32_t s) const { return proof::name(segments_[s]); }
 
   std::string check_chains() {
     std::vector<std::uint32_t> left;
+    Chain chain;
     for (std::uint32_t s = 0; s < segments_.size(); ++s) {
-      Chain chain;
       if (crosses_[s]) {
-        const std::uint32_t v = route(s, chain);
+        const std::uint32_t v = route(s);
         if (v != none)
           return say(name(s),
                      " crosses another one, but is not routed through the vertices near it: no edge leaves vertex ", v,
                      " to the next of them");
-        record(s, chain, true);
-      } else if (straight(s, chain)) {
-        record(s, chain, false);
+      } else if (find_chain(mesh_, segments_[s], chain) == none) {
+        record(mesh_, chain, segments_[s].constraint, sources_);
       } else {
         left.push_back(s);
       }
@@ -132,16 +128,14 @@ class SplitProof {
     for (bool more = true; more && !left.empty();) {
       more = false;
       for (std::size_t i = 0; i < left.size();) {
-        Chain chain;
         if (!crosses_routed(left[i])) {
           ++i;
           continue;
         }
-        const std::uint32_t v = route(left[i], chain);
+        const std::uint32_t v = route(left[i]);
         if (v != none)
           return say(name(left[i]), " crosses a routed one, but is not routed itself: no edge leaves vertex ", v,
                      " to the next vertex near it");
-        record(left[i], chain, true);
         left[i] = left.back();
         left.pop_back();
         more = true;
@@ -151,39 +145,23 @@ class SplitProof {
     return say(name(*std::min_element(left.begin(), left.end())), " is not a chain of edges, though it crosses none");
   }
 
-  bool straight(std::uint32_t s, Chain& chain) const {
-    for (std::uint32_t v = segment(s).a; v != segment(s).b;) {
-      const auto exit = mesh_.leave(v, segment(s).b);
-      if (!exit.along_edge) return false;
-      chain.push_back(exit.half_edge);
-      v = exit.end;
-    }
-    return true;
-  }
-
-  /// Fills `chain`, or returns the vertex from which no edge leads to the next one.
-  std::uint32_t route(std::uint32_t s, Chain& chain) const {
-    const auto vertices = tree_.along(segment(s).a, segment(s).b);
+  /// Records the constraint along its route, or returns the vertex from which no edge leads to the next one.
+  std::uint32_t route(std::uint32_t s) {
+    Chain chain;
+    const auto vertices = tree_.along(segments_[s].a, segments_[s].b);
     for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
       const auto exit = mesh_.leave(vertices[i], vertices[i + 1]);
       if (!exit.along_edge || exit.end != vertices[i + 1]) return vertices[i];
       chain.push_back(exit.half_edge);
     }
+    record(mesh_, chain, segments_[s].constraint, sources_);
+    record(mesh_, chain, 0, routed_edge_);
     return none;
-  }
-
-  void record(std::uint32_t s, const Chain& chain, bool routed) {
-    for (std::uint32_t h : chain)
-      for (std::uint32_t side : {h, mesh_.twin(h)}) {
-        if (side == none) continue;
-        sources_[side] = std::min(sources_[side], segment(s).constraint);
-        if (routed) routed_edge_[side] = true;
-      }
   }
 
   bool crosses_routed(std::uint32_t s) const {
     bool found = false;
-    walk_across(mesh_, segment(s), [&](std::uint32_t h) { return found = routed_edge_[h]; });
+    walk_across(mesh_, segments_[s], [&](std::uint32_t h) { return found = routed_edge_[h] != none; });
     return found;
   }
 
@@ -193,7 +171,8 @@ class SplitProof {
   const std::vector<Segment>& segments_;
   Sources& sources_;
   const PixelTree tree_;
-  std::vector<bool> routed_edge_, crosses_;
+  Sources routed_edge_;  // none: not of a route
+  std::vector<bool> crosses_;
 };
 
 }  // namespace
