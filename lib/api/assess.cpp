@@ -10,7 +10,7 @@
 #include <algorithm>
 
 #include "api/state.hpp"
-#include "mesh/exact.hpp"
+#include "exact/doubles.hpp"
 #include "proof/mesh.hpp"
 
 using namespace gcdt;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "api/state.hpp"
-#include "mesh/exact.hpp"
+#include "exact/doubles.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;

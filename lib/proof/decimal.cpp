@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Doubles taken apart, the shortest decimals they stand for, and the cell of a fixed grid read from its text.
+// The shortest decimals that doubles stand for, and the cell of a fixed grid read from its text.
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -11,12 +10,6 @@
 namespace gcdt::proof {
 
 namespace {
-
-std::uint64_t bits_of(double v) {
-  std::uint64_t bits;
-  std::memcpy(&bits, &v, sizeof bits);
-  return bits;
-}
 
 /// A positive decimal number without leading or trailing zeros: digits * 10^exponent.
 struct Spelled {
@@ -80,17 +73,7 @@ std::optional<int> nearest_power_of_two(const std::string& text) {
 
 }  // namespace
 
-bool is_finite(double v) { return (bits_of(v) >> 52 & 0x7ff) != 0x7ff; }
-
-Dyadic dyadic(double v) {
-  const std::uint64_t bits = bits_of(v), fraction = bits & ((1ull << 52) - 1);
-  const int exponent = static_cast<int>(bits >> 52 & 0x7ff);
-  Dyadic d;
-  d.mantissa = exponent == 0 ? fraction : fraction | 1ull << 52;
-  d.exponent = (exponent == 0 ? 1 : exponent) - 1075;
-  d.negative = bits >> 63 && d.mantissa != 0;
-  return d;
-}
+bool is_finite(double v) { return v - v == 0; }
 
 std::uint64_t power_of_five(int exponent) {
   std::uint64_t power = 1;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "exact/integer.hpp"
 #include "proof/wide.hpp"
 
 namespace gcdt::proof {
@@ -18,15 +19,10 @@ struct Vertex {
   std::int32_t x = 0, y = 0;
 };
 
-/// The value (-1)^negative * mantissa * 2^exponent of a finite double; zero has mantissa 0 and no sign.
-struct Dyadic {
-  bool negative = false;
-  std::uint64_t mantissa = 0;
-  int exponent = 0;
-};
+using exact::dyadic;
+using exact::Dyadic;
 
 bool is_finite(double v);
-Dyadic dyadic(double v);
 
 /// units / 10^decimals
 struct Decimal {
