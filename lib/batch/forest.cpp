@@ -5,7 +5,6 @@
 
 #include "batch/forest_copy.hpp"
 #include "batch/forest_gather.hpp"
-#include "phases/arrange.hpp"
 #include "phases/check.hpp"
 #include "phases/enforce.hpp"
 #include "solve/crossing_policy.hpp"

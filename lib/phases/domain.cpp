@@ -45,8 +45,7 @@ class Selection {
            [&] { runtime_.launch("regions", "label_jump", over(triangles_), triangles_, region_, report_buffer_); });
     auto numbers = runtime_.allocate<cl_uint>("roots of regions", std::size_t{triangles_} + 1);
     runtime_.launch("regions", "label_roots", over(triangles_), triangles_, region_, numbers);
-    primitives_.exclusive_scan(numbers, numbers, triangles_);
-    regions_ = runtime_.read_one(numbers, triangles_);
+    regions_ = primitives_.scan_total(numbers, triangles_);
     runtime_.launch("regions", "label_number", over(triangles_), triangles_, numbers, region_);
   }
 
@@ -54,8 +53,7 @@ class Selection {
     auto places = runtime_.allocate<cl_uint>("places of arcs", std::size_t{half_edges_} + 1);
     runtime_.launch("domain", "count_arcs", over(half_edges_), half_edges_, mesh_.neighbours, mesh_.constrained,
                     region_, places);
-    primitives_.exclusive_scan(places, places, half_edges_);
-    arc_count_ = runtime_.read_one(places, half_edges_);
+    arc_count_ = primitives_.scan_total(places, half_edges_);
     nodes_ = runtime_.allocate<cl_uint>("nodes of arcs", arc_count_);
     arcs_ = runtime_.allocate<cl_uint>("arcs", arc_count_);
     runtime_.launch("domain", "list_arcs", over(half_edges_), half_edges_, mesh_.neighbours, mesh_.constrained, region_,
@@ -119,16 +117,12 @@ class Selection {
     auto before = runtime_.allocate<cl_uint>("kept before", std::size_t{triangles_} + 1);
     runtime_.launch("domain", "choose_triangles", over(triangles_), triangles_, static_cast<cl_uint>(options.domain),
                     region_, depth_, winding_, holes, before);
-    primitives_.exclusive_scan(before, before, triangles_);
-    const cl_uint count = runtime_.read_one(before, triangles_);
+    const cl_uint count = primitives_.scan_total(before, triangles_);
     primitives_.release();
     selected.kept = runtime_.allocate<cl_int>("kept triangles", triangles_);
     runtime_.launch("domain", "place_kept", over(triangles_), triangles_, before, selected.kept);
     if (options.domain != Domain::hull) {
-      selected.mesh.triangles = count;
-      selected.mesh.corners = runtime_.allocate<cl_uint>("kept corners", std::size_t{3} * count);
-      selected.mesh.neighbours = runtime_.allocate<cl_int>("kept neighbours", std::size_t{3} * count);
-      selected.mesh.constrained = runtime_.allocate<cl_uchar>("kept flags", count);
+      selected.mesh = make_ordered(runtime_, count);
       runtime_.launch("domain", "gather_kept", over(triangles_), triangles_, selected.kept, mesh_.corners,
                       mesh_.neighbours, mesh_.constrained, selected.mesh.corners, selected.mesh.neighbours,
                       selected.mesh.constrained);

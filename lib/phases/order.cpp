@@ -230,8 +230,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
 
   auto before = runtime.allocate<cl_uint>("distinct before", n + 1);
   runtime.launch("order", "mark_first", runtime::over(n), n, keys.codes, before);
-  primitives.exclusive_scan(before, before, n);
-  const cl_uint distinct = runtime.read_one(before, n);
+  const cl_uint distinct = primitives.scan_total(before, n);
 
   OrderResult result;
   result.merged = n - distinct;

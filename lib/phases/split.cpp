@@ -86,8 +86,7 @@ void Splitter::keep_distinct(Buffer<cl_ulong> keys, Buffer<cl_uint> numbers, con
   primitives_.sort(keys, numbers, count, GCDT_PIXEL_KEY_BITS);
   auto firsts = runtime_.allocate<cl_uint>("first crossings", std::size_t(count) + 1);
   runtime_.launch("clean", "mark_first", over(count), count, keys, firsts);
-  primitives_.exclusive_scan(firsts, firsts, count);
-  distinct_ = runtime_.read_one(firsts, count);
+  distinct_ = primitives_.scan_total(firsts, count);
   keys_ = runtime_.allocate<cl_ulong>("distinct pixels", distinct_);
   least_ = runtime_.filled<cl_uint2>("least pairs", distinct_, {{GCDT_NONE, GCDT_NONE}});
   runtime_.launch("split", "split_least_first", over(count), count, keys, numbers, firsts, named, keys_, least_);
@@ -98,8 +97,7 @@ Vertices Splitter::add(Vertices vertices) {
   auto fresh = runtime_.allocate<cl_uint>("new pixels", std::size_t(distinct_) + 1);
   runtime_.launch("split", "split_is_new", over(distinct_), distinct_, vertices.levels_buffer, vertices.points, keys_,
                   fresh);
-  primitives_.exclusive_scan(fresh, fresh, distinct_);
-  added_.count = runtime_.read_one(fresh, distinct_);
+  added_.count = primitives_.scan_total(fresh, distinct_);
   check_vertex_count(std::uint64_t(inputs_) + added_.count);
   auto list = runtime_.allocate<cl_uint>("list of new pixels", added_.count);
   primitives_.compact_indices(fresh, list, distinct_);
