@@ -21,7 +21,7 @@ using Names = std::set<std::string>;
 // work-item's, walks are one work-item's, and constraints are cleaned and checked along the curve.
 const Names programs_of_cpus = {"core", "grow", "few", "arrange", "enforce", "sort32_serial", "sort64_serial"};
 // Every device computes these in one way: they need not be launched by one that is treated as a GPU.
-const Names programs_of_one_way = {"predicates", "selftest"}, kernels_of_one_way = {"locate_weights"};
+const Names programs_of_one_way = {"selftest"}, kernels_of_one_way = {"locate_weights"};
 const Names kernels_of_cpus = {"sort_alone",        "scan_sum_serial", "scan_serial",       "clean_ranks",
                                "clean_gather_list", "clean_count",     "check_first_pieces"};
 // No test launches these, and why. (Empty, and best left so.)
