@@ -3,6 +3,7 @@
 #include "api/state.hpp"
 
 #include <gcdt/statuses.hpp>
+#include <string_view>
 
 using namespace gcdt;
 
@@ -21,10 +22,8 @@ struct ThreadDetail {
 thread_local ThreadDetail thread_detail;
 
 template <std::size_t N>
-void cut(char (&to)[N], const std::string& from) {
-  const std::size_t length = std::min(from.size(), N - 1);
-  std::memcpy(to, from.data(), length);
-  to[length] = '\0';
+void cut(char (&to)[N], std::string_view from) {
+  to[from.copy(to, N - 1)] = '\0';
 }
 
 }  // namespace
@@ -39,9 +38,7 @@ std::int32_t failed(State* state, std::int32_t status, const char* message, cons
                     std::uint64_t pair_count) noexcept {
   ThreadDetail& detail = thread_detail;
   detail.status = status;
-  const std::size_t length = std::min(std::strlen(message), sizeof detail.message - 1);
-  std::memcpy(detail.message, message, length);
-  detail.message[length] = '\0';
+  cut(detail.message, message);
   detail.index_count = std::min(indices.size(), std::size(detail.indices));
   std::copy_n(indices.begin(), detail.index_count, detail.indices);
   detail.pair_count = pair_count;
