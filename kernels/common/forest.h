@@ -43,31 +43,16 @@ static inline uint2 units_of_problem(GCDT_LEVELS_POINTER levels, uint level, glo
 // The vertices of v's problem that are coarser than `level`, as ranks in units of stride[level - 1]: from x up to y.
 static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
                                  uint v) {
-  (void)coarse;
   return units_of_problem(levels, level - 1u, points, n, problem_of(points, n, v));
 }
 
 #else
 
-static inline uint root_count(global const int2* points, uint n) {
-  (void)points;
-  (void)n;
-  return 1u;
-}
-static inline uint root_of(global const int2* points, uint n, uint v) {
-  (void)points;
-  (void)n;
-  (void)v;
-  return 0u;
-}
+static inline uint root_count(global const int2* points, uint n) { return 1u; }
+static inline uint root_of(global const int2* points, uint n, uint v) { return 0u; }
 static inline uint symbol_of(uint v, uint n) { return v - n; }
 static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint coarse,
                                  uint v) {
-  (void)levels;
-  (void)level;
-  (void)points;
-  (void)n;
-  (void)v;
   return (uint2)(0u, coarse);
 }
 

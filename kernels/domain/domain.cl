@@ -118,14 +118,14 @@ kernel void depth_hull(const uint count, global const int* neighbours, global co
 }
 
 // The mesh with its regions, and the pieces along its edges with their turns.
-#define GCDT_BORDER_PARAMETERS                                                                                      \
+#define BORDER_PARAMETERS                                                                                           \
   global const Levels *levels, global const uint *corners, global const int *neighbours, global const uint *region, \
       const uint pieces, global const uint2 *ends, global const int *turns
 #define BORDERS levels, corners, neighbours, region, pieces, ends, turns
 
 // These, and all of the search from outside.
-#define GCDT_SEARCH_PARAMETERS                                                                             \
-  GCDT_BORDER_PARAMETERS, global const uint *begins, global const uint *arcs, volatile global uint *depth, \
+#define SEARCH_PARAMETERS                                                                                  \
+  BORDER_PARAMETERS, global const uint *begins, global const uint *arcs, volatile global uint *depth,      \
       volatile global int *winding, volatile global uint *entry, const uint nodes, global uint *frontiers, \
       volatile global DomainReport *report
 #define SEARCH BORDERS, begins, arcs, depth, winding, entry, nodes, frontiers, report
@@ -142,7 +142,7 @@ GCDT_INLINE global uint* frontier_of(uint d, global uint* frontiers, uint nodes)
 }
 
 // In round d, every `step`-th arc of the node from its `first` on.
-GCDT_INLINE void expand(uint d, uint node, uint first, uint step, GCDT_SEARCH_PARAMETERS) {
+GCDT_INLINE void expand(uint d, uint node, uint first, uint step, SEARCH_PARAMETERS) {
   global uint* next = frontier_of(d + 1u, frontiers, nodes);
   for (uint i = begins[node] + first; i < begins[node + 1u]; i += step) {
     const uint h = arcs[i], target = target_of(h, neighbours, region);
@@ -158,7 +158,7 @@ GCDT_INLINE uint has_few_arcs(uint node, global const uint* begins) {
 
 // The winding number beyond arc h less that on this side. On the left of a piece from its first end to its
 // second it is larger by `turn` than on the right; a triangle lies on the left of its half edges.
-GCDT_INLINE int turn_across(uint h, GCDT_BORDER_PARAMETERS) {
+GCDT_INLINE int turn_across(uint h, BORDER_PARAMETERS) {
   const uint t = h / 3u, k = h % 3u;
   const uint a = corners[3u * t + next_corner(k)], b = corners[3u * t + previous_corner(k)];
   const uint piece = find_piece(levels, pieces, ends, a, b);
@@ -168,7 +168,7 @@ GCDT_INLINE int turn_across(uint h, GCDT_BORDER_PARAMETERS) {
 }
 
 // In round d, node i of the next frontier.
-GCDT_INLINE void settle(uint d, uint i, GCDT_SEARCH_PARAMETERS) {
+GCDT_INLINE void settle(uint d, uint i, SEARCH_PARAMETERS) {
   const uint node = frontier_of(d + 1u, frontiers, nodes)[i];
   const uint h = entry[node], source = neighbours[h] < 0 ? 0u : region[h / 3u] + 1u;
   winding[node] = winding[source] + turn_across(h, BORDERS);
@@ -187,7 +187,7 @@ GCDT_INLINE void count_settled(uint d, uint count, volatile global DomainReport*
 // Reads the arcs of the node and depth. Writes entry by atomic_min, and the next frontier, in which a node is put
 // by the one arc that found no entry there; its order is free. Work-item 0 empties the one after the next.
 // After this kernel the next frontier holds the nodes of depth d + 1, with their least entries from depth d.
-kernel void depth_expand(const uint d, GCDT_SEARCH_PARAMETERS) {
+kernel void depth_expand(const uint d, SEARCH_PARAMETERS) {
   const uint count = report->frontier[d % 3u];
   global const uint* frontier = frontier_of(d, frontiers, nodes);
   if (get_global_id(0) == 0) report->frontier[(d + 2u) % 3u] = report->arcs[(d + 2u) % 3u] = 0u;
@@ -203,7 +203,7 @@ kernel void depth_expand(const uint d, GCDT_SEARCH_PARAMETERS) {
 // Reads entries, and the winding numbers of depth d. Writes depth and winding of its node: one writer a word; counts
 // the arcs by atomic_add, in any order the same.
 // After this kernel the nodes of depth d + 1 are settled.
-kernel void depth_settle(const uint d, GCDT_SEARCH_PARAMETERS) {
+kernel void depth_settle(const uint d, SEARCH_PARAMETERS) {
   const uint count = report->frontier[(d + 1u) % 3u];
   FOR_EACH(i, count) settle(d, i, SEARCH);
   if (get_global_id(0) == 0) count_settled(d, count, report);
@@ -213,7 +213,7 @@ kernel void depth_settle(const uint d, GCDT_SEARCH_PARAMETERS) {
 // and the same arguments hold for each part. Ends when a frontier is empty or too large for one work-group, or after
 // those rounds.
 // After this kernel report->rounds is the number of rounds done.
-kernel void depth_rounds(const uint d, GCDT_SEARCH_PARAMETERS) {
+kernel void depth_rounds(const uint d, SEARCH_PARAMETERS) {
   uint done = 0;
   for (;;) {
     const uint now = d + done, count = report->frontier[now % 3u], arc_count = report->arcs[now % 3u];
@@ -239,7 +239,7 @@ kernel void depth_rounds(const uint d, GCDT_SEARCH_PARAMETERS) {
 // Reads everything about the nodes. Writes counts in report by atomic_add, in any order the same.
 // After this kernel report has the edges whose two sides do not differ as the edge says, each counted once:
 // an arc into the mesh has no twin, of two twins the one with the lesser half edge counts.
-kernel void count_open(const uint count, GCDT_BORDER_PARAMETERS, global const uint* nodes, global const uint* arcs,
+kernel void count_open(const uint count, BORDER_PARAMETERS, global const uint* nodes, global const uint* arcs,
                        global const int* winding, volatile global DomainReport* report) {
   FOR_EACH(i, count) {
     const uint h = arcs[i], target = target_of(h, neighbours, region);
@@ -253,7 +253,7 @@ kernel void count_open(const uint count, GCDT_BORDER_PARAMETERS, global const ui
 // One work-item per half edge.
 // Reads the mesh, region and turns. Writes open counts in report by atomic_add, in any order the same.
 // After this kernel edges with the same region on both sides are counted too: there any turn but 0 is wrong.
-kernel void count_dangling(const uint count, GCDT_BORDER_PARAMETERS, global const uchar* constrained,
+kernel void count_dangling(const uint count, BORDER_PARAMETERS, global const uchar* constrained,
                            volatile global DomainReport* report) {
   FOR_EACH(h, count) {
     const int u = neighbours[h];

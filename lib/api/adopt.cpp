@@ -26,12 +26,9 @@ int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
       State& state = *solver->state;
       std::vector<Constraint> all(constraints.begin(), constraints.end());
       all.insert(all.end(), edges.begin(), edges.end());
-      const InputSource source = {points.size(), all.size(), [&] {
-                                    return DeviceInput{stage(state.runtime, points), stage(state.runtime, all)};
-                                  }};
       DeviceTriangulation whole;
       try {
-        whole = state.triangulate(source, wanted);
+        whole = state.triangulate(source_of(state.runtime, points, all), wanted);
       } catch (const Error& error) {
         throw mesh_error(error, constraints, edges);
       }

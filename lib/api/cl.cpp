@@ -102,14 +102,7 @@ void wait_for_order(State& state, cl_uint wait_count, const cl_event* wait_list)
   runtime.call("clEnqueueMarkerWithWaitList", "the application's queue",
                [&] { return clEnqueueMarkerWithWaitList(queue, wait_count, wait_list, &marker()); });
   runtime.call("clFlush", "the application's queue", [&] { return clFlush(queue); });
-  runtime.call("clWaitForEvents", "the application's queue", [&] {
-    const cl_event event = marker();
-    return clWaitForEvents(1, &event);
-  });
-}
-
-std::shared_ptr<runtime::DeviceMemory> own_memory(const runtime::BufferSource& source) {
-  return std::make_shared<runtime::BufferPool>(source);
+  runtime.call("clWaitForEvents", "the application's queue", [&] { return marker.wait(); });
 }
 
 void use_memory(State& state, std::shared_ptr<runtime::DeviceMemory> memory) {
@@ -199,13 +192,12 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
                                    static_cast<std::size_t>(from.bytes()), wait_count, wait_list, &copied());
       });
     auto& pending = state.pending_copies;
-    pending.erase(std::remove_if(pending.begin(), pending.end(),
-                                 [](const cl::Event& e) {
-                                   cl_int status = CL_QUEUED;
-                                   e.getInfo(CL_EVENT_COMMAND_EXECUTION_STATUS, &status);
-                                   return status <= CL_COMPLETE;
-                                 }),
-                  pending.end());
+    const auto over = [](const cl::Event& e) {
+      cl_int status = CL_QUEUED;
+      e.getInfo(CL_EVENT_COMMAND_EXECUTION_STATUS, &status);
+      return status <= CL_COMPLETE;
+    };
+    pending.erase(std::remove_if(pending.begin(), pending.end(), over), pending.end());
     pending.push_back(copied);
     if (event) {
       clRetainEvent(copied());
@@ -266,7 +258,10 @@ int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* 
         throw Error(Status::buffers_overlap, name + " is given twice", {i});
       slabs.emplace_back(buffers[i], true);
     }
-    use_memory(state, count == 0 ? own_memory(state.buffer_source) : std::make_shared<runtime::Workspace>(slabs));
+    if (count == 0)
+      use_memory(state, std::make_shared<runtime::BufferPool>(state.buffer_source));
+    else
+      use_memory(state, std::make_shared<runtime::Workspace>(slabs));
   });
 }
 
@@ -281,7 +276,7 @@ int32_t gcdt_cl_set_allocator(gcdt_solver* solver, const gcdt_cl_allocator* allo
       };
       source.release = [given](cl_mem memory) { given.release(given.user, memory); };
     }
-    use_memory(*solver->state, own_memory(source));
+    use_memory(*solver->state, std::make_shared<runtime::BufferPool>(source));
     solver->state->buffer_source = std::move(source);
   });
 }

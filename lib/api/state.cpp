@@ -119,15 +119,6 @@ Points::Type read_type(std::int32_t coordinate_type) {
               "coordinate_type is none of GCDT_FLOAT64, GCDT_FLOAT32, GCDT_INT32, GCDT_INT64");
 }
 
-Points part_of(Points::Type type, const void* vertices, std::size_t first, std::size_t count) {
-  switch (type) {
-    case Points::Type::float32: return Points::pairs(static_cast<const float*>(vertices) + 2 * first, count);
-    case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(vertices) + 2 * first, count);
-    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(vertices) + 2 * first, count);
-    default: return Points::pairs(static_cast<const double*>(vertices) + 2 * first, count);
-  }
-}
-
 Points read_points(const gcdt_input& input) {
   require(input.vertices || input.vertex_count == 0, "gcdt_input.vertices is null");
   return part_of(read_type(input.coordinate_type), input.vertices, 0, static_cast<std::size_t>(input.vertex_count));
@@ -196,6 +187,13 @@ DeviceTriangulation State::triangulate(InputSource source, const Options& option
 using namespace gcdt::api;
 
 const char* gcdt_version(void) { return GCDT_VERSION; }
+
+const char* gcdt_strerror(int32_t status) {
+  const char* sentence =
+      status < 0 && status > -20000 ? "an OpenCL call failed; its code is the status" : "unknown status";
+  gcdt::detail::row_of(status, [&](const auto& row) { sentence = row.sentence; });
+  return sentence;
+}
 
 int32_t gcdt_last_error(const gcdt_solver* solver, gcdt_error* error) {
   return guarded(nullptr, [&] {
@@ -271,13 +269,8 @@ int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcd
     State& state = *solver->state;
     give_result(solver->state, result, [&] {
       const gcdt_input given = read_struct(input, "gcdt_input");
-      const Points points = read_points(given);
-      const Constraints constraints = read_constraints(given);
-      const Options wanted = read_options(options);
-      const InputSource source = {given.vertex_count, given.constraint_count, [&] {
-                                    return DeviceInput{stage(state.runtime, points), stage(state.runtime, constraints)};
-                                  }};
-      return state.triangulate(source, wanted);
+      const InputSource source = source_of(state.runtime, read_points(given), read_constraints(given));
+      return state.triangulate(source, read_options(options));
     });
   });
 }

@@ -118,8 +118,6 @@ void write_struct(T value, T* to, const char* name, std::size_t least = sizeof(T
 Options read_options(const gcdt_options* options);
 Crossing read_crossing(std::int32_t crossing, const char* name);
 Points::Type read_type(std::int32_t coordinate_type);
-/// `count` vertices from number `first` on.
-Points part_of(Points::Type type, const void* vertices, std::size_t first, std::size_t count);
 Points read_points(const gcdt_input& input);
 Constraints read_constraints(const gcdt_input& input);
 gcdt_device_info device_info(const DeviceInfo& info);

@@ -9,19 +9,6 @@ using runtime::Runtime;
 
 namespace {
 
-Points points_of(const BatchInput& batch, std::uint32_t p) {
-  const auto count = static_cast<std::size_t>(batch.n(p));
-  const auto from = [&](auto number) {
-    return Points::pairs(static_cast<const decltype(number)*>(batch.vertices) + 2 * batch.vertex_offsets[p], count);
-  };
-  switch (batch.type) {
-    case Points::Type::float32: return from(float{});
-    case Points::Type::int32: return from(std::int32_t{});
-    case Points::Type::int64: return from(std::int64_t{});
-    default: return from(double{});
-  }
-}
-
 /// Copies what a call has left on the device.
 void copy_alone(Runtime& runtime, const DeviceTriangulation& made, ForestResult& result) {
   for (const ResultArray& array : result_arrays) {
@@ -40,14 +27,12 @@ ForestResult triangulate_alone(Runtime& runtime, Primitives& primitives, const B
                                const Options& options) {
   Options own = options;
   own.canonical = true;
-  const Points points = points_of(batch, number);
+  const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[number]),
+                                static_cast<std::size_t>(batch.n(number)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[number],
                                    static_cast<std::size_t>(batch.m(number))};
-  const InputSource source = {points.size(), constraints.size(), [&] {
-                                return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
-                              }};
   runtime.memory().begin_call();
-  const DeviceTriangulation made = triangulate(runtime, primitives, source, own);
+  const DeviceTriangulation made = triangulate(runtime, primitives, source_of(runtime, points, constraints), own);
   ForestResult result;
   runtime.tracer().begin_phase("copy");
   copy_alone(runtime, made, result);

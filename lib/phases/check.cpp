@@ -76,12 +76,9 @@ struct Checker {
   void check_problems(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
     check_parts([&](const Buffer<cl_uint>& next, const Buffer<cl_uint>& previous) {
       const cl_uint n = vertices.n(), problems = vertices.roots;
-      auto hull = runtime.allocate<cl_uint>("check hulls", problems),
-           least = runtime.allocate<cl_uint>("check least corners", problems),
-           bad = runtime.allocate<cl_uint>("check problems", 2);
-      runtime.fill<cl_uint>(hull, 0, problems);
-      runtime.fill<cl_uint>(least, 0, problems);
-      runtime.fill<cl_uint>(bad, GCDT_NONE, 1);
+      auto hull = runtime.filled<cl_uint>("check hulls", problems, 0),
+           least = runtime.filled<cl_uint>("check least corners", problems, 0),
+           bad = runtime.filled<cl_uint>("check problems", 2, GCDT_NONE);
       runtime.fill<cl_uint>(bad, 0, 1, 1);
       runtime.launch("check_forest", "check_forest_boundary", over(n), n, vertices.points, next, previous, hull, least);
       runtime.launch("check_forest", "check_forest_counts", over(problems), problems, n, vertices.points,

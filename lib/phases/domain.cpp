@@ -71,7 +71,7 @@ struct Selection {
     winding = runtime.allocate<cl_int>("windings", nodes());
     entry = runtime.allocate<cl_uint>("entries", nodes());
     frontiers = runtime.allocate<cl_uint>("frontiers", std::size_t{2} * nodes());
-    zero_report();
+    runtime.zero(report_buffer);
     runtime.launch("domain", "depth_start", over(nodes()), nodes(), depth, winding, entry, frontiers, report_buffer);
     runtime.launch("domain", "depth_hull", over(half_edges), half_edges, mesh.neighbours, mesh.constrained, region,
                    depth, frontiers, report_buffer);
@@ -97,7 +97,7 @@ struct Selection {
   }
 
   void count_open() {
-    zero_report();
+    runtime.zero(report_buffer);
     runtime.launch("domain", "count_open", over(arc_count), arc_count, vertices.levels_buffer, mesh.corners,
                    mesh.neighbours, region, cl_uint{pieces.count}, pieces.ends, turns, arc_nodes, arcs, winding,
                    report_buffer);
@@ -139,17 +139,12 @@ struct Selection {
 
   cl_uint nodes() const { return regions + 1; }
 
-  void zero_report() {
-    const device::DomainReport zero = {};
-    runtime.write(report_buffer, &zero, 1);
-  }
-
   /// Launches until nothing is pending.
   template <class Launch>
   void repeat(const char* what, Launch&& launch) {
     for (unsigned round = 0;; ++round) {
       if (round == label_rounds) throw Error(Status::round_limit, std::string(what) + ": labels are not final");
-      zero_report();
+      runtime.zero(report_buffer);
       launch();
       if (runtime.read_one(report_buffer).pending == 0) return;
     }

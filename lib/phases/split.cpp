@@ -43,27 +43,21 @@ const Buffer<cl_uint>& Splitter::mark_crossing(const WalkedMesh& walked, const P
 
 std::uint32_t Splitter::mark(CrossingPieces& crossing, const Pieces& pieces, bool linked) {
   auto newly = runtime_.filled<cl_uint>("newly marked", 1, 0);
-  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, crossing.count()));
-  for (cl_uint first = 0; first < crossing.count();) {
-    const cl_uint some = std::min(Tuning::pairs_split_at_once, crossing.count() - first);
-    crossing.list(first, some, pairs);
+  crossing.for_windows([&](const Buffer<cl_uint2>& pairs, cl_uint some) {
     runtime_.launch("split", "split_touch", over(some), some, cl_uint(linked), pieces.source_offsets, pieces.sources,
                     linked ? owners_ : touched_, pairs, touched_, newly);
-    first += some;
-  }
+  });
   const cl_uint more = runtime_.read_one(newly);
   marked_ += more;
   return more;
 }
 
-// Window by Tuning::pairs_split_at_once: the pixels known so far and those of the next pairs, sorted, of each the least
+// Window by window: the pixels known so far and those of the next pairs, sorted, of each the least
 // pair kept.
 void Splitter::gather_points(CrossingPieces& crossing, const WalkedMesh& walked, const Pieces& pieces) {
   auto total = runtime_.filled<cl_uint>("pairs of constraints", 2, 0);
-  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, crossing.count()));
-  for (cl_uint first = 0; first < crossing.count();) {
-    const cl_uint some = std::min(Tuning::pairs_split_at_once, crossing.count() - first), before = distinct_;
-    crossing.list(first, some, pairs);
+  crossing.for_windows([&](const Buffer<cl_uint2>& pairs, cl_uint some) {
+    const cl_uint before = distinct_;
     auto keys = runtime_.allocate<cl_ulong>("pixels of crossings", std::size_t(before) + some);
     auto named = runtime_.allocate<cl_uint2>("constraints of crossings", std::size_t(before) + some);
     auto numbers = runtime_.allocate<cl_uint>("crossings", std::size_t(before) + some);
@@ -74,8 +68,7 @@ void Splitter::gather_points(CrossingPieces& crossing, const WalkedMesh& walked,
     runtime_.launch("split", "split_points", over(some), some, before, walked.vertices.points, pieces.ends,
                     pieces.source_offsets, pieces.sources, pairs, keys, named, numbers, total);
     keep_distinct(std::move(keys), std::move(numbers), named, before + some);
-    first += some;
-  }
+  });
   cl_uint words[2];
   runtime_.read(total, words, 2);
   pairs_ = wide(words[0], words[1]);

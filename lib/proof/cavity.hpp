@@ -39,7 +39,7 @@ class Cavity {
     std::uint32_t from, to, half_edge;
   };
   std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return orient(sites_.at[path_[a]], sites_.at[path_[b]], sites_.at[path_[c]]);
+    return sites_.turn(path_[a], path_[b], path_[c]);
   }
   void take_off(std::uint32_t place);
   void take_off_at_random();

@@ -65,9 +65,6 @@ class Completion {
   std::uint32_t apex(std::uint32_t h) const { return triangles_[h / 3][h % 3]; }
   std::uint32_t from(std::uint32_t h) const { return apex(next(h)); }
   std::uint32_t to(std::uint32_t h) const { return apex(previous(h)); }
-  std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return orient(sites_.at[a], sites_.at[b], sites_.at[c]);
-  }
   Side side(std::uint32_t h) const { return {twins_[h], constrained(h)}; }
 
   bool find_parts(std::uint32_t a, std::uint32_t b, std::vector<Part>& parts);

@@ -51,9 +51,9 @@ std::vector<Segment> distinct_segments(const Sites& sites, Constraints constrain
     if (a != b) segments.push_back({std::min(a, b), std::max(a, b), c});
   }
   auto key = [](const Segment& s) { return std::uint64_t(s.a) << 32 | s.b; };
-  std::sort(segments.begin(), segments.end(), [&](const Segment& s, const Segment& t) {
-    return key(s) != key(t) ? key(s) < key(t) : s.constraint < t.constraint;
-  });
+  // Stable: of equal ones the first is the least constraint.
+  std::stable_sort(segments.begin(), segments.end(),
+                   [&](const Segment& s, const Segment& t) { return key(s) < key(t); });
   const auto end = std::unique(segments.begin(), segments.end(),
                                [&](const Segment& s, const Segment& t) { return key(s) == key(t); });
   segments.erase(end, segments.end());

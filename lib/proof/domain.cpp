@@ -336,12 +336,10 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
 
 Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh, const RegionView& regions,
                            const Grid& grid, const Options& options, std::uint64_t* steps) {
-  Verification result;
   std::uint64_t taken = 0;
-  result.reason = prove(points, constraints, mesh, regions, grid, options, taken);
+  const std::string reason = prove(points, constraints, mesh, regions, grid, options, taken);
   if (steps) *steps = taken;
-  result.valid = result.reason.empty();
-  return result;
+  return {reason.empty(), reason};
 }
 
 }  // namespace gcdt::proof

@@ -17,6 +17,7 @@ namespace gcdt::proof {
 /// A vertex on the grid; both in [0, 2^31 - 1].
 struct Vertex {
   std::int32_t x = 0, y = 0;
+  std::uint64_t key() const { return std::uint64_t(x) << 32 | std::uint32_t(y); }  ///< in order of x, then y
 };
 
 using exact::dyadic;

@@ -14,8 +14,7 @@ namespace gcdt::proof {
 
 Sites::Sites(std::vector<Vertex> vertices) : at(std::move(vertices)), representative(at.size()) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(at.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i)
-    order[i] = {std::uint64_t(at[i].x) << 32 | std::uint32_t(at[i].y), i};
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {at[i].key(), i};
   std::sort(order.begin(), order.end());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool same = i > 0 && order[i].first == order[i - 1].first;

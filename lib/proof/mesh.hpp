@@ -60,6 +60,7 @@ struct Sites {
 
   explicit Sites(std::vector<Vertex> vertices);
   bool is_representative(std::uint32_t v) const { return representative[v] == v; }
+  std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const { return orient(at[a], at[b], at[c]); }
 };
 
 /// The half-edges that follow h and precede it around its triangle.

@@ -35,7 +35,7 @@ struct CrossingSearch {
   /// Every pixel with a crossing is that of a vertex, and every added vertex has a crossing in its pixel.
   std::string run() {
     crosses.assign(segments.size(), false);
-    for (const Vertex at : sites.at) places.push_back(place(at));
+    for (const Vertex at : sites.at) places.push_back(at.key());
     std::sort(places.begin(), places.end());
     std::vector<Meeting> meetings;
     for (std::uint32_t s = 0; s < segments.size(); ++s)
@@ -63,22 +63,20 @@ struct CrossingSearch {
     return {};
   }
 
-  static std::uint64_t place(Vertex at) { return std::uint64_t(at.x) << 32 | std::uint32_t(at.y); }
-
   /// Two constraints that meet the pixel of v.
   std::string check_pair(std::uint32_t v, std::uint32_t s, std::uint32_t t, std::vector<bool>& founded) {
     const Vertex a = sites.at[segments[s].a], b = sites.at[segments[s].b];
     const Vertex c = sites.at[segments[t].a], d = sites.at[segments[t].b];
     const auto pixel = pixel_of_crossing(a, b, c, d);
     if (!pixel) return {};
-    if (pixel->x == sites.at[v].x && pixel->y == sites.at[v].y) {
+    if (pixel->key() == sites.at[v].key()) {
       // At a vertex of the input itself they are split there, and do not cross.
       if (v < inputs && orient(a, b, *pixel) == 0 && orient(c, d, *pixel) == 0) return {};
       founded[v] = true;
       crosses[s] = crosses[t] = true;
       return {};
     }
-    if (std::binary_search(places.begin(), places.end(), place(*pixel))) return {};  // looked at there
+    if (std::binary_search(places.begin(), places.end(), pixel->key())) return {};  // looked at there
     return say(name(segments[s]), " and ", name(segments[t]), " cross, but no vertex was added at grid point (",
                pixel->x, ", ", pixel->y, ")");
   }
@@ -169,8 +167,7 @@ std::string check_added(const Sites& sites, std::uint32_t inputs) {
     if (!sites.is_representative(v))
       return say("added vertex ", v, " is where vertex ", sites.representative[v], " is");
     if (v == inputs) continue;
-    const Vertex before = sites.at[v - 1], at = sites.at[v];
-    if (before.x > at.x || (before.x == at.x && before.y > at.y))
+    if (sites.at[v - 1].key() > sites.at[v].key())
       return say("added vertices ", v - 1, " and ", v, " are not in order of x and y");
   }
   return {};

@@ -18,8 +18,6 @@ Wide incircle(Vertex a, Vertex b, Vertex c, Vertex d) {
   return lift(a) * orient(d, b, c) + lift(b) * orient(d, c, a) + lift(c) * orient(d, a, b);
 }
 
-bool before(Vertex a, Vertex b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
-
 std::string place_sites(Points points, Constraints constraints, Span<std::array<std::int32_t, 2>> added,
                         const Grid& grid, std::optional<Sites>& sites) {
   if (points.size() > max_vertices) return say(points.size(), " vertices are more than ", max_vertices);
@@ -107,10 +105,8 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
 }  // namespace
 
 Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid, Crossing crossing) {
-  Verification result;
-  result.reason = prove(points, constraints, mesh, grid, crossing);
-  result.valid = result.reason.empty();
-  return result;
+  const std::string reason = prove(points, constraints, mesh, grid, crossing);
+  return {reason.empty(), reason};
 }
 
 }  // namespace gcdt::proof
