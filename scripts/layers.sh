@@ -6,10 +6,10 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# A room includes itself and those before it. lib/proof is not in the order: it includes itself and kernels/common,
-# and only lib/api includes it.
+# A room includes itself and those before it. lib/proof is not in the order: it includes itself, lib/exact and
+# kernels/common, and only lib/api includes it.
 declare -A order=(
-  [lib]="device mesh phases query solve batch api"
+  [lib]="exact device mesh phases query solve batch api"
   [kernels]="common sort order flip insert constrain output check domain query programs"
 )
 declare -A place=([lib/proof]=0)
@@ -30,8 +30,8 @@ objection() { # ROOM HEADER THERE
     include,*) echo "a public header includes public headers only, in <>" ;;
     *,none) echo "no room has this file" ;;
     kernels/*,lib/*) echo "kernels know nothing of lib" ;;
-    lib/proof,lib/proof | lib/proof,kernels/common | lib/api,lib/proof) ;;
-    lib/proof,* | *,lib/proof) echo "the proof shares kernels/common with the rest, and is for lib/api alone" ;;
+    lib/proof,lib/proof | lib/proof,lib/exact | lib/proof,kernels/common | lib/api,lib/proof) ;;
+    lib/proof,* | *,lib/proof) echo "the proof shares lib/exact and kernels/common with the rest, and is for lib/api alone" ;;
     lib/*,kernels/*) [[ $2 == *.h ]] || echo "the host includes headers of kernels, not programs" ;;
     *)
       if [[ $2 == *.cl && $1 != kernels/programs ]]; then

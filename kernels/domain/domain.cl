@@ -117,20 +117,37 @@ kernel void depth_hull(const uint count, global const int* neighbours, global co
   }
 }
 
+// The mesh with its regions, and the pieces along its edges with their turns.
+#define BORDER_PARAMETERS                                                                                           \
+  global const Levels *levels, global const uint *corners, global const int *neighbours, global const uint *region, \
+      const uint pieces, global const uint2 *ends, global const int *turns
+#define BORDERS levels, corners, neighbours, region, pieces, ends, turns
+
+// These, and all of the search from outside.
+#define SEARCH_PARAMETERS                                                                                  \
+  BORDER_PARAMETERS, global const uint *begins, global const uint *arcs, volatile global uint *depth,      \
+      volatile global int *winding, volatile global uint *entry, const uint nodes, global uint *frontiers, \
+      volatile global DomainReport *report
+#define SEARCH BORDERS, begins, arcs, depth, winding, entry, nodes, frontiers, report
+
 // The node that arc h leads to.
 GCDT_INLINE uint target_of(uint h, global const int* neighbours, global const uint* region) {
   const int u = neighbours[h];
   return region[u < 0 ? h / 3u : (uint)u] + 1u;
 }
 
-// Every `step`-th arc of the node from its `first` on.
-GCDT_INLINE void expand(uint node, uint first, uint step, global const uint* begins, global const uint* arcs,
-                        global const int* neighbours, global const uint* region, volatile global uint* depth,
-                        volatile global uint* entry, global uint* next, volatile global uint* next_count) {
+// The frontiers of even and odd rounds.
+GCDT_INLINE global uint* frontier_of(uint d, global uint* frontiers, uint nodes) {
+  return frontiers + (d & 1u) * nodes;
+}
+
+// In round d, every `step`-th arc of the node from its `first` on.
+GCDT_INLINE void expand(uint d, uint node, uint first, uint step, SEARCH_PARAMETERS) {
+  global uint* next = frontier_of(d + 1u, frontiers, nodes);
   for (uint i = begins[node] + first; i < begins[node + 1u]; i += step) {
     const uint h = arcs[i], target = target_of(h, neighbours, region);
     if (depth[target] != GCDT_NONE) continue;
-    if (atomic_min(&entry[target], h) == GCDT_NONE) next[atomic_inc(next_count)] = target;
+    if (atomic_min(&entry[target], h) == GCDT_NONE) next[atomic_inc(&report->frontier[(d + 1u) % 3u])] = target;
   }
 }
 
@@ -141,9 +158,7 @@ GCDT_INLINE uint has_few_arcs(uint node, global const uint* begins) {
 
 // The winding number beyond arc h less that on this side. On the left of a piece from its first end to its
 // second it is larger by `turn` than on the right; a triangle lies on the left of its half edges.
-GCDT_INLINE int turn_across(uint h, global const Levels* levels, global const uint* corners,
-                            global const int* neighbours, uint pieces, global const uint2* ends,
-                            global const int* turns) {
+GCDT_INLINE int turn_across(uint h, BORDER_PARAMETERS) {
   const uint t = h / 3u, k = h % 3u;
   const uint a = corners[3u * t + next_corner(k)], b = corners[3u * t + previous_corner(k)];
   const uint piece = find_piece(levels, pieces, ends, a, b);
@@ -152,15 +167,20 @@ GCDT_INLINE int turn_across(uint h, global const Levels* levels, global const ui
   return neighbours[h] < 0 ? left_over_right : -left_over_right;
 }
 
-GCDT_INLINE void settle(uint node, uint d, global const Levels* levels, global const uint* corners,
-                        global const int* neighbours, global const uint* region, uint pieces, global const uint2* ends,
-                        global const int* turns, global const uint* begins, volatile global uint* depth,
-                        volatile global int* winding, volatile global const uint* entry,
-                        volatile global uint* next_arcs) {
+// In round d, node i of the next frontier.
+GCDT_INLINE void settle(uint d, uint i, SEARCH_PARAMETERS) {
+  const uint node = frontier_of(d + 1u, frontiers, nodes)[i];
   const uint h = entry[node], source = neighbours[h] < 0 ? 0u : region[h / 3u] + 1u;
-  winding[node] = winding[source] + turn_across(h, levels, corners, neighbours, pieces, ends, turns);
+  winding[node] = winding[source] + turn_across(h, BORDERS);
   depth[node] = d + 1u;
-  atomic_add(next_arcs, begins[node + 1u] - begins[node]);
+  atomic_add(&report->arcs[(d + 1u) % 3u], begins[node + 1u] - begins[node]);
+}
+
+// After round d has settled `count` nodes: one work-item.
+GCDT_INLINE void count_settled(uint d, uint count, volatile global DomainReport* report) {
+  if (count == 0u) return;
+  report->settled += count;
+  report->deepest = d + 1u;
 }
 
 // Node i of a frontier. Mesa 25's llvmpipe goes through a loop's body once more after its end, and does not mask what
@@ -174,13 +194,9 @@ GCDT_INLINE uint frontier_node(global const uint* frontier, uint i, uint nodes) 
 // Reads the arcs of the node and depth. Writes entry by atomic_min, and the next frontier, in which a node is put
 // by the one arc that found no entry there; its order is free. Work-item 0 empties the one after the next.
 // After this kernel the next frontier holds the nodes of depth d + 1, with their least entries from depth d.
-kernel void depth_expand(const uint d, global const uint* begins, global const uint* arcs, global const int* neighbours,
-                         global const uint* region, volatile global uint* depth, volatile global uint* entry,
-                         const uint nodes, global uint* frontiers, volatile global DomainReport* report) {
+kernel void depth_expand(const uint d, SEARCH_PARAMETERS) {
   const uint count = report->frontier[d % 3u];
-  global const uint* frontier = frontiers + (d & 1u) * nodes;
-  global uint* next = frontiers + ((d + 1u) & 1u) * nodes;
-  volatile global uint* next_count = &report->frontier[(d + 1u) % 3u];
+  global const uint* frontier = frontier_of(d, frontiers, nodes);
   if (get_global_id(0) == 0) report->frontier[(d + 2u) % 3u] = report->arcs[(d + 2u) % 3u] = 0u;
   const uint few = count <= GCDT_FEW_NODES ? count : 0u, many = count - few;
   for (uint i = 0; i < few; ++i)
@@ -201,37 +217,24 @@ kernel void depth_expand(const uint d, global const uint* begins, global const u
 // Reads entries, and the winding numbers of depth d. Writes depth and winding of its node: one writer a word; counts
 // the arcs by atomic_add, in any order the same.
 // After this kernel the nodes of depth d + 1 are settled.
-kernel void depth_settle(const uint d, global const Levels* levels, global const uint* corners,
-                         global const int* neighbours, global const uint* region, const uint pieces,
-                         global const uint2* ends, global const int* turns, global const uint* begins,
-                         volatile global uint* depth, volatile global int* winding, volatile global const uint* entry,
-                         const uint nodes, global const uint* frontiers, volatile global DomainReport* report) {
+kernel void depth_settle(const uint d, SEARCH_PARAMETERS) {
   const uint count = report->frontier[(d + 1u) % 3u];
-  FOR_EACH(i, count)
-  settle(frontiers[((d + 1u) & 1u) * nodes + i], d, levels, corners, neighbours, region, pieces, ends, turns, begins,
-         depth, winding, entry, &report->arcs[(d + 1u) % 3u]);
-  if (get_global_id(0) == 0 && count != 0u) {
-    report->settled += count;
-    report->deepest = d + 1u;
-  }
+  FOR_EACH(i, count) settle(d, i, SEARCH);
+  if (get_global_id(0) == 0) count_settled(d, count, report);
 }
 
 // One work-group. Does up to GCDT_DEPTH_ROUNDS rounds from d on; barriers order what two kernels do otherwise,
 // and the same arguments hold for each part. Ends when a frontier is empty or too large for one work-group, or after
 // those rounds.
 // After this kernel report->rounds is the number of rounds done.
-kernel void depth_rounds(const uint d, global const Levels* levels, global const uint* corners,
-                         global const int* neighbours, global const uint* region, const uint pieces,
-                         global const uint2* ends, global const int* turns, global const uint* begins,
-                         global const uint* arcs, volatile global uint* depth, volatile global int* winding,
-                         volatile global uint* entry, const uint nodes, global uint* frontiers,
-                         volatile global DomainReport* report) {
+kernel void depth_rounds(const uint d, SEARCH_PARAMETERS) {
   uint done = 0;
   for (;;) {
     const uint now = d + done, count = report->frontier[now % 3u], arc_count = report->arcs[now % 3u];
     barrier(CLK_GLOBAL_MEM_FENCE);
     if (count == 0u || count > GCDT_DEPTH_NODES || arc_count > GCDT_DEPTH_ARCS || done == GCDT_DEPTH_ROUNDS) break;
     if (get_local_id(0) == 0) report->frontier[(now + 2u) % 3u] = report->arcs[(now + 2u) % 3u] = 0u;
+    global const uint* frontier = frontier_of(now, frontiers, nodes);
     for (uint i = get_local_id(0); i < count; i += get_local_size(0))
       if (has_few_arcs(frontiers[(now & 1u) * nodes + i], begins))
         expand(frontiers[(now & 1u) * nodes + i], 0u, 1u, begins, arcs, neighbours, region, depth, entry,
@@ -244,13 +247,8 @@ kernel void depth_rounds(const uint d, global const Levels* levels, global const
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
     const uint found = report->frontier[(now + 1u) % 3u];
-    for (uint i = get_local_id(0); i < found; i += get_local_size(0))
-      settle(frontiers[((now + 1u) & 1u) * nodes + i], now, levels, corners, neighbours, region, pieces, ends, turns,
-             begins, depth, winding, entry, &report->arcs[(now + 1u) % 3u]);
-    if (get_local_id(0) == 0 && found != 0u) {
-      report->settled += found;
-      report->deepest = now + 1u;
-    }
+    for (uint i = get_local_id(0); i < found; i += get_local_size(0)) settle(now, i, SEARCH);
+    if (get_local_id(0) == 0) count_settled(now, found, report);
     barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }
@@ -261,15 +259,12 @@ kernel void depth_rounds(const uint d, global const Levels* levels, global const
 // Reads everything about the nodes. Writes counts in report by atomic_add, in any order the same.
 // After this kernel report has the edges whose two sides do not differ as the edge says, each counted once:
 // an arc into the mesh has no twin, of two twins the one with the lesser half edge counts.
-kernel void count_open(const uint count, global const Levels* levels, global const uint* corners,
-                       global const int* neighbours, global const uint* region, const uint pieces,
-                       global const uint2* ends, global const int* turns, global const uint* nodes,
-                       global const uint* arcs, global const int* winding, volatile global DomainReport* report) {
+kernel void count_open(const uint count, BORDER_PARAMETERS, global const uint* nodes, global const uint* arcs,
+                       global const int* winding, volatile global DomainReport* report) {
   FOR_EACH(i, count) {
     const uint h = arcs[i], target = target_of(h, neighbours, region);
     if (neighbours[h] >= 0 && (uint)neighbours[h] < h / 3u) continue;
-    const int wrong =
-        winding[target] - winding[nodes[i]] - turn_across(h, levels, corners, neighbours, pieces, ends, turns);
+    const int wrong = winding[target] - winding[nodes[i]] - turn_across(h, BORDERS);
     if (wrong != 0) atomic_inc(&report->open_winding);
     if (wrong & 1) atomic_inc(&report->open_parity);
   }
@@ -278,15 +273,13 @@ kernel void count_open(const uint count, global const Levels* levels, global con
 // One work-item per half edge.
 // Reads the mesh, region and turns. Writes open counts in report by atomic_add, in any order the same.
 // After this kernel edges with the same region on both sides are counted too: there any turn but 0 is wrong.
-kernel void count_dangling(const uint count, global const Levels* levels, global const uint* corners,
-                           global const int* neighbours, global const uchar* constrained, global const uint* region,
-                           const uint pieces, global const uint2* ends, global const int* turns,
+kernel void count_dangling(const uint count, BORDER_PARAMETERS, global const uchar* constrained,
                            volatile global DomainReport* report) {
   FOR_EACH(h, count) {
     const int u = neighbours[h];
     const uint t = h / 3u;
     if (!((constrained[t] >> (h % 3u)) & 1u) || u < (int)t || region[t] != region[u]) continue;
-    const int turn = turn_across(h, levels, corners, neighbours, pieces, ends, turns);
+    const int turn = turn_across(h, BORDERS);
     if (turn != 0) atomic_inc(&report->open_winding);
     if (turn & 1) atomic_inc(&report->open_parity);
   }

@@ -5,13 +5,9 @@
 #include "common/pieces.h"
 #include "common/predicates.h"
 
-GCDT_INLINE uint3 three(global const uint* words, uint i) {
-  return (uint3)(words[3u * i], words[3u * i + 1u], words[3u * i + 2u]);
-}
-
 // The vertices of triangle t, whose corners are input numbers.
 GCDT_INLINE uint3 vertices_of(global const uint* corners, uint t, global const uint* input_vertex) {
-  const uint3 c = three(corners, t);
+  const uint3 c = vload3(t, corners);
   return (uint3)(input_vertex[c.x], input_vertex[c.y], input_vertex[c.z]);
 }
 
@@ -93,17 +89,15 @@ kernel void link_triangles(const uint count, global const Levels* levels, global
     const uint3 v = vertices_of(corners, i, input_vertex), w = vertices_of(whole_corners, t, input_vertex);
     const uint turn = w.x == v.x ? 0u : w.y == v.x ? 1u : 2u;  // corner k is corner k + turn there
     uint flags = 0;
-    for (uint k = 0; k < 3; ++k) {
+    uint3 r = v;
+    for (uint k = 0; k < 3; ++k, r = r.yzx) {
       const uint there = k + turn >= 3u ? k + turn - 3u : k + turn;
       const int across = whole_neighbours[3u * t + there];
       neighbours[3u * i + k] = across < 0 ? -1 : taken[across];
-      const uint a = k == 0u ? v.y : k == 1u ? v.z : v.x, b = k == 0u ? v.z : k == 1u ? v.x : v.y;
-      const uint piece = find_piece(levels, pieces, ends, a, b);
+      const uint piece = find_piece(levels, pieces, ends, r.y, r.z);
       if (sources[source_offsets[piece]] < sources_below) flags |= 1u << k;
     }
-    corners[3u * i] = vertex_input[v.x];
-    corners[3u * i + 1u] = vertex_input[v.y];
-    corners[3u * i + 2u] = vertex_input[v.z];
+    vstore3((uint3)(vertex_input[v.x], vertex_input[v.y], vertex_input[v.z]), i, corners);
     constrained[i] = (uchar)flags;
   }
 }

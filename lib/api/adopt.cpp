@@ -2,8 +2,6 @@
 // The C interface: results of meshes that are there already.
 #include "query/adopt.hpp"
 
-#include <cstddef>
-
 #include "api/state.hpp"
 
 using namespace gcdt;
@@ -11,15 +9,13 @@ using namespace gcdt::api;
 
 int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_options* options,
                    gcdt_result** result) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     give_result(solver->state, result, [&] {
       const gcdt_input given = read_struct(input, "gcdt_input");
-      const gcdt_mesh made = read_struct(mesh, "gcdt_mesh", offsetof(gcdt_mesh, added));
-      require(made.triangles || made.triangle_count == 0, "gcdt_mesh.triangles is null");
-      require(made.added_count == 0, "added vertices of a mesh to be adopted are vertices of the input");
-      require(made.triangle_count <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
-      const Triangles triangles = {reinterpret_cast<const std::array<std::uint32_t, 3>*>(made.triangles),
-                                   static_cast<std::size_t>(made.triangle_count)};
+      const MeshView made = read_mesh(mesh);
+      const Triangles triangles = made.triangles;
+      require(made.added.empty(), "added vertices of a mesh to be adopted are vertices of the input");
+      require(triangles.size() <= 2 * max_vertices, "gcdt_mesh.triangle_count is too large");
       const Points points = read_points(given);
       const Constraints constraints = read_constraints(given);
       Options wanted = read_options(options);
@@ -30,12 +26,9 @@ int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
       State& state = *solver->state;
       std::vector<Constraint> all(constraints.begin(), constraints.end());
       all.insert(all.end(), edges.begin(), edges.end());
-      const InputSource source = {points.size(), all.size(), [&] {
-                                    return DeviceInput{stage(state.runtime, points), stage(state.runtime, all)};
-                                  }};
       DeviceTriangulation whole;
       try {
-        whole = state.triangulate(source, wanted);
+        whole = state.triangulate(source_of(state.runtime, points, all), wanted);
       } catch (const Error& error) {
         throw mesh_error(error, constraints, edges);
       }

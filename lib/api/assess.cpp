@@ -8,11 +8,10 @@
 // strict order of y and the chains of x, and neither meets itself. A chain meets the other one only where both have the
 // same x; a side can meet only the first and last edges of the chains, all else being on other grid lines.
 #include <algorithm>
-#include <cstddef>
 
 #include "api/state.hpp"
-#include "mesh/exact.hpp"
-#include "proof/grid.hpp"
+#include "exact/doubles.hpp"
+#include "proof/mesh.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -24,8 +23,7 @@ using Corner = std::uint32_t;
 
 struct Given {
   std::vector<Point> at;  ///< as given, or of a grid point if added
-  std::vector<proof::Vertex> on_grid;
-  std::vector<std::uint32_t> place;  ///< the least vertex on the same grid point
+  proof::Sites on_grid;
 };
 
 /// Do two segments without a common end meet?
@@ -90,7 +88,7 @@ class Outline {
   struct Edge {
     Corner from, to;
   };
-  std::int32_t x(Corner v) const { return given_.on_grid[v].x; }
+  std::int32_t x(Corner v) const { return given_.on_grid.at[v].x; }
   double right_end(const Edge& edge) const { return std::max(given_.at[edge.from][0], given_.at[edge.to][0]); }
 
   bool edges_meet(const Edge& e, const Edge& f) const {
@@ -111,62 +109,51 @@ class Outline {
   std::vector<Edge> left_, right_, lower_, upper_;
 };
 
-Given read_given(Points points, const gcdt_mesh& mesh, const Grid& grid) {
-  Given given;
+Given read_given(Points points, const MeshView& mesh, const Grid& grid) {
+  std::vector<Point> at;
   std::string reason;
-  given.on_grid = proof::quantise(points, grid, reason);
+  std::vector<proof::Vertex> on_grid = proof::quantise(points, grid, reason);
   if (!reason.empty()) throw Error(Status::invalid_argument, reason);
-  for (std::size_t v = 0; v < points.size(); ++v)
-    given.at.push_back({points.coordinate(v, 0), points.coordinate(v, 1)});
-  for (std::uint64_t i = 0; i < mesh.added_count; ++i) {
-    const std::int32_t x = mesh.added[2 * i], y = mesh.added[2 * i + 1];
+  for (std::size_t v = 0; v < points.size(); ++v) at.push_back({points.coordinate(v, 0), points.coordinate(v, 1)});
+  for (const auto& [x, y] : mesh.added) {
     require(x >= 0 && y >= 0, "an added vertex is outside the grid");
-    given.on_grid.push_back({x, y});
-    given.at.push_back({proof::coordinate_at(grid, 0, x), proof::coordinate_at(grid, 1, y)});
+    on_grid.push_back({x, y});
+    at.push_back({proof::coordinate_at(grid, 0, x), proof::coordinate_at(grid, 1, y)});
   }
-  std::vector<std::uint32_t> order(given.at.size());
-  for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
-  auto key = [&](std::uint32_t v) {
-    return std::uint64_t(given.on_grid[v].x) << 32 | std::uint32_t(given.on_grid[v].y);
-  };
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t u, std::uint32_t v) { return key(u) != key(v) ? key(u) < key(v) : u < v; });
-  given.place.resize(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    given.place[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? given.place[order[i - 1]] : order[i];
-  return given;
+  return {std::move(at), proof::Sites(std::move(on_grid))};
 }
 
-gcdt_assessment assess(const Given& given, const gcdt_mesh& mesh) {
+gcdt_assessment assess(const Given& given, const MeshView& mesh) {
   gcdt_assessment found = {};
-  for (std::size_t v = 0; v < given.at.size(); ++v) found.vertices_lost += given.at[v] != given.at[given.place[v]];
+  const std::size_t triangles = mesh.triangles.size();
   std::vector<Corner> next(given.at.size());
-  for (Corner v = 0; v < next.size(); ++v) next[v] = v;
-  auto corner = [&](std::uint64_t t, int k) { return mesh.triangles[3 * t + static_cast<std::uint64_t>(k % 3)]; };
-  for (std::uint64_t t = 0; t < mesh.triangle_count; ++t)
-    for (int k = 0; k < 3; ++k) {
+  for (Corner v = 0; v < next.size(); ++v) {
+    found.vertices_lost += given.at[v] != given.at[given.on_grid.representative[v]];
+    next[v] = v;
+  }
+  const auto corner = [&](std::size_t t, std::size_t k) { return mesh.triangles[t][k % 3]; };
+  for (std::size_t t = 0; t < triangles; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
       require(corner(t, k) < given.at.size(), "a triangle has a corner that does not exist");
-      const std::int32_t across = mesh.neighbours[3 * t + static_cast<std::uint64_t>(k)];
-      require(across >= -1 && across < static_cast<std::int64_t>(mesh.triangle_count), "a neighbour does not exist");
+      const std::int32_t across = mesh.neighbours[t][k];
+      require(across >= -1 && across < static_cast<std::int64_t>(triangles), "a neighbour does not exist");
     }
-  for (std::uint64_t t = 0; t < mesh.triangle_count; ++t) {
+  for (std::size_t t = 0; t < triangles; ++t) {
     const Point &a = given.at[corner(t, 0)], &b = given.at[corner(t, 1)], &c = given.at[corner(t, 2)];
     const int turn = exact::orient2d(a, b, c);
     found.triangles_inverted += turn < 0;
     found.triangles_flat += turn == 0;
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t across = mesh.neighbours[3 * t + static_cast<std::uint64_t>(k)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t across = mesh.neighbours[t][k];
       if (across < 0) next[corner(t, k + 1)] = corner(t, k + 2);
-      if (across < 0 || static_cast<std::uint64_t>(across) < t || turn <= 0) continue;
+      if (across < 0 || static_cast<std::size_t>(across) < t || turn <= 0) continue;
       if (mesh.constrained && (mesh.constrained[t] >> k & 1)) continue;
-      for (int j = 0; j < 3; ++j) {
-        const Corner apex = corner(static_cast<std::uint64_t>(across), j);
+      for (const Corner apex : mesh.triangles[static_cast<std::size_t>(across)])
         if (apex != corner(t, k + 1) && apex != corner(t, k + 2))
           found.edges_not_delaunay += exact::incircle(a, b, c, given.at[apex]) > 0;
-      }
     }
   }
-  found.outline_simple = mesh.triangle_count == 0 || Outline(given, next).simple();
+  found.outline_simple = triangles == 0 || Outline(given, next).simple();
   found.valid =
       found.triangles_inverted == 0 && found.triangles_flat == 0 && found.outline_simple && found.vertices_lost == 0;
   return found;
@@ -178,9 +165,8 @@ int32_t gcdt_assess(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_g
                     gcdt_assessment* assessment) {
   return guarded(nullptr, [&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
-    const gcdt_mesh m = read_struct(mesh, "gcdt_mesh", offsetof(gcdt_mesh, added));
-    require((m.triangles && m.neighbours) || m.triangle_count == 0, "gcdt_mesh.triangles or neighbours is null");
-    require(m.added || m.added_count == 0, "gcdt_mesh.added is null");
+    const MeshView m = read_mesh(mesh);
+    require(m.neighbours || m.triangles.empty(), "gcdt_mesh.neighbours is null");
     write_struct(assess(read_given(read_points(given), m, read_grid(grid)), m), assessment, "gcdt_assessment");
   });
 }

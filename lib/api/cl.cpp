@@ -102,14 +102,7 @@ void wait_for_order(State& state, cl_uint wait_count, const cl_event* wait_list)
   runtime.call("clEnqueueMarkerWithWaitList", "the application's queue",
                [&] { return clEnqueueMarkerWithWaitList(queue, wait_count, wait_list, &marker()); });
   runtime.call("clFlush", "the application's queue", [&] { return clFlush(queue); });
-  runtime.call("clWaitForEvents", "the application's queue", [&] {
-    const cl_event event = marker();
-    return clWaitForEvents(1, &event);
-  });
-}
-
-std::shared_ptr<runtime::DeviceMemory> own_memory(const runtime::BufferSource& source) {
-  return std::make_shared<runtime::BufferPool>(source);
+  runtime.call("clWaitForEvents", "the application's queue", [&] { return marker.wait(); });
 }
 
 void use_memory(State& state, std::shared_ptr<runtime::DeviceMemory> memory) {
@@ -141,7 +134,7 @@ int32_t gcdt_cl_solver_create(cl_command_queue queue, const gcdt_solver_options*
 
 int32_t gcdt_cl_triangulate(gcdt_solver* solver, const gcdt_cl_input* input, const gcdt_options* options,
                             cl_uint wait_count, const cl_event* wait_list, gcdt_result** result) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     State& state = *solver->state;
     give_result(solver->state, result, [&] {
       require(state.their_queue() != nullptr, "the solver was not made on an application's queue");
@@ -168,7 +161,7 @@ int32_t gcdt_cl_triangulate(gcdt_solver* solver, const gcdt_cl_input* input, con
 }
 
 int32_t gcdt_cl_result_buffer(const gcdt_result* result, int32_t array, cl_mem* buffer) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     require(buffer, "buffer is null");
     *buffer = result->array(array).memory;
   });
@@ -177,7 +170,7 @@ int32_t gcdt_cl_result_buffer(const gcdt_result* result, int32_t array, cl_mem* 
 int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queue queue, cl_mem destination,
                              uint64_t offset, uint64_t capacity, cl_uint wait_count, const cl_event* wait_list,
                              cl_event* event) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     State& state = *result->state;
     const Array from = result->array(array);
     require(queue, "queue is null");
@@ -185,11 +178,7 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
       throw Error(Status::wrong_context, "the queue is of another context than the solver's");
     const Range to =
         checked_range(state, "destination", destination, offset, capacity, from.element_bytes, CL_MEM_READ_ONLY);
-    if (capacity < from.count)
-      throw Error(
-          Status::buffer_too_small,
-          std::to_string(from.count) + " elements do not fit where there is room for " + std::to_string(capacity),
-          {from.count, capacity});
+    if (capacity < from.count) throw too_small(from.count, capacity);
     if (to.root && state.runtime.memory().holds(to.root))
       throw Error(Status::buffers_overlap, "the destination lies in the solver's memory");
     cl::Event copied;
@@ -203,13 +192,12 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
                                    static_cast<std::size_t>(from.bytes()), wait_count, wait_list, &copied());
       });
     auto& pending = state.pending_copies;
-    pending.erase(std::remove_if(pending.begin(), pending.end(),
-                                 [](const cl::Event& e) {
-                                   cl_int status = CL_QUEUED;
-                                   e.getInfo(CL_EVENT_COMMAND_EXECUTION_STATUS, &status);
-                                   return status <= CL_COMPLETE;
-                                 }),
-                  pending.end());
+    const auto over = [](const cl::Event& e) {
+      cl_int status = CL_QUEUED;
+      e.getInfo(CL_EVENT_COMMAND_EXECUTION_STATUS, &status);
+      return status <= CL_COMPLETE;
+    };
+    pending.erase(std::remove_if(pending.begin(), pending.end(), over), pending.end());
     pending.push_back(copied);
     if (event) {
       clRetainEvent(copied());
@@ -221,7 +209,7 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
 int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl_mem points, uint64_t point_offset,
                        uint64_t count, cl_mem triangles, cl_mem weights, cl_uint wait_count,
                        const cl_event* wait_list) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     State& state = *result->state;
     require(state.their_queue() != nullptr, "the solver was not made on an application's queue");
     const Points::Type type = read_type(coordinate_type);
@@ -252,7 +240,7 @@ int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl_mem poin
 }
 
 int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* buffers) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     State& state = *solver->state;
     require(buffers || count == 0, "buffers is null");
     std::vector<cl::Buffer> slabs;
@@ -270,12 +258,15 @@ int32_t gcdt_cl_set_workspace(gcdt_solver* solver, cl_uint count, const cl_mem* 
         throw Error(Status::buffers_overlap, name + " is given twice", {i});
       slabs.emplace_back(buffers[i], true);
     }
-    use_memory(state, count == 0 ? own_memory(state.buffer_source) : std::make_shared<runtime::Workspace>(slabs));
+    if (count == 0)
+      use_memory(state, std::make_shared<runtime::BufferPool>(state.buffer_source));
+    else
+      use_memory(state, std::make_shared<runtime::Workspace>(slabs));
   });
 }
 
 int32_t gcdt_cl_set_allocator(gcdt_solver* solver, const gcdt_cl_allocator* allocator) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     runtime::BufferSource source;
     if (allocator) {
       const gcdt_cl_allocator given = read_struct(allocator, "gcdt_cl_allocator");
@@ -285,7 +276,7 @@ int32_t gcdt_cl_set_allocator(gcdt_solver* solver, const gcdt_cl_allocator* allo
       };
       source.release = [given](cl_mem memory) { given.release(given.user, memory); };
     }
-    use_memory(*solver->state, own_memory(source));
+    use_memory(*solver->state, std::make_shared<runtime::BufferPool>(source));
     solver->state->buffer_source = std::move(source);
   });
 }

@@ -13,8 +13,7 @@ int32_t gcdt_cl_pool_create(cl_uint count, const cl_command_queue* queues, const
   return guarded(nullptr, [&] {
     require(pool, "pool is null");
     require(queues || count == 0, "queues is null");
-    gcdt_pool_options given = GCDT_POOL_OPTIONS_INIT;
-    if (options) given = read_struct(options, "gcdt_pool_options");
+    const gcdt_pool_options given = read_pool_options(options);
     require(!given.devices, "gcdt_pool_options.devices must be null: the queues have devices");
     std::vector<DevicePool::Member> members;
     for (cl_uint i = 0; i < count; ++i) {

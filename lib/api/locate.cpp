@@ -17,16 +17,6 @@ struct Found {
   std::vector<cl_long> areas;
 };
 
-Points part_of(const Points& points, std::size_t first, std::size_t count) {
-  const char* bytes = static_cast<const char*>(points.data());
-  switch (points.type()) {
-    case Points::Type::float32: return Points::pairs(reinterpret_cast<const float*>(bytes) + 2 * first, count);
-    case Points::Type::int64: return Points::pairs(reinterpret_cast<const std::int64_t*>(bytes) + 2 * first, count);
-    case Points::Type::int32: return Points::pairs(reinterpret_cast<const std::int32_t*>(bytes) + 2 * first, count);
-    default: return Points::pairs(reinterpret_cast<const double*>(bytes) + 2 * first, count);
-  }
-}
-
 /// Calls use(first, found) for each chunk.
 template <class Use>
 void locate_all(gcdt_result& result, const Points& points, Use&& use) {
@@ -41,8 +31,9 @@ void locate_all(gcdt_result& result, const Points& points, Use&& use) {
   Found found;
   for (std::size_t first = 0; first < points.size(); first += chunk) {
     const std::size_t count = std::min(chunk, points.size() - first);
-    const Located located = result.derived.locate(state.runtime, state.primitives, result.data,
-                                                  stage(state.runtime, part_of(points, first, count)));
+    const Located located =
+        result.derived.locate(state.runtime, state.primitives, result.data,
+                              stage(state.runtime, part_of(points.type(), points.data(), first, count)));
     found.triangles.resize(count);
     found.corners.resize(3 * count);
     found.areas.resize(3 * count);
@@ -62,19 +53,15 @@ std::array<double, 3> weights_of(const Found& found, std::size_t i) {
 }
 
 Points read_queries(int32_t coordinate_type, const void* points, uint64_t count) {
-  gcdt_input input = GCDT_INPUT_INIT;
-  input.coordinate_type = coordinate_type;
-  input.vertices = points;
-  input.vertex_count = count;
   require(points || count == 0, "points is null");
-  return read_points(input);
+  return part_of(read_type(coordinate_type), points, 0, static_cast<std::size_t>(count));
 }
 
 }  // namespace
 
 int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
                     int32_t* triangles, double* weights) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     const Points queries = read_queries(coordinate_type, points, count);
     require(triangles || count == 0, "triangles is null");
     // The caller's arrays are written only when nothing can fail any more.
@@ -95,7 +82,7 @@ int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* po
 
 int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const void* points, uint64_t count,
                          const double* vertex_values, double outside, double* values) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     const Points queries = read_queries(coordinate_type, points, count);
     require(vertex_values || result->data.representatives.size() == 0, "vertex_values is null");
     require(values || count == 0, "values is null");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: pools of devices and batches of problems.
 #include <gcdt/gcdt_pool.h>
+#include <gcdt/detail.hpp>
 
 #include "api/pool.hpp"
 
@@ -50,11 +51,6 @@ ReadBatch read_batch(const gcdt_batch_input* input) {
   return read;
 }
 
-gcdt_pool_options read_pool_options(const gcdt_pool_options* options) {
-  if (options) return read_struct(options, "gcdt_pool_options");
-  return GCDT_POOL_OPTIONS_INIT;
-}
-
 struct View {
   const unsigned char* data = nullptr;
   std::uint64_t count = 0;
@@ -87,17 +83,16 @@ void require_problem(const gcdt_batch* batch, std::uint64_t problem) {
 
 namespace gcdt::api {
 
+gcdt_pool_options read_pool_options(const gcdt_pool_options* options) {
+  if (options) return read_struct(options, "gcdt_pool_options");
+  return GCDT_POOL_OPTIONS_INIT;
+}
+
 void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options& options, gcdt_pool** pool) {
   auto made = std::make_unique<gcdt_pool>();
   made->devices = std::make_unique<DevicePool>(std::move(members), read_log(options.log, options.log_user),
                                                read_trace(options.trace, options.trace_user));
   *pool = made.release();
-}
-
-Error too_small(std::uint64_t elements, std::uint64_t capacity) {
-  return Error(Status::buffer_too_small,
-               std::to_string(elements) + " elements do not fit where there is room for " + std::to_string(capacity),
-               {elements, capacity});
 }
 
 void copy_batch(const gcdt_batch& batch, std::int32_t array, void* destination, std::uint64_t capacity,
@@ -195,10 +190,10 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
       c.message = error.what();
       c.indices = error.indices().data(), c.index_count = error.indices().size();
       c.pair_count = error.pair_count();
-      c.grid = write_grid(Grid());
+      c.grid = detail::grid(Grid());
     } else {
       const auto [result, place] = place_of(*batch, problem);
-      c.grid = write_grid(result->grids[place]);
+      c.grid = detail::grid(result->grids[place]);
       c.triangles = view(*batch, problem, GCDT_TRIANGLES).count;
       if (!result->begins[GCDT_ADDED].empty()) {  // a result of one
         const Statistics& s = result->statistics;

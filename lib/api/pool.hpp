@@ -27,6 +27,8 @@ void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options&
 /// See gcdt_batch_copy.
 void copy_batch(const gcdt_batch& batch, std::int32_t array, void* destination, std::uint64_t capacity,
                 std::uint64_t* offsets);
-Error too_small(std::uint64_t elements, std::uint64_t capacity);
+
+/// `options` may be null.
+gcdt_pool_options read_pool_options(const gcdt_pool_options* options);
 
 }  // namespace gcdt::api

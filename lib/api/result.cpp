@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include <gcdt/detail.hpp>
+
 #include "api/state.hpp"
 #include "query/quality.hpp"
 
@@ -41,17 +43,13 @@ int32_t gcdt_result_copy(gcdt_result* result, int32_t array, void* destination, 
 
 int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void* const* destinations,
                                 const uint64_t* capacities, size_t count) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     require(count == 0 || (arrays && destinations && capacities), "arrays, destinations or capacities is null");
     std::vector<runtime::HostRead> reads;
     std::vector<void*> zeros;
     for (std::size_t i = 0; i < count; ++i) {
       const Array from = result->array(arrays[i]);
-      if (capacities[i] < from.count)
-        throw Error(Status::buffer_too_small,
-                    std::to_string(from.count) + " elements do not fit where there is room for " +
-                        std::to_string(capacities[i]),
-                    {from.count, capacities[i]});
+      if (capacities[i] < from.count) throw too_small(from.count, capacities[i]);
       if (from.count == 0) continue;
       require(destinations[i], "destination is null");
       if (arrays[i] == GCDT_SOURCE_OFFSETS && result->data.pieces.count == 0) {  // not worth a command
@@ -76,21 +74,21 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
 void gcdt_result_release(gcdt_result* result) { delete result; }
 
 int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     const Statistics& s = result->data.statistics;
     gcdt_statistics c = {};
 #define GCDT_STATISTIC(member, name) c.member = s.name;
 #define GCDT_STATISTIC_HIDDEN GCDT_STATISTIC
 #define GCDT_STATISTIC_TEXT(member, name) c.member = s.name.c_str();
 #include <gcdt/statistics.def>
-    c.grid = write_grid(s.grid);
+    c.grid = detail::grid(s.grid);
     std::copy(s.rounded_pair.begin(), s.rounded_pair.end(), c.rounded_pair);
     write_struct(c, statistics, "gcdt_statistics", offsetof(gcdt_statistics, ms_domain));
   });
 }
 
 int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality) {
-  return guarded_call(result ? result->state.get() : nullptr, [&] {
+  return guarded_call(result, [&] {
     const device::Quality q = measure_quality(result->state->runtime, result->data.vertices, result->data.mesh);
     gcdt_quality c = {};
     c.least_angle_triangle = c.largest_angle_triangle = -1;

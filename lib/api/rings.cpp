@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "api/state.hpp"
-#include "mesh/exact.hpp"
+#include "exact/doubles.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -49,11 +49,7 @@ int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, 
     check_offsets(given.ring_offsets, given.ring_count, points.size(), "gcdt_rings.ring_offsets");
     if (given.polygon_offsets)
       check_offsets(given.polygon_offsets, given.polygon_count, given.ring_count, "gcdt_rings.polygon_offsets");
-    if (capacity < points.size())
-      throw Error(
-          Status::buffer_too_small,
-          std::to_string(points.size()) + " constraints do not fit where there is room for " + std::to_string(capacity),
-          {points.size(), capacity});
+    if (capacity < points.size()) throw too_small(points.size(), capacity, "constraints");
     require(constraints || points.size() == 0, "constraints is null");
     for (std::uint64_t v = 0; v < 2 * points.size() && given.polygon_offsets; ++v)
       if (const double c = points.coordinate(v / 2, int(v % 2)); !(c - c == 0))

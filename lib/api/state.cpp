@@ -3,6 +3,7 @@
 #include "api/state.hpp"
 
 #include <gcdt/statuses.hpp>
+#include <string_view>
 
 using namespace gcdt;
 
@@ -21,10 +22,8 @@ struct ThreadDetail {
 thread_local ThreadDetail thread_detail;
 
 template <std::size_t N>
-void cut(char (&to)[N], const std::string& from) {
-  const std::size_t length = std::min(from.size(), N - 1);
-  std::memcpy(to, from.data(), length);
-  to[length] = '\0';
+void cut(char (&to)[N], std::string_view from) {
+  to[from.copy(to, N - 1)] = '\0';
 }
 
 }  // namespace
@@ -39,9 +38,7 @@ std::int32_t failed(State* state, std::int32_t status, const char* message, cons
                     std::uint64_t pair_count) noexcept {
   ThreadDetail& detail = thread_detail;
   detail.status = status;
-  const std::size_t length = std::min(std::strlen(message), sizeof detail.message - 1);
-  std::memcpy(detail.message, message, length);
-  detail.message[length] = '\0';
+  cut(detail.message, message);
   detail.index_count = std::min(indices.size(), std::size(detail.indices));
   std::copy_n(indices.begin(), detail.index_count, detail.indices);
   detail.pair_count = pair_count;
@@ -53,6 +50,13 @@ std::int32_t failed(State* state, std::int32_t status, const char* message, cons
     state->detail.status = status;
   }
   return status;
+}
+
+Error too_small(std::uint64_t elements, std::uint64_t capacity, const char* name) {
+  return Error(
+      Status::buffer_too_small,
+      std::to_string(elements) + " " + name + " do not fit where there is room for " + std::to_string(capacity),
+      {elements, capacity});
 }
 
 namespace {
@@ -117,13 +121,7 @@ Points::Type read_type(std::int32_t coordinate_type) {
 
 Points read_points(const gcdt_input& input) {
   require(input.vertices || input.vertex_count == 0, "gcdt_input.vertices is null");
-  const auto count = static_cast<std::size_t>(input.vertex_count);
-  switch (read_type(input.coordinate_type)) {
-    case Points::Type::float32: return Points::pairs(static_cast<const float*>(input.vertices), count);
-    case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(input.vertices), count);
-    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(input.vertices), count);
-    default: return Points::pairs(static_cast<const double*>(input.vertices), count);
-  }
+  return part_of(read_type(input.coordinate_type), input.vertices, 0, static_cast<std::size_t>(input.vertex_count));
 }
 
 Constraints read_constraints(const gcdt_input& input) {
@@ -190,6 +188,13 @@ using namespace gcdt::api;
 
 const char* gcdt_version(void) { return GCDT_VERSION; }
 
+const char* gcdt_strerror(int32_t status) {
+  const char* sentence =
+      status < 0 && status > -20000 ? "an OpenCL call failed; its code is the status" : "unknown status";
+  gcdt::detail::row_of(status, [&](const auto& row) { sentence = row.sentence; });
+  return sentence;
+}
+
 int32_t gcdt_last_error(const gcdt_solver* solver, gcdt_error* error) {
   return guarded(nullptr, [&] {
     gcdt_error c = {};
@@ -247,12 +252,12 @@ int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** sol
 void gcdt_solver_release(gcdt_solver* solver) { delete solver; }
 
 int32_t gcdt_solver_device(const gcdt_solver* solver, gcdt_device_info* info) {
-  return guarded_call(solver ? solver->state.get() : nullptr,
+  return guarded_call(solver,
                       [&] { write_struct(device_info(solver->state->runtime.info()), info, "gcdt_device_info"); });
 }
 
 int32_t gcdt_solver_trim(gcdt_solver* solver) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     solver->state->settle();
     solver->state->runtime.memory().trim();
   });
@@ -260,17 +265,12 @@ int32_t gcdt_solver_trim(gcdt_solver* solver) {
 
 int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcdt_options* options,
                          gcdt_result** result) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     State& state = *solver->state;
     give_result(solver->state, result, [&] {
       const gcdt_input given = read_struct(input, "gcdt_input");
-      const Points points = read_points(given);
-      const Constraints constraints = read_constraints(given);
-      const Options wanted = read_options(options);
-      const InputSource source = {given.vertex_count, given.constraint_count, [&] {
-                                    return DeviceInput{stage(state.runtime, points), stage(state.runtime, constraints)};
-                                  }};
-      return state.triangulate(source, wanted);
+      const InputSource source = source_of(state.runtime, read_points(given), read_constraints(given));
+      return state.triangulate(source, read_options(options));
     });
   });
 }

@@ -73,10 +73,11 @@ std::int32_t guarded(State* state, F&& f) noexcept {
   }
 }
 
-/// The same for one call on `state`, which may be null: an error then. No two at a time.
-template <class F>
-std::int32_t guarded_call(State* state, F&& f) noexcept {
-  if (!state) return failed(nullptr, GCDT_ERROR_INVALID_ARGUMENT, "the solver or result is null");
+/// The same for one call on a solver or result, which may be null: an error then. No two at a time.
+template <class Handle, class F>
+std::int32_t guarded_call(const Handle* handle, F&& f) noexcept {
+  if (!handle) return failed(nullptr, GCDT_ERROR_INVALID_ARGUMENT, "the solver or result is null");
+  State* const state = handle->state.get();
   if (state->in_call.test_and_set())
     return failed(nullptr, GCDT_ERROR_IN_USE, "the solver is in a call, of another thread or of a callback's caller");
   const std::int32_t status = guarded(state, f);
@@ -87,6 +88,9 @@ std::int32_t guarded_call(State* state, F&& f) noexcept {
 inline void require(bool holds, const char* what) {
   if (!holds) throw Error(Status::invalid_argument, what);
 }
+
+/// `elements` of the library's, or what `name` says, have no room in the caller's array.
+Error too_small(std::uint64_t elements, std::uint64_t capacity, const char* name = "elements");
 
 /// A structure of the caller's, of whatever version that is known: members that it lacks are zero. `least` is the
 /// size of the first version.
@@ -117,8 +121,8 @@ Points::Type read_type(std::int32_t coordinate_type);
 Points read_points(const gcdt_input& input);
 Constraints read_constraints(const gcdt_input& input);
 gcdt_device_info device_info(const DeviceInfo& info);
-gcdt_grid write_grid(const Grid& grid);
 Grid read_grid(const gcdt_grid* grid);
+MeshView read_mesh(const gcdt_mesh* mesh);
 /// `options` may be null.
 gcdt_solver_options read_solver_options(const gcdt_solver_options* options);
 runtime::Log read_log(gcdt_log_function call, void* user);

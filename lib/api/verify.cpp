@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include <gcdt/detail.hpp>
+
 #include "api/state.hpp"
 #include "mesh/grid.hpp"
 #include "proof/domain.hpp"
@@ -16,17 +18,10 @@ using namespace gcdt::api;
 Grid gcdt::api::read_grid(const gcdt_grid* given) {
   const gcdt_grid c = read_struct(given, "gcdt_grid");
   require(c.kind >= GCDT_GRID_BINARY && c.kind <= GCDT_GRID_FIXED, "gcdt_grid.kind is none of GCDT_GRID_...");
-  Grid grid;
-  grid.kind = static_cast<Grid::Kind>(c.kind);
-  grid.origin = {c.origin[0], c.origin[1]};
-  grid.cell_units = c.cell_units, grid.cell_decimals = c.cell_decimals, grid.cell_exponent = c.cell_exponent;
-  grid.largest_move = c.largest_move;
-  return grid;
+  return detail::grid(c);
 }
 
-namespace {
-
-MeshView read_mesh(const gcdt_mesh* mesh) {
+MeshView gcdt::api::read_mesh(const gcdt_mesh* mesh) {
   const gcdt_mesh m = read_struct(mesh, "gcdt_mesh", offsetof(gcdt_mesh, added));
   require(m.triangles || m.triangle_count == 0, "gcdt_mesh.triangles is null");
   require(m.added || m.added_count == 0, "gcdt_mesh.added is null");
@@ -39,11 +34,21 @@ MeshView read_mesh(const gcdt_mesh* mesh) {
   return view;
 }
 
+namespace {
+
 /// As read_mesh, of a mesh made with `crossing`.
 MeshView read_mesh(const gcdt_mesh* mesh, Crossing crossing) {
-  const MeshView view = read_mesh(mesh);
+  const MeshView view = api::read_mesh(mesh);
   require(crossing == Crossing::split || view.added.size() == 0, "only GCDT_CROSSING_SPLIT adds vertices");
   return view;
+}
+
+/// A grid without defect, for points on it.
+Grid read_whole_grid(const gcdt_grid* given) {
+  const Grid grid = read_grid(given);
+  const std::string defect = proof::grid_defect(grid);
+  require(defect.empty(), defect.c_str());
+  return grid;
 }
 
 /// The status of a verification, and what guarded() may have caught while `prove` ran.
@@ -59,16 +64,6 @@ std::int32_t judged(Prove&& prove) {
 
 }  // namespace
 
-gcdt_grid gcdt::api::write_grid(const Grid& grid) {
-  gcdt_grid c = {};
-  c.struct_size = sizeof c;
-  c.kind = static_cast<std::int32_t>(grid.kind);
-  c.origin[0] = grid.origin[0], c.origin[1] = grid.origin[1];
-  c.cell_units = grid.cell_units, c.cell_decimals = grid.cell_decimals, c.cell_exponent = grid.cell_exponent;
-  c.largest_move = grid.largest_move;
-  return c;
-}
-
 double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_exponent) {
   double edge = 0;
   guarded(nullptr, [&] { edge = cell_edge(cell_units, cell_decimals, cell_exponent); });
@@ -77,10 +72,8 @@ double gcdt_grid_cell(uint64_t cell_units, int32_t cell_decimals, int32_t cell_e
 
 int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count, double* coordinates) {
   return guarded(nullptr, [&] {
-    const Grid known = read_grid(grid);
+    const Grid known = read_whole_grid(grid);
     require((points && coordinates) || count == 0, "points or coordinates is null");
-    const std::string defect = proof::grid_defect(known);
-    require(defect.empty(), defect.c_str());
     for (uint64_t i = 0; i < 2 * count; ++i) require(points[i] >= 0, "a grid point is negative");
     for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = proof::coordinate_at(known, int(i % 2), points[i]);
   });
@@ -88,10 +81,8 @@ int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint
 
 int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint64_t count, int32_t* points) {
   return guarded(nullptr, [&] {
-    const Grid known = read_grid(grid);
+    const Grid known = read_whole_grid(grid);
     require((points && coordinates) || count == 0, "points or coordinates is null");
-    const std::string defect = proof::grid_defect(known);
-    require(defect.empty(), defect.c_str());
     std::vector<std::int32_t> placed(2 * count);
     for (uint64_t i = 0; i < 2 * count; ++i) {
       const std::vector<std::uint64_t> where = {i / 2, i % 2};
@@ -110,7 +101,7 @@ uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return 
 int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
   return guarded(nullptr, [&] {
     const Points points = read_points(read_struct(input, "gcdt_input"));
-    gcdt_grid chosen = write_grid(proof::choose_grid(points, read_options(fixed).grid));
+    const gcdt_grid chosen = detail::grid(proof::choose_grid(points, read_options(fixed).grid));
     require(grid, "grid is null");
     grid->struct_size = sizeof *grid;
     write_struct(chosen, grid, "gcdt_grid");
@@ -141,7 +132,7 @@ int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const
 }
 
 int32_t gcdt_check(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_options* options) {
-  return guarded_call(solver ? solver->state.get() : nullptr, [&] {
+  return guarded_call(solver, [&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
     const MeshView view = read_mesh(mesh);
     require(view.added.size() == 0, "added vertices of a mesh to be checked are vertices of the input");

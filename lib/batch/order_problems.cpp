@@ -101,8 +101,7 @@ class ProblemOrdering {
   OrderResult number(Primitives& primitives, cl_uint n) {
     auto before = runtime_.allocate<cl_uint>("distinct before", std::size_t{n} + 1);
     runtime_.launch("forest", "forest_mark_first", over(n), n, input_problem_, keys_, before);
-    primitives.exclusive_scan(before, before, n);
-    const cl_uint distinct = runtime_.read_one(before, n);
+    const cl_uint distinct = primitives.scan_total(before, n);
     OrderResult result;
     result.merged = n - distinct;
     Vertices& vertices = result.vertices;

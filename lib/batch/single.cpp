@@ -40,14 +40,12 @@ ForestResult triangulate_single(Runtime& runtime, Primitives& primitives, const 
                                 const Options& options) {
   Options own = options;
   own.canonical = true;
-  const Points points = points_of(batch, number);
+  const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[number]),
+                                static_cast<std::size_t>(batch.n(number)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[number],
                                    static_cast<std::size_t>(batch.m(number))};
-  const InputSource source = {points.size(), constraints.size(), [&] {
-                                return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
-                              }};
   runtime.memory().begin_call();
-  const DeviceTriangulation made = triangulate(runtime, primitives, source, own);
+  const DeviceTriangulation made = triangulate(runtime, primitives, source_of(runtime, points, constraints), own);
   ForestResult result;
   runtime.tracer().begin_phase("copy");
   copy_single(runtime, made, result);

@@ -5,13 +5,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
+#include <numeric>
 #include <set>
 
 #include "device/runtime.hpp"
 
-namespace gcdt {
-
-namespace runtime {
+namespace gcdt::runtime {
 
 // The library needs a compiler and OpenCL 1.2 ("OpenCL 1.2 ..."); a device that cannot even tell is
 // left out, and hides no other.
@@ -132,6 +131,32 @@ bool has_name(const DeviceInfo& d, const std::string& part) {
   throw Error(Status::no_device, "no OpenCL device fits \"" + wanted + "\"; there are:" + list);
 }
 
+/// The devices that one word of a choice fits, at least one; of `auto` all GPUs, or one CPU, or whatever there is.
+std::vector<std::size_t> fitting(const std::vector<DeviceInfo>& all, const std::string& wanted) {
+  std::vector<std::size_t> found;
+  const auto add = [&](auto&& fits) {
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (fits(all[i])) found.push_back(i);
+  };
+  const auto gpu = [](const DeviceInfo& d) { return d.is_gpu; };
+  const auto cpu = [](const DeviceInfo& d) { return d.is_cpu; };
+  if (wanted == "gpu" || wanted == "auto") {
+    add(gpu);
+  } else if (wanted == "cpu") {
+    add(cpu);
+  } else if (!is_number(wanted)) {
+    add([&](const DeviceInfo& d) { return has_name(d, wanted); });
+  } else if (!wanted.empty() && wanted.size() <= 9 && std::stoul(wanted) < all.size()) {
+    found.push_back(std::stoul(wanted));
+  }
+  if (wanted == "auto" && found.empty()) {
+    add(cpu);
+    found.resize(1);
+  }
+  if (found.empty()) fail_to_choose(all, wanted);
+  return found;
+}
+
 }  // namespace
 
 std::vector<std::size_t> choose_devices(const std::string& spec) {
@@ -141,53 +166,19 @@ std::vector<std::size_t> choose_devices(const std::string& spec) {
   for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
     end = wanted.find(',', begin);
     const std::string one = wanted.substr(begin, end == std::string::npos ? end : end - begin);
-    const bool any_gpu = std::any_of(all.begin(), all.end(), [](const DeviceInfo& d) { return d.is_gpu; });
-    const auto fits = [&](std::size_t i) {
-      if (one == "all") return true;
-      if (one == "auto") return any_gpu ? all[i].is_gpu : i == choose_device("auto", nullptr);
-      if (one == "gpu") return all[i].is_gpu;
-      if (one == "cpu") return all[i].is_cpu;
-      return !one.empty() && (is_number(one) ? std::to_string(i) == one : has_name(all[i], one));
-    };
-    bool found = false;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (fits(i)) chosen.insert(i), found = true;
-    if (!found) fail_to_choose(all, one);
+    std::vector<std::size_t> found(all.size());
+    std::iota(found.begin(), found.end(), 0u);
+    if (one != "all") found = fitting(all, one);
+    chosen.insert(found.begin(), found.end());
   }
   return {chosen.begin(), chosen.end()};
 }
 
 std::size_t choose_device(const std::string& spec, bool* ambiguous) {
-  if (ambiguous) *ambiguous = false;
-  const std::vector<DeviceInfo> all = describe_all();
   const std::string wanted = or_default(spec);
-  auto first = [&](auto&& fits) -> std::optional<std::size_t> {
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (fits(all[i])) return i;
-    return std::nullopt;
-  };
-  auto gpu = [](const DeviceInfo& d) { return d.is_gpu; };
-  auto cpu = [](const DeviceInfo& d) { return d.is_cpu; };
-  std::optional<std::size_t> found;
-  if (wanted == "auto") {
-    found = first(gpu);
-    if (!found) found = first(cpu);
-    if (!found) found = 0;
-  } else if (wanted == "gpu") {
-    found = first(gpu);
-  } else if (wanted == "cpu") {
-    found = first(cpu);
-  } else if (is_number(wanted)) {
-    if (wanted.size() <= 9 && std::stoul(wanted) < all.size()) found = std::stoul(wanted);
-  } else {
-    auto matches = [&](const DeviceInfo& d) { return has_name(d, wanted); };
-    found = first(matches);
-    if (ambiguous) *ambiguous = std::count_if(all.begin(), all.end(), matches) > 1;
-  }
-  if (!found) fail_to_choose(all, wanted);
-  return *found;
+  const std::vector<std::size_t> found = fitting(describe_all(), wanted);
+  if (ambiguous) *ambiguous = found.size() > 1 && wanted != "auto" && wanted != "gpu" && wanted != "cpu";
+  return found.front();
 }
 
-}  // namespace runtime
-
-}  // namespace gcdt
+}  // namespace gcdt::runtime

@@ -34,7 +34,6 @@ const ProgramInfo programs[] = {
     {"order", "core", false},
     {"output", "core", false},
     {"parts", "parts", true},
-    {"predicates", "predicates", false},
     {"primitives", "core", false},
     {"primitives_group", "primitives_group", false},
     {"quality", "quality", false},

@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "device/cache.hpp"
-#include "device/kernel_sources.hpp"
 #include "device/runtime.hpp"
 
 namespace gcdt::runtime {
@@ -82,29 +81,16 @@ std::optional<cl::Program> build_binary(Runtime& runtime, const char* name, cons
 
 // Of the runtime's device: the context may have more. Empty if the driver gives none.
 std::string binary_of(Runtime& runtime, const char* name, const cl::Program& program) {
-  cl_uint count = 0;
-  const cl_int counted = runtime.attempt("clGetProgramInfo", name, [&] {
-    return clGetProgramInfo(program(), CL_PROGRAM_NUM_DEVICES, sizeof count, &count, nullptr);
-  });
-  if (counted != CL_SUCCESS) return {};
-  std::vector<cl_device_id> devices(count);
-  std::vector<std::size_t> sizes(count, 0);
-  const cl_int sized = runtime.attempt("clGetProgramInfo", name, [&] {
-    const cl_int listed =
-        clGetProgramInfo(program(), CL_PROGRAM_DEVICES, count * sizeof devices[0], devices.data(), nullptr);
-    return listed != CL_SUCCESS
-               ? listed
-               : clGetProgramInfo(program(), CL_PROGRAM_BINARY_SIZES, count * sizeof sizes[0], sizes.data(), nullptr);
-  });
-  const std::size_t ours = std::find(devices.begin(), devices.end(), runtime.device()()) - devices.begin();
-  if (sized != CL_SUCCESS || ours == count || sizes[ours] == 0) return {};
-  std::string binary(sizes[ours], '\0');
-  std::vector<unsigned char*> places(count, nullptr);  // null: not wanted
-  places[ours] = reinterpret_cast<unsigned char*>(binary.data());
+  std::vector<cl::Device> devices;
+  std::vector<std::vector<unsigned char>> binaries;  // by device
   const cl_int got = runtime.attempt("clGetProgramInfo", name, [&] {
-    return clGetProgramInfo(program(), CL_PROGRAM_BINARIES, count * sizeof places[0], places.data(), nullptr);
+    const cl_int listed = program.getInfo(CL_PROGRAM_DEVICES, &devices);
+    return listed != CL_SUCCESS ? listed : program.getInfo(CL_PROGRAM_BINARIES, &binaries);
   });
-  return got == CL_SUCCESS ? binary : std::string();
+  if (got != CL_SUCCESS) return {};
+  for (std::size_t i = 0; i < std::min(devices.size(), binaries.size()); ++i)
+    if (devices[i]() == runtime.device()()) return {binaries[i].begin(), binaries[i].end()};
+  return {};
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "device/download.hpp"
-#include "device/kernel_sources.hpp"
+#include "device/step.hpp"
 
 namespace gcdt::runtime {
 
@@ -120,10 +120,10 @@ const cl::Program& Runtime::find_program(const char* program) {
   auto found = programs_->built.find(key);
   if (found == programs_->built.end()) {
     found = programs_->built.emplace(key, build_program(*this, program)).first;
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    log(GCDT_LOG_INFORMATION, "built " + std::string(program) + " in " + std::to_string(ms) + " ms");
+    log(GCDT_LOG_INFORMATION,
+        "built " + std::string(program) + " in " + std::to_string(milliseconds_since(start)) + " ms");
   }
-  build_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  build_ms_ += milliseconds_since(start);
   return found->second;
 }
 

@@ -14,16 +14,13 @@ inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 /// Wall time since its construction, without building programs.
-class Stopwatch {
- public:
-  explicit Stopwatch(const runtime::Runtime& runtime)
-      : runtime_(runtime), built_(runtime.build_ms()), start_(std::chrono::steady_clock::now()) {}
-  double milliseconds() const { return milliseconds_since(start_) - (runtime_.build_ms() - built_); }
+struct Stopwatch {
+  explicit Stopwatch(const runtime::Runtime& timed) : runtime(timed) {}
+  double milliseconds() const { return milliseconds_since(start) - (runtime.build_ms() - built); }
 
- private:
-  const runtime::Runtime& runtime_;
-  double built_;
-  std::chrono::steady_clock::time_point start_;
+  const runtime::Runtime& runtime;
+  const double built = runtime.build_ms();
+  const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };
 
 /// From its construction to end(). What was queued before should be finished: it would count. Steps nest. After an

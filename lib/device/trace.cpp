@@ -52,14 +52,7 @@ void Tracer::tell_launches() {
 }
 
 void Tracer::tell(const std::string& name, bool on_device, std::uint64_t begin, std::uint64_t end) const {
-  TraceSpan span;
-  span.device = device_;
-  span.device_number = device_number_;
-  span.phase = phases_.empty() ? "" : phases_.front().name;
-  span.name = name;
-  span.on_device = on_device;
-  span.begin_ns = begin, span.end_ns = end;
-  sink_(span);
+  sink_({device_, device_number_, phases_.empty() ? "" : phases_.front().name, name, on_device, begin, end});
 }
 
 }  // namespace gcdt::runtime

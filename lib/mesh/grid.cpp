@@ -86,16 +86,6 @@ std::optional<DecimalText> parse_decimal(const std::string& text) {
   throw Error(Status::invalid_argument, "the grid's cell \"" + text.substr(0, 60) + "\" " + why);
 }
 
-// The largest product units * 10^-decimals with decimals >= 0 that fits, so that whole cells read as such.
-void set_decimal_cell(Grid& grid, std::uint64_t units, int decimals) {
-  while (decimals < 0 && units <= std::numeric_limits<std::uint64_t>::max() / 10) {
-    units *= 10;
-    ++decimals;
-  }
-  grid.cell_units = units;
-  grid.cell_decimals = decimals;
-}
-
 }  // namespace
 
 Survey survey_of(const std::uint64_t* maxima) {
@@ -157,29 +147,25 @@ ChosenGrid fixed_grid(const FixedGrid& given) {
   const std::uint64_t nearest = to_bits(nearest_double(text->digits + "e" + std::to_string(text->exponent)));
   const std::uint64_t m = device::gcdt_mantissa(nearest);
   if (device::gcdt_is_finite(nearest) && m != 0 && (m & (m - 1)) == 0) {
-    const int k = device::gcdt_trailing_exponent(nearest);
-    chosen.grid.cell_exponent = k;
-    chosen.scale = make_scale(origin, 1, 1, 0, k);
+    chosen.grid.cell_exponent = device::gcdt_trailing_exponent(nearest);
+    chosen.scale = scale_of(chosen.grid);
     return chosen;
   }
   if (text->digits.size() > 19) bad_cell(given.cell, "has more than 19 significant digits");
   if (text->exponent < -GCDT_MAX_DECIMALS || text->exponent > GCDT_MAX_DECIMALS)
     bad_cell(given.cell, "is not a whole number of 10^-22 to 10^22");
-  const std::uint64_t units = std::stoull(text->digits);
-  const int exponent = static_cast<int>(text->exponent);
-  // units 10^exponent = 2^exponent (units 5^exponent), or over 5^-exponent.
-  const std::uint64_t five = device::gcdt_powers_of_five[std::abs(exponent)];
-  if (exponent < 0)
-    chosen.scale = make_scale(origin, five, units, 0, exponent);
-  else
-    chosen.scale = make_scale(origin, 1, units * five, device::gcdt_mul_high(units, five), exponent);
-  set_decimal_cell(chosen.grid, units, -exponent);
+  std::uint64_t& units = chosen.grid.cell_units = std::stoull(text->digits);
+  int& decimals = chosen.grid.cell_decimals = -static_cast<int>(text->exponent);
+  chosen.scale = scale_of(chosen.grid);
+  // The largest product units * 10^-decimals with decimals >= 0 that fits, so that whole cells read as such.
+  for (; decimals < 0 && units <= std::numeric_limits<std::uint64_t>::max() / 10; ++decimals) units *= 10;
   return chosen;
 }
 
 device::Scale scale_of(const Grid& grid) {
   const std::array<std::uint64_t, 2> origin{to_bits(grid.origin[0]), to_bits(grid.origin[1])};
   if (grid.cell_units == 0) return make_scale(origin, 1, 1, 0, grid.cell_exponent);
+  // units 10^-decimals = 2^-decimals (units 5^-decimals), or over 5^decimals.
   const std::uint64_t five = device::gcdt_powers_of_five[std::abs(grid.cell_decimals)];
   if (grid.cell_decimals >= 0) return make_scale(origin, five, grid.cell_units, 0, -grid.cell_decimals);
   return make_scale(origin, 1, grid.cell_units * five, device::gcdt_mul_high(grid.cell_units, five),

@@ -6,7 +6,7 @@
 
 namespace gcdt {
 
-/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host but sort_by_prefix and
+/// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host but scan_total, sort_by_prefix and
 /// sort_by_buckets.
 class Primitives {
  public:
@@ -22,6 +22,12 @@ class Primitives {
   /// holds count + 1 elements. `in` and `out` may be the same buffer. count may be 0.
   /// Example: in = {3, 0, 2}, out = {0, 3, 3, 5}.
   void exclusive_scan(const runtime::Buffer<cl_uint>& in, const runtime::Buffer<cl_uint>& out, std::size_t count);
+
+  /// The same in place. Blocks, and returns the total.
+  cl_uint scan_total(const runtime::Buffer<cl_uint>& words, std::size_t count) {
+    exclusive_scan(words, words, count);
+    return runtime_.read_one(words, count);
+  }
 
   /// Given offsets = exclusive_scan(flags) of flags 0 or 1: out[offsets[i]] = i for every i with
   /// offsets[i + 1] > offsets[i]. Ascending. out holds offsets[count] elements.

@@ -42,33 +42,32 @@ const Kind kinds[] = {
 };
 static_assert(sizeof kinds / sizeof kinds[0] == GCDT_CHECK_KINDS, "one sentence for each kind");
 
-class Checker {
- public:
-  Checker(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
-          const Pieces& pieces)
-      : runtime_(runtime),
-        plan_(plan),
-        ordered_(ordered),
-        vertices_(vertices),
-        pieces_(pieces),
-        edges_expected_(pieces.count),
-        report_(runtime.allocate<CheckReport>("check report", 1)) {}
+struct Checker {
+  Runtime& runtime;
+  const Plan& plan;
+  const OrderedMesh& ordered;
+  const Vertices& vertices;
+  const Pieces& pieces;
+  std::uint32_t edges_expected = pieces.count;  ///< pieces of problems with triangles
+  Buffer<CheckReport> report = runtime.allocate<CheckReport>("check report", 1);
+  CheckReport found = {};
+  bool read = false;
 
   /// No triangles: right iff there are fewer than three vertices or all lie on one line.
   void check_empty() {
-    if (vertices_.n() < 3) return;
+    if (vertices.n() < 3) return;
     clear_report();
-    runtime_.launch("check", "check_collinear", over(vertices_.n()), vertices_.n(), vertices_.points, report_);
+    runtime.launch("check", "check_collinear", over(vertices.n()), vertices.n(), vertices.points, report);
     judge(0, GCDT_CHECK_KINDS);
   }
 
   void check_mesh() {
     check_parts([&](const Buffer<cl_uint>&, const Buffer<cl_uint>&) {
-      if (found_.least_corners != 1)
-        fail("the boundary has " + std::to_string(found_.least_corners) +
+      if (found.least_corners != 1)
+        fail("the boundary has " + std::to_string(found.least_corners) +
                  " least corners, not 1: it is several polygons or winds more than once",
              {});
-      if (std::uint64_t{ordered_.triangles} + 2 + found_.hull_vertices != std::uint64_t{2} * vertices_.n())
+      if (std::uint64_t{ordered.triangles} + 2 + found.hull_vertices != std::uint64_t{2} * vertices.n())
         name_unused_vertex();
     });
   }
@@ -76,28 +75,23 @@ class Checker {
   /// What holds for the whole holds for each problem.
   void check_problems(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
     check_parts([&](const Buffer<cl_uint>& next, const Buffer<cl_uint>& previous) {
-      const cl_uint n = vertices_.n(), problems = vertices_.roots;
-      auto hull = runtime_.allocate<cl_uint>("check hulls", problems),
-           least = runtime_.allocate<cl_uint>("check least corners", problems),
-           bad = runtime_.allocate<cl_uint>("check problems", 2);
-      runtime_.fill<cl_uint>(hull, 0, problems);
-      runtime_.fill<cl_uint>(least, 0, problems);
-      runtime_.fill<cl_uint>(bad, GCDT_NONE, 1);
-      runtime_.fill<cl_uint>(bad, 0, 1, 1);
-      runtime_.launch("check_forest", "check_forest_boundary", over(n), n, vertices_.points, next, previous, hull,
-                      least);
-      runtime_.launch("check_forest", "check_forest_counts", over(problems), problems, n, vertices_.points,
-                      first_triangle, first_piece, hull, least, bad);
-      runtime_.launch("check_forest", "check_forest_lines", over(n), n, vertices_.levels_buffer, vertices_.points,
-                      first_triangle, bad);
-      const cl_uint problem = runtime_.read_one(bad);
+      const cl_uint n = vertices.n(), problems = vertices.roots;
+      auto hull = runtime.filled<cl_uint>("check hulls", problems, 0),
+           least = runtime.filled<cl_uint>("check least corners", problems, 0),
+           bad = runtime.filled<cl_uint>("check problems", 2, GCDT_NONE);
+      runtime.fill<cl_uint>(bad, 0, 1, 1);
+      runtime.launch("check_forest", "check_forest_boundary", over(n), n, vertices.points, next, previous, hull, least);
+      runtime.launch("check_forest", "check_forest_counts", over(problems), problems, n, vertices.points,
+                     first_triangle, first_piece, hull, least, bad);
+      runtime.launch("check_forest", "check_forest_lines", over(n), n, vertices.levels_buffer, vertices.points,
+                     first_triangle, bad);
+      const cl_uint problem = runtime.read_one(bad);
       if (problem != GCDT_NONE)
         fail("the triangles of problem " + std::to_string(problem) + " of the run do not cover its hull once", {});
-      edges_expected_ = pieces_.count - runtime_.read_one(bad, 1);
+      edges_expected = pieces.count - runtime.read_one(bad, 1);
     });
   }
 
- private:
   /// `cover` finds out whether the hull is covered once, from the boundary.
   template <class Cover>
   void check_parts(Cover&& cover) {
@@ -112,28 +106,28 @@ class Checker {
                       cl_uint{pieces_.count}, first_pieces, pieces_.ends, next, previous, report_);
     } else {
       clear_report();
-      runtime_.fill<cl_uint>(next, GCDT_NONE, n);
-      runtime_.fill<cl_uint>(previous, GCDT_NONE, n);
-      runtime_.launch("check", "check_corners", over(count), count, n, vertices_.points, ordered_.corners, report_);
+      runtime.fill<cl_uint>(next, GCDT_NONE, n);
+      runtime.fill<cl_uint>(previous, GCDT_NONE, n);
+      runtime.launch("check", "check_corners", over(count), count, n, vertices.points, ordered.corners, report);
       if (lists)
-        runtime_.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices_.levels_buffer,
-                        cl_uint{pieces_.count}, pieces_.ends, first_pieces);
-      runtime_.launch("check", "check_edges", over(count), count, vertices_.levels_buffer, vertices_.points,
-                      ordered_.corners, ordered_.neighbours, ordered_.constrained, cl_uint{pieces_.count}, first_pieces,
-                      pieces_.ends, next, previous, report_);
-      runtime_.launch("check", "check_boundary", over(n), n, vertices_.points, next, previous, report_);
+        runtime.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices.levels_buffer,
+                       cl_uint{pieces.count}, pieces.ends, first_pieces);
+      runtime.launch("check", "check_edges", over(count), count, vertices.levels_buffer, vertices.points,
+                     ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count}, first_pieces,
+                     pieces.ends, next, previous, report);
+      runtime.launch("check", "check_boundary", over(n), n, vertices.points, next, previous, report);
     }
     judge(0, GCDT_CHECK_UNUSED);
     cover(next, previous);
     judge(GCDT_CHECK_FLAG, GCDT_CHECK_MISSING);
-    if (found_.constrained_edges != edges_expected_) name_missing_piece();
+    if (found.constrained_edges != edges_expected) name_missing_piece();
     judge(GCDT_CHECK_DELAUNAY, GCDT_CHECK_KINDS);
   }
 
   void clear_report() {
     CheckReport clear = {};
     std::fill(std::begin(clear.first), std::end(clear.first), GCDT_NONE);
-    runtime_.write(report_, &clear, 1);
+    runtime.write(report, &clear, 1);
   }
 
   [[noreturn]] void fail(const std::string& what, std::vector<std::uint64_t> indices) {
@@ -142,10 +136,10 @@ class Checker {
 
   /// Throws for the first kind in [first, last) with an offence.
   void judge(unsigned first, unsigned last) {
-    if (!read_) found_ = runtime_.read_one(report_);
-    read_ = true;
+    if (!read) found = runtime.read_one(report);
+    read = true;
     for (unsigned kind = first; kind < last; ++kind)
-      if (found_.first[kind] != GCDT_NONE) fail_at(kinds[kind], found_.first[kind]);
+      if (found.first[kind] != GCDT_NONE) fail_at(kinds[kind], found.first[kind]);
   }
 
   [[noreturn]] void fail_at(const Kind& kind, std::uint32_t number) {
@@ -154,24 +148,24 @@ class Checker {
     std::string subject;
     switch (kind.subject) {
       case Subject::triangle:
-        runtime_.read(ordered_.corners, corners.data(), 3, std::size_t{3} * t);
+        runtime.read(ordered.corners, corners.data(), 3, std::size_t{3} * t);
         subject = "triangle " + std::to_string(t);
         break;
       case Subject::half_edge:
-        runtime_.read(ordered_.corners, corners.data(), 3, std::size_t{3} * t);
+        runtime.read(ordered.corners, corners.data(), 3, std::size_t{3} * t);
         corners = {corners[(k + 1) % 3], corners[(k + 2) % 3]};
         subject = "edge " + std::to_string(k) + " of triangle " + std::to_string(t);
         break;
       case Subject::vertex: corners = {number}; break;
       case Subject::piece: {
-        const cl_uint2 ends = runtime_.read_one(pieces_.ends, number);
+        const cl_uint2 ends = runtime.read_one(pieces.ends, number);
         corners = {ends.s[0], ends.s[1]};
         subject = "constraint piece " + std::to_string(number);
       }
     }
     std::vector<std::uint64_t> inputs;
     for (cl_uint v : corners)
-      if (v < vertices_.n()) inputs.push_back(runtime_.read_one(vertices_.vertex_input, v));
+      if (v < vertices.n()) inputs.push_back(runtime.read_one(vertices.vertex_input, v));
     fail(subject + listed(inputs, subject.empty()) + " " + kind.complaint, inputs);
   }
 
@@ -184,58 +178,44 @@ class Checker {
 
   /// The count of triangles is wrong though they cover a convex polygon: some vertex is no corner.
   [[noreturn]] void name_unused_vertex() {
-    const cl_uint n = vertices_.n(), corners = 3 * ordered_.triangles;
-    auto used = runtime_.filled<cl_uint>("check vertices", n, 0);
-    runtime_.launch("check", "mark_used", over(corners), corners, ordered_.corners, used);
+    const cl_uint n = vertices.n(), corners = 3 * ordered.triangles;
+    auto used = runtime.filled<cl_uint>("check vertices", n, 0);
+    runtime.launch("check", "mark_used", over(corners), corners, ordered.corners, used);
     name_unmarked(n, 1, GCDT_CHECK_UNUSED, used);
-    fail(std::to_string(ordered_.triangles) + " triangles do not fit " + std::to_string(n) + " vertices with " +
-             std::to_string(found_.hull_vertices) + " on the hull",
+    fail(std::to_string(ordered.triangles) + " triangles do not fit " + std::to_string(n) + " vertices with " +
+             std::to_string(found.hull_vertices) + " on the hull",
          {});
   }
 
   /// All flagged edges are pieces, but fewer than there are.
   [[noreturn]] void name_missing_piece() {
-    auto marks = runtime_.filled<cl_uint>("check pieces", pieces_.count, 0);
-    runtime_.launch("check", "mark_pieces", over(ordered_.triangles), cl_uint{ordered_.triangles},
-                    vertices_.levels_buffer, ordered_.corners, ordered_.constrained, cl_uint{pieces_.count},
-                    pieces_.ends, marks);
-    if (edges_expected_ == pieces_.count) name_unmarked(pieces_.count, 3, GCDT_CHECK_MISSING, marks);
-    fail(std::to_string(found_.constrained_edges) + " edges are flagged for " + std::to_string(edges_expected_) +
+    auto marks = runtime.filled<cl_uint>("check pieces", pieces.count, 0);
+    runtime.launch("check", "mark_pieces", over(ordered.triangles), cl_uint{ordered.triangles}, vertices.levels_buffer,
+                   ordered.corners, ordered.constrained, cl_uint{pieces.count}, pieces.ends, marks);
+    if (edges_expected == pieces.count) name_unmarked(pieces.count, 3, GCDT_CHECK_MISSING, marks);
+    fail(std::to_string(found.constrained_edges) + " edges are flagged for " + std::to_string(edges_expected) +
              " pieces",
          {});
   }
 
   void name_unmarked(cl_uint count, cl_uint wanted, cl_uint kind, const Buffer<cl_uint>& marks) {
-    runtime_.launch("check", "find_unmarked", over(count), count, wanted, kind, marks, report_);
-    read_ = false;
+    runtime.launch("check", "find_unmarked", over(count), count, wanted, kind, marks, report);
+    read = false;
     judge(kind, kind + wanted);
   }
-
-  Runtime& runtime_;
-  const Plan& plan_;
-  const OrderedMesh& ordered_;
-  const Vertices& vertices_;
-  const Pieces& pieces_;
-  std::uint32_t edges_expected_;  ///< pieces of problems with triangles
-  Buffer<CheckReport> report_;
-  CheckReport found_;
-  bool read_ = false;
 };
 
 }  // namespace
 
 void check(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
            const Pieces& pieces) {
-  Checker checker(runtime, plan, ordered, vertices, pieces);
-  if (ordered.triangles == 0)
-    checker.check_empty();
-  else
-    checker.check_mesh();
+  Checker checker{runtime, plan, ordered, vertices, pieces};
+  ordered.triangles == 0 ? checker.check_empty() : checker.check_mesh();
 }
 
 void check_problems(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
                     const Pieces& pieces, const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
-  Checker(runtime, plan, ordered, vertices, pieces).check_problems(first_triangle, first_piece);
+  Checker{runtime, plan, ordered, vertices, pieces}.check_problems(first_triangle, first_piece);
 }
 
 }  // namespace gcdt

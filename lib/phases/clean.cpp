@@ -23,10 +23,9 @@ Error index_error(std::uint64_t constraint, std::uint64_t end, std::uint64_t ver
 
 Pieces merge_runs(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& firsts,
                   cl_uint count) {
-  primitives.exclusive_scan(firsts, firsts, count);
   Pieces pieces;
   pieces.source_count = count;
-  pieces.count = runtime.read_one(firsts, count);
+  pieces.count = primitives.scan_total(firsts, count);
   pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t(pieces.count) + 1);
   primitives.compact_indices(firsts, pieces.source_offsets, count);
   runtime.fill<cl_uint>(pieces.source_offsets, count, 1, pieces.count);

@@ -48,8 +48,7 @@ void CrossingPieces::find_records() {
   all_ = pieces_.count <= walked_.plan.all_pairs && std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
   rows_ = pieces_.count;
   if (all_) return;
-  primitives_.exclusive_scan(starts_, starts_, faces);
-  rows_ = runtime_.read_one(starts_, faces);
+  rows_ = primitives_.scan_total(starts_, faces);
   records_ = runtime_.allocate<cl_uint>("records of faces", rows_);
   collect(1, records_);
 }

@@ -17,6 +17,16 @@ class CrossingPieces {
   CrossingPieces(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked, const Pieces& pieces,
                  PhaseCounters& counters);
   cl_uint count() const { return count_; }
+  /// Calls use(pairs, some) for windows of at most Tuning::pairs_split_at_once, until all pairs were listed.
+  template <class Use>
+  void for_windows(Use&& use) {
+    auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, count_));
+    for (cl_uint first = 0, some; first < count_; first += some) {
+      some = std::min(Tuning::pairs_split_at_once, count_ - first);
+      list(first, some, pairs);
+      use(pairs, some);
+    }
+  }
   /// Writes pairs first .. first + count - 1 (piece numbers, the smaller one first) to the start of `pairs`. The order
   /// of the pairs may differ from run to run.
   void list(cl_uint first, cl_uint count, const runtime::Buffer<cl_uint2>& pairs) {

@@ -20,169 +20,146 @@ constexpr unsigned label_rounds = 4096;
 static_assert(static_cast<unsigned>(Domain::outer_holes) == GCDT_KEEP_OUTER_HOLES, "rules are numbered alike");
 
 /// One selection: labels, the graph of the regions, the choice.
-class Selection {
- public:
-  Selection(Runtime& runtime, Primitives& primitives, const OrderedMesh& mesh, const Vertices& vertices,
-            const Pieces& pieces, const Buffer<cl_int>& turns)
-      : runtime_(runtime),
-        primitives_(primitives),
-        mesh_(mesh),
-        vertices_(vertices),
-        pieces_(pieces),
-        turns_(turns),
-        triangles_(mesh.triangles),
-        half_edges_(3 * mesh.triangles),
-        report_buffer_(runtime.allocate<device::DomainReport>("domain report", 1)) {}
+struct Selection {
+  Runtime& runtime;
+  Primitives& primitives;
+  const OrderedMesh& mesh;
+  const Vertices& vertices;
+  const Pieces& pieces;
+  const Buffer<cl_int>& turns;
+  cl_uint triangles = mesh.triangles, half_edges = 3 * mesh.triangles, regions = 0, arc_count = 0;
+  Regions found = {};
+  Buffer<device::DomainReport> report_buffer = runtime.allocate<device::DomainReport>("domain report", 1);
+  Buffer<cl_uint> region = {}, arc_nodes = {}, arcs = {}, begins = {}, depth = {}, entry = {}, frontiers = {};
+  Buffer<cl_uint> starts = {};
+  Buffer<cl_int> winding = {};
 
   void label() {
-    region_ = runtime_.allocate<cl_uint>("regions", triangles_);
-    runtime_.launch("regions", "label_start", over(triangles_), triangles_, region_);
+    region = runtime.allocate<cl_uint>("regions", triangles);
+    runtime.launch("regions", "label_start", over(triangles), triangles, region);
     repeat("label_join", [&] {
-      runtime_.launch("regions", "label_join", over(triangles_), triangles_, mesh_.neighbours, mesh_.constrained,
-                      region_, report_buffer_);
+      runtime.launch("regions", "label_join", over(triangles), triangles, mesh.neighbours, mesh.constrained, region,
+                     report_buffer);
     });
     repeat("label_jump",
-           [&] { runtime_.launch("regions", "label_jump", over(triangles_), triangles_, region_, report_buffer_); });
-    auto numbers = runtime_.allocate<cl_uint>("roots of regions", std::size_t{triangles_} + 1);
-    runtime_.launch("regions", "label_roots", over(triangles_), triangles_, region_, numbers);
-    primitives_.exclusive_scan(numbers, numbers, triangles_);
-    regions_ = runtime_.read_one(numbers, triangles_);
-    runtime_.launch("regions", "label_number", over(triangles_), triangles_, numbers, region_);
+           [&] { runtime.launch("regions", "label_jump", over(triangles), triangles, region, report_buffer); });
+    auto numbers = runtime.allocate<cl_uint>("roots of regions", std::size_t{triangles} + 1);
+    runtime.launch("regions", "label_roots", over(triangles), triangles, region, numbers);
+    regions = primitives.scan_total(numbers, triangles);
+    runtime.launch("regions", "label_number", over(triangles), triangles, numbers, region);
   }
 
   void list_arcs() {
-    auto places = runtime_.allocate<cl_uint>("places of arcs", std::size_t{half_edges_} + 1);
-    runtime_.launch("domain", "count_arcs", over(half_edges_), half_edges_, mesh_.neighbours, mesh_.constrained,
-                    region_, places);
-    primitives_.exclusive_scan(places, places, half_edges_);
-    arc_count_ = runtime_.read_one(places, half_edges_);
-    nodes_ = runtime_.allocate<cl_uint>("nodes of arcs", arc_count_);
-    arcs_ = runtime_.allocate<cl_uint>("arcs", arc_count_);
-    runtime_.launch("domain", "list_arcs", over(half_edges_), half_edges_, mesh_.neighbours, mesh_.constrained, region_,
-                    places, nodes_, arcs_);
+    auto places = runtime.allocate<cl_uint>("places of arcs", std::size_t{half_edges} + 1);
+    runtime.launch("domain", "count_arcs", over(half_edges), half_edges, mesh.neighbours, mesh.constrained, region,
+                   places);
+    arc_count = primitives.scan_total(places, half_edges);
+    arc_nodes = runtime.allocate<cl_uint>("nodes of arcs", arc_count);
+    arcs = runtime.allocate<cl_uint>("arcs", arc_count);
+    runtime.launch("domain", "list_arcs", over(half_edges), half_edges, mesh.neighbours, mesh.constrained, region,
+                   places, arc_nodes, arcs);
     places = {};
-    primitives_.sort(nodes_, arcs_, arc_count_, std::max(1u, bit_width(regions_)));
-    primitives_.release();
-    begins_ = runtime_.allocate<cl_uint>("first arcs", std::size_t{nodes()} + 1);
-    runtime_.launch("domain", "find_begins", over(std::size_t{nodes()} + 1), nodes(), arc_count_, nodes_, begins_);
+    primitives.sort(arc_nodes, arcs, arc_count, std::max(1u, bit_width(regions)));
+    primitives.release();
+    begins = runtime.allocate<cl_uint>("first arcs", std::size_t{nodes()} + 1);
+    runtime.launch("domain", "find_begins", over(std::size_t{nodes()} + 1), nodes(), arc_count, arc_nodes, begins);
   }
 
   /// Ends: every round with a frontier settles a node, and one without is the last.
   void search() {
-    depth_ = runtime_.allocate<cl_uint>("depths", nodes());
-    winding_ = runtime_.allocate<cl_int>("windings", nodes());
-    entry_ = runtime_.allocate<cl_uint>("entries", nodes());
-    frontiers_ = runtime_.allocate<cl_uint>("frontiers", std::size_t{2} * nodes());
-    zero_report();
-    runtime_.launch("domain", "depth_start", over(nodes()), nodes(), depth_, winding_, entry_, frontiers_,
-                    report_buffer_);
-    runtime_.launch("domain", "depth_hull", over(half_edges_), half_edges_, mesh_.neighbours, mesh_.constrained,
-                    region_, depth_, frontiers_, report_buffer_);
-    device::DomainReport report = runtime_.read_one(report_buffer_);
+    depth = runtime.allocate<cl_uint>("depths", nodes());
+    winding = runtime.allocate<cl_int>("windings", nodes());
+    entry = runtime.allocate<cl_uint>("entries", nodes());
+    frontiers = runtime.allocate<cl_uint>("frontiers", std::size_t{2} * nodes());
+    runtime.zero(report_buffer);
+    runtime.launch("domain", "depth_start", over(nodes()), nodes(), depth, winding, entry, frontiers, report_buffer);
+    runtime.launch("domain", "depth_hull", over(half_edges), half_edges, mesh.neighbours, mesh.constrained, region,
+                   depth, frontiers, report_buffer);
+    device::DomainReport report = runtime.read_one(report_buffer);
     for (cl_uint d = 0, count = report.frontier[0]; count > 0; count = report.frontier[d % 3]) {
       if (d > nodes()) throw Error(Status::round_limit, "domain: regions are left after the limit of rounds");
       // The first frontier has the most arcs: outside has all of the hull, or its neighbours all coasts.
       const bool alone = d > 0 && count <= GCDT_DEPTH_NODES && report.arcs[d % 3] <= GCDT_DEPTH_ARCS;
       const cl_uint rounds = d > 0 ? Tuning::label_rounds_per_read : 1;
-      if (alone)
-        rounds_in_one_group(d);
-      else
-        rounds_wide(d, rounds);
-      report = runtime_.read_one(report_buffer_);
+      if (alone) launch_round("depth_rounds", runtime::one_group(), d);
+      for (cl_uint round = d; !alone && round < d + rounds; ++round) {
+        launch_round("depth_expand", over(arc_count), round);
+        launch_round("depth_settle", over(nodes()), round);
+      }
+      report = runtime.read_one(report_buffer);
       d += alone ? report.rounds : rounds;
     }
     if (report.settled != nodes())
       throw Error(Status::check_failed, "domain: " + std::to_string(nodes() - report.settled) +
                                             " regions cannot be reached from outside: the mesh is not connected");
-    found_.count = regions_;
-    found_.deepest = report.deepest;
+    found.count = regions;
+    found.deepest = report.deepest;
   }
 
   void count_open() {
-    zero_report();
-    runtime_.launch("domain", "count_open", over(arc_count_), arc_count_, vertices_.levels_buffer, mesh_.corners,
-                    mesh_.neighbours, region_, cl_uint{pieces_.count}, pieces_.ends, turns_, nodes_, arcs_, winding_,
-                    report_buffer_);
-    runtime_.launch("domain", "count_dangling", over(half_edges_), half_edges_, vertices_.levels_buffer, mesh_.corners,
-                    mesh_.neighbours, mesh_.constrained, region_, cl_uint{pieces_.count}, pieces_.ends, turns_,
-                    report_buffer_);
-    const device::DomainReport report = runtime_.read_one(report_buffer_);
-    found_.open_parity = report.open_parity;
-    found_.open_winding = report.open_winding;
+    runtime.zero(report_buffer);
+    runtime.launch("domain", "count_open", over(arc_count), arc_count, vertices.levels_buffer, mesh.corners,
+                   mesh.neighbours, region, cl_uint{pieces.count}, pieces.ends, turns, arc_nodes, arcs, winding,
+                   report_buffer);
+    runtime.launch("domain", "count_dangling", over(half_edges), half_edges, vertices.levels_buffer, mesh.corners,
+                   mesh.neighbours, region, cl_uint{pieces.count}, pieces.ends, turns, mesh.constrained, report_buffer);
+    const device::DomainReport report = runtime.read_one(report_buffer);
+    found.open_parity = report.open_parity;
+    found.open_winding = report.open_winding;
     // All that the choice does not need.
-    nodes_ = {}, arcs_ = {}, begins_ = {}, entry_ = {}, frontiers_ = {};
+    arc_nodes = {}, arcs = {}, begins = {}, entry = {}, frontiers = {};
   }
 
   SelectedDomain choose(const Options& options) {
     SelectedDomain selected;
     const Buffer<cl_uint> holes = seeded(options.hole_seeds), seeds = seeded(options.region_seeds);
-    auto before = runtime_.allocate<cl_uint>("kept before", std::size_t{triangles_} + 1);
-    runtime_.launch("domain", "choose_triangles", over(triangles_), triangles_, static_cast<cl_uint>(options.domain),
-                    region_, depth_, winding_, holes, before);
-    primitives_.exclusive_scan(before, before, triangles_);
-    const cl_uint count = runtime_.read_one(before, triangles_);
-    primitives_.release();
-    selected.kept = runtime_.allocate<cl_int>("kept triangles", triangles_);
-    runtime_.launch("domain", "place_kept", over(triangles_), triangles_, before, selected.kept);
+    auto before = runtime.allocate<cl_uint>("kept before", std::size_t{triangles} + 1);
+    runtime.launch("domain", "choose_triangles", over(triangles), triangles, static_cast<cl_uint>(options.domain),
+                   region, depth, winding, holes, before);
+    const cl_uint count = primitives.scan_total(before, triangles);
+    primitives.release();
+    selected.kept = runtime.allocate<cl_int>("kept triangles", triangles);
+    runtime.launch("domain", "place_kept", over(triangles), triangles, before, selected.kept);
     if (options.domain != Domain::hull) {
-      selected.mesh.triangles = count;
-      selected.mesh.corners = runtime_.allocate<cl_uint>("kept corners", std::size_t{3} * count);
-      selected.mesh.neighbours = runtime_.allocate<cl_int>("kept neighbours", std::size_t{3} * count);
-      selected.mesh.constrained = runtime_.allocate<cl_uchar>("kept flags", count);
-      runtime_.launch("domain", "gather_kept", over(triangles_), triangles_, selected.kept, mesh_.corners,
-                      mesh_.neighbours, mesh_.constrained, selected.mesh.corners, selected.mesh.neighbours,
-                      selected.mesh.constrained);
+      selected.mesh = make_ordered(runtime, count);
+      runtime.launch("domain", "gather_kept", over(triangles), triangles, selected.kept, mesh.corners, mesh.neighbours,
+                     mesh.constrained, selected.mesh.corners, selected.mesh.neighbours, selected.mesh.constrained);
     }
-    Regions& r = found_;
-    r.region = runtime_.allocate<cl_uint>("region of triangles", count);
-    r.depth = runtime_.allocate<cl_uint>("depth of triangles", count);
-    r.winding = runtime_.allocate<cl_int>("winding of triangles", count);
-    r.seed = runtime_.allocate<cl_int>("seed of triangles", count);
-    runtime_.launch("domain", "gather_regions", over(triangles_), triangles_, selected.kept, region_, depth_, winding_,
-                    seeds, r.region, r.depth, r.winding, r.seed);
-    selected.regions = std::move(found_);
-    selected.region_of_hull = std::move(region_);
+    Regions& r = found;
+    r.region = runtime.allocate<cl_uint>("region of triangles", count);
+    r.depth = runtime.allocate<cl_uint>("depth of triangles", count);
+    r.winding = runtime.allocate<cl_int>("winding of triangles", count);
+    r.seed = runtime.allocate<cl_int>("seed of triangles", count);
+    runtime.launch("domain", "gather_regions", over(triangles), triangles, selected.kept, region, depth, winding, seeds,
+                   r.region, r.depth, r.winding, r.seed);
+    selected.regions = std::move(found);
+    selected.region_of_hull = std::move(region);
     return selected;
   }
 
- private:
-  cl_uint nodes() const { return regions_ + 1; }
-
-  void zero_report() {
-    const device::DomainReport zero = {};
-    runtime_.write(report_buffer_, &zero, 1);
-  }
+  cl_uint nodes() const { return regions + 1; }
 
   /// Launches until nothing is pending.
   template <class Launch>
   void repeat(const char* what, Launch&& launch) {
     for (unsigned round = 0;; ++round) {
       if (round == label_rounds) throw Error(Status::round_limit, std::string(what) + ": labels are not final");
-      zero_report();
+      runtime.zero(report_buffer);
       launch();
-      if (runtime_.read_one(report_buffer_).pending == 0) return;
+      if (runtime.read_one(report_buffer).pending == 0) return;
     }
   }
 
-  void rounds_wide(cl_uint first, cl_uint rounds) {
-    for (cl_uint d = first; d < first + rounds; ++d) {
-      runtime_.launch("domain", "depth_expand", over(arc_count_), d, begins_, arcs_, mesh_.neighbours, region_, depth_,
-                      entry_, nodes(), frontiers_, report_buffer_);
-      runtime_.launch("domain", "depth_settle", over(nodes()), d, vertices_.levels_buffer, mesh_.corners,
-                      mesh_.neighbours, region_, cl_uint{pieces_.count}, pieces_.ends, turns_, begins_, depth_,
-                      winding_, entry_, nodes(), frontiers_, report_buffer_);
-    }
-  }
-
-  void rounds_in_one_group(cl_uint d) {
-    runtime_.launch("domain", "depth_rounds", runtime::one_group(), d, vertices_.levels_buffer, mesh_.corners,
-                    mesh_.neighbours, region_, cl_uint{pieces_.count}, pieces_.ends, turns_, begins_, arcs_, depth_,
-                    winding_, entry_, nodes(), frontiers_, report_buffer_);
+  /// Launches a kernel of round d of the search.
+  void launch_round(const char* kernel, runtime::Range range, cl_uint d) {
+    runtime.launch("domain", kernel, range, d, vertices.levels_buffer, mesh.corners, mesh.neighbours, region,
+                   cl_uint{pieces.count}, pieces.ends, turns, begins, arcs, depth, winding, entry, nodes(), frontiers,
+                   report_buffer);
   }
 
   /// The least seed of each region, GCDT_NONE without one.
   Buffer<cl_uint> seeded(const std::vector<std::array<double, 2>>& points) {
-    auto seeds = runtime_.filled<cl_uint>("seeds of regions", regions_, GCDT_NONE);
+    auto seeds = runtime.filled<cl_uint>("seeds of regions", regions, GCDT_NONE);
     if (points.empty()) return seeds;
     if (!starts_.allocated()) starts_ = least_triangles(runtime_, vertices_, mesh_, false);
     const SearchMesh mesh = {vertices_, mesh_, false, nullptr, mesh_, starts_, starts_};
@@ -191,18 +168,6 @@ class Selection {
                     region_, seeds);
     return seeds;
   }
-
-  Runtime& runtime_;
-  Primitives& primitives_;
-  const OrderedMesh& mesh_;
-  const Vertices& vertices_;
-  const Pieces& pieces_;
-  const Buffer<cl_int>& turns_;
-  cl_uint triangles_, half_edges_, regions_ = 0, arc_count_ = 0;
-  Regions found_;
-  Buffer<device::DomainReport> report_buffer_;
-  Buffer<cl_uint> region_, nodes_, arcs_, begins_, depth_, entry_, frontiers_, starts_;
-  Buffer<cl_int> winding_;
 };
 
 }  // namespace
@@ -220,7 +185,7 @@ Buffer<cl_int> count_turns(Runtime& runtime, const Vertices& vertices, const Pie
 SelectedDomain select_domain(Runtime& runtime, Primitives& primitives, const OrderedMesh& ordered,
                              const Vertices& vertices, const Pieces& pieces, const Buffer<cl_int>& turns,
                              const Options& options) {
-  Selection selection(runtime, primitives, ordered, vertices, pieces, turns);
+  Selection selection{runtime, primitives, ordered, vertices, pieces, turns};
   selection.label();
   selection.list_arcs();
   selection.search();

@@ -32,8 +32,7 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
   result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
   result.flips = wide(c.flips_low, c.flips_high);
 
-  primitives.exclusive_scan(offsets, offsets, given);
-  const cl_uint count = runtime.read_one(offsets, given);
+  const cl_uint count = primitives.scan_total(offsets, given);
   result.hits = count - (given - c.zero_length);
   auto keys = runtime.allocate<cl_ulong>("keys of pieces", count);
   auto sources = runtime.allocate<cl_uint>("sources of pieces", count);

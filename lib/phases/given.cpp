@@ -3,12 +3,13 @@
 
 #include <cstring>
 
-#include "mesh/exact.hpp"
+#include "exact/doubles.hpp"
 #include "phases/order.hpp"
 
 namespace gcdt {
 
 using exact::Integer;
+using exact::Natural;
 using runtime::over;
 
 namespace {
@@ -18,7 +19,7 @@ struct Scaled {
   Integer number;
   int unit = 0;
 
-  Integer in_units(int finer) const { return number * Integer(false, 1, unit - finer); }
+  Integer in_units(int finer) const { return number << (unit - finer); }
 };
 
 Scaled operator-(const Scaled& a, const Scaled& b) {
@@ -27,17 +28,16 @@ Scaled operator-(const Scaled& a, const Scaled& b) {
 }
 
 Scaled scaled(std::uint64_t bits) {
-  return {Integer((bits & GCDT_SIGN_BIT) != 0, device::gcdt_mantissa(bits), 0), device::gcdt_exponent(bits)};
+  return {Integer((bits & GCDT_SIGN_BIT) != 0, device::gcdt_mantissa(bits)), device::gcdt_exponent(bits)};
 }
 
 /// scale.five times how far a coordinate was moved: |(v - origin) five - X T 2^-offset|, see quantise.h.
 Scaled move_of(std::uint64_t bits, std::uint32_t at, const device::Scale& scale, int axis) {
   Scaled way = scaled(bits) - scaled(scale.origin[axis]);
-  way.number = way.number * Integer(false, scale.five, 0);
-  const Integer cell = Integer(false, scale.cell_high, 64) + Integer(false, scale.cell_low, 0);
-  Scaled move = way - Scaled{Integer(false, at, 0) * cell, -scale.offset};
-  if (move.number.sign() < 0) move.number = Integer() - move.number;
-  return move;
+  way.number = way.number * Integer(false, scale.five);
+  const Natural cell = (Natural(scale.cell_high) << 64) + Natural(scale.cell_low);
+  const Scaled move = way - Scaled{Integer(false, Natural(at) * cell), -scale.offset};
+  return {Integer(false, move.number.size()), move.unit};
 }
 
 /// Vertices first to end - 1, two coordinates each, as the bits of doubles.
@@ -103,7 +103,7 @@ double largest_move(runtime::Runtime& runtime, const InputPoints& points, cl_uin
     const Scaled move = move_of(bits[i], placed.value, scale, axis);
     if ((move - most).number.sign() > 0) most = move;
   }
-  return exact::nearest_double(most.number, most.unit, scale.five);
+  return exact::nearest_double(most.number.size(), most.unit, scale.five);
 }
 
 bool given_on_one_line(runtime::Runtime& runtime, const InputPoints& points) {

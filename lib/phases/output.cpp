@@ -8,6 +8,7 @@ namespace gcdt {
 
 using runtime::Buffer;
 using runtime::over;
+using runtime::over_large;
 using runtime::Runtime;
 
 namespace {
@@ -37,8 +38,7 @@ std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh&
   Step gathering(runtime, "gather");
   auto before = runtime.allocate<cl_uint>("output finite faces", std::size_t{mesh.faces()} + 1);
   runtime.launch("select", "select_finite", over(mesh.faces()), mesh.faces(), mesh.n, mesh.face_data, before);
-  primitives.exclusive_scan(before, before, mesh.faces());
-  const std::uint32_t triangles = runtime.read_one(before, mesh.faces());
+  const std::uint32_t triangles = primitives.scan_total(before, mesh.faces());
   runtime.launch("select", "select_refs", over(mesh.faces()), mesh.faces(), before, refs);
   primitives.release();
   gather_ms += gathering.end();
@@ -55,9 +55,8 @@ void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
 /// All of it by one work-item (kernels/programs/by_one_item.cl).
 OrderedMesh order_triangles_by_one_item(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
   Step gathering(runtime, "gather");
-  OrderedMesh ordered;
   const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
-  allocate(runtime, ordered, faces);
+  OrderedMesh ordered = make_ordered(runtime, faces);
   const auto keys = runtime.allocate<cl_ulong>("output keys", faces),
              other_keys = runtime.allocate<cl_ulong>("other half of the keys", faces);
   const auto refs = runtime.allocate<cl_uint>("output faces", faces),
@@ -77,20 +76,30 @@ OrderedMesh order_triangles_by_one_item(Runtime& runtime, const Mesh& mesh, cons
 
 }  // namespace
 
+OrderedMesh make_ordered(Runtime& runtime, std::size_t triangles) {
+  OrderedMesh ordered;
+  ordered.triangles = static_cast<std::uint32_t>(triangles);
+  ordered.corners = runtime.allocate<cl_uint>("output corners", 3 * triangles);
+  ordered.neighbours = runtime.allocate<cl_int>("output neighbours", 3 * triangles);
+  ordered.constrained = runtime.allocate<cl_uchar>("output flags", triangles);
+  return ordered;
+}
+
 OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
                             const Vertices& vertices, bool canonical) {
   if (canonical && mesh.n >= 3 && plan.output == Plan::By::one) {
     primitives.release();
     return order_triangles_by_one_item(runtime, mesh, vertices);
   }
-  OrderedMesh ordered;
   auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
+  double gather_ms = 0;
+  cl_uint count = 0;
   if (mesh.n >= 3)
-    ordered.triangles = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs, ordered.gather_ms)
-                                  : select_faces(runtime, primitives, mesh, refs, ordered.gather_ms);
-  const cl_uint count = ordered.triangles;
+    count = canonical ? sort_faces(runtime, primitives, mesh, vertices, refs, gather_ms)
+                      : select_faces(runtime, primitives, mesh, refs, gather_ms);
   Step gathering(runtime, "gather");
-  allocate(runtime, ordered, count);
+  OrderedMesh ordered = make_ordered(runtime, count);
+  ordered.gather_ms = gather_ms;
   if (count == 0) return ordered;
   auto positions = runtime.filled<cl_int>("output positions", mesh.faces(), -1);
   runtime.launch("output", "place_faces", over(count), count, refs, positions);
@@ -98,6 +107,27 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan
                  refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
   ordered.gather_ms += gathering.end();
   return ordered;
+}
+
+ArrangedForest arrange_problems(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices) {
+  const cl_uint problems = mesh.roots;
+  Step gathering(runtime, "gather");
+  ArrangedForest result;
+  result.first_triangle = runtime.allocate<cl_uint>("first triangles", std::size_t{problems} + 1);
+  auto least = runtime.allocate<cl_uint>("triangles by least corner", mesh.n);
+  auto second = runtime.allocate<cl_uint>("triangles by second corner", mesh.n);
+  runtime.launch("arrange", "arrange_count", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
+                 mesh.edge_faces, least, second, result.first_triangle);
+  const cl_uint count = primitives.scan_total(result.first_triangle, problems);
+  OrderedMesh& ordered = result.mesh = make_ordered(runtime, count);
+  auto refs = runtime.allocate<cl_uint>("output faces", count);
+  auto in_order = runtime.allocate<cl_uint>("output faces in order", count);
+  auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
+  runtime.launch("arrange", "arrange_problems", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
+                 mesh.edge_faces, mesh.edge_marks, result.first_triangle, least, second, refs, in_order, positions,
+                 ordered.corners, ordered.neighbours, ordered.constrained);
+  ordered.gather_ms = gathering.end();
+  return result;
 }
 
 Buffer<cl_uint> number_by_input(Runtime& runtime, const Plan& plan, const Vertices& vertices, OrderedMesh& ordered,

@@ -20,11 +20,25 @@ struct OrderedMesh {
   double gather_ms = 0;
 };
 
+/// Room for so many triangles, contents undefined.
+OrderedMesh make_ordered(runtime::Runtime& runtime, std::size_t triangles);
+
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it needs 24 bytes a
 /// face while it sorts, then 8. The scratch of `primitives` is released. If not `canonical`, triangles come in any
 /// order, with any corner first; that needs 12 bytes a face.
 OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
                             const Vertices& vertices, bool canonical = true);
+
+struct ArrangedForest {
+  OrderedMesh mesh;                         ///< as of order_triangles()
+  runtime::Buffer<cl_uint> first_triangle;  ///< of each problem; P + 1
+};
+
+/// The same where Plan::output is By::each, of a forest that was grown and constrained problem by problem: enforcing
+/// constraints all at once would exchange faces between problems. Blocks once. Beside the result it needs 12 bytes a
+/// face and 8 a vertex.
+ArrangedForest arrange_problems(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
+                                const Vertices& vertices);
 
 /// Replaces the corners of `ordered` and the ends of pieces, so far vertices, by input numbers, and returns the
 /// representative of each input point. vertices.input_vertex has exactly one element per input point. Afterwards

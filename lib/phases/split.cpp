@@ -43,27 +43,21 @@ const Buffer<cl_uint>& Splitter::mark_crossing(const WalkedMesh& walked, const P
 
 std::uint32_t Splitter::mark(CrossingPieces& crossing, const Pieces& pieces, bool linked) {
   auto newly = runtime_.filled<cl_uint>("newly marked", 1, 0);
-  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, crossing.count()));
-  for (cl_uint first = 0; first < crossing.count();) {
-    const cl_uint some = std::min(Tuning::pairs_split_at_once, crossing.count() - first);
-    crossing.list(first, some, pairs);
+  crossing.for_windows([&](const Buffer<cl_uint2>& pairs, cl_uint some) {
     runtime_.launch("split", "split_touch", over(some), some, cl_uint(linked), pieces.source_offsets, pieces.sources,
                     linked ? owners_ : touched_, pairs, touched_, newly);
-    first += some;
-  }
+  });
   const cl_uint more = runtime_.read_one(newly);
   marked_ += more;
   return more;
 }
 
-// Window by Tuning::pairs_split_at_once: the pixels known so far and those of the next pairs, sorted, of each the least
+// Window by window: the pixels known so far and those of the next pairs, sorted, of each the least
 // pair kept.
 void Splitter::gather_points(CrossingPieces& crossing, const WalkedMesh& walked, const Pieces& pieces) {
   auto total = runtime_.filled<cl_uint>("pairs of constraints", 2, 0);
-  auto pairs = runtime_.allocate<cl_uint2>("crossing pieces", std::min(Tuning::pairs_split_at_once, crossing.count()));
-  for (cl_uint first = 0; first < crossing.count();) {
-    const cl_uint some = std::min(Tuning::pairs_split_at_once, crossing.count() - first), before = distinct_;
-    crossing.list(first, some, pairs);
+  crossing.for_windows([&](const Buffer<cl_uint2>& pairs, cl_uint some) {
+    const cl_uint before = distinct_;
     auto keys = runtime_.allocate<cl_ulong>("pixels of crossings", std::size_t(before) + some);
     auto named = runtime_.allocate<cl_uint2>("constraints of crossings", std::size_t(before) + some);
     auto numbers = runtime_.allocate<cl_uint>("crossings", std::size_t(before) + some);
@@ -74,8 +68,7 @@ void Splitter::gather_points(CrossingPieces& crossing, const WalkedMesh& walked,
     runtime_.launch("split", "split_points", over(some), some, before, walked.vertices.points, pieces.ends,
                     pieces.source_offsets, pieces.sources, pairs, keys, named, numbers, total);
     keep_distinct(std::move(keys), std::move(numbers), named, before + some);
-    first += some;
-  }
+  });
   cl_uint words[2];
   runtime_.read(total, words, 2);
   pairs_ = wide(words[0], words[1]);
@@ -86,8 +79,7 @@ void Splitter::keep_distinct(Buffer<cl_ulong> keys, Buffer<cl_uint> numbers, con
   primitives_.sort(keys, numbers, count, GCDT_PIXEL_KEY_BITS);
   auto firsts = runtime_.allocate<cl_uint>("first crossings", std::size_t(count) + 1);
   runtime_.launch("clean", "mark_first", over(count), count, keys, firsts);
-  primitives_.exclusive_scan(firsts, firsts, count);
-  distinct_ = runtime_.read_one(firsts, count);
+  distinct_ = primitives_.scan_total(firsts, count);
   keys_ = runtime_.allocate<cl_ulong>("distinct pixels", distinct_);
   least_ = runtime_.filled<cl_uint2>("least pairs", distinct_, {{GCDT_NONE, GCDT_NONE}});
   runtime_.launch("split", "split_least_first", over(count), count, keys, numbers, firsts, named, keys_, least_);
@@ -98,8 +90,7 @@ Vertices Splitter::add(Vertices vertices) {
   auto fresh = runtime_.allocate<cl_uint>("new pixels", std::size_t(distinct_) + 1);
   runtime_.launch("split", "split_is_new", over(distinct_), distinct_, vertices.levels_buffer, vertices.points, keys_,
                   fresh);
-  primitives_.exclusive_scan(fresh, fresh, distinct_);
-  added_.count = runtime_.read_one(fresh, distinct_);
+  added_.count = primitives_.scan_total(fresh, distinct_);
   check_vertex_count(std::uint64_t(inputs_) + added_.count);
   auto list = runtime_.allocate<cl_uint>("list of new pixels", added_.count);
   primitives_.compact_indices(fresh, list, distinct_);

@@ -24,6 +24,23 @@ struct InputSource {
   std::function<DeviceInput()> load;
 };
 
+/// Arrays of the host's, which must last as long.
+inline InputSource source_of(runtime::Runtime& runtime, Points points, Constraints constraints) {
+  return {points.size(), constraints.size(), [&runtime, points, constraints] {
+            return DeviceInput{stage(runtime, points), stage(runtime, constraints)};
+          }};
+}
+
+/// `count` vertices of an array, from number `first` on.
+inline Points part_of(Points::Type type, const void* vertices, std::size_t first, std::size_t count) {
+  switch (type) {
+    case Points::Type::float32: return Points::pairs(static_cast<const float*>(vertices) + 2 * first, count);
+    case Points::Type::int32: return Points::pairs(static_cast<const std::int32_t*>(vertices) + 2 * first, count);
+    case Points::Type::int64: return Points::pairs(static_cast<const std::int64_t*>(vertices) + 2 * first, count);
+    default: return Points::pairs(static_cast<const double*>(vertices) + 2 * first, count);
+  }
+}
+
 /// The result; all numbers are input numbers.
 struct DeviceTriangulation {
   OrderedMesh mesh;

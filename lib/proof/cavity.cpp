@@ -88,10 +88,10 @@ void Cavity::put_back(std::uint32_t place) {
     hidden_.pop_back();
     ++steps_;
     if (covers(place, edge)) {
-      const std::uint32_t t = h / 3, k = h % 3, apex = triangles_[t][k];
-      hidden_.push_back({edge.from, apex, twins_[3 * t + (k + 2) % 3]});
-      hidden_.push_back({apex, edge.to, twins_[3 * t + (k + 1) % 3]});
-      unused_.push_back(t);
+      const std::uint32_t apex = triangles_[h / 3][h % 3];
+      hidden_.push_back({edge.from, apex, twins_[previous(h)]});
+      hidden_.push_back({apex, edge.to, twins_[next(h)]});
+      unused_.push_back(h / 3);
       continue;
     }
     const std::uint32_t t = add(edge.to, edge.from, place);

@@ -13,7 +13,7 @@ namespace gcdt::proof {
 /// The polygon of a path of vertices and the constraint that closes it, from the path's end back to its begin, where
 /// the path has come about by removing all triangles that the constraint crosses from a constrained Delaunay
 /// triangulation, and lies on the constraint's left. A vertex may be on the path several times. Here corners are places
-/// on the path, and half-edges are numbered as in verify_mesh.hpp.
+/// on the path, and half-edges are numbered as in mesh.hpp.
 ///
 /// The algorithm is that of Shewchuk and Brown (Fast segment insertion and incremental construction of constrained
 /// Delaunay triangulations, 2015): places are taken off the path in random order, then put back in the reverse one,
@@ -39,7 +39,7 @@ class Cavity {
     std::uint32_t from, to, half_edge;
   };
   std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return orient(sites_.at[path_[a]], sites_.at[path_[b]], sites_.at[path_[c]]);
+    return sites_.turn(path_[a], path_[b], path_[c]);
   }
   void take_off(std::uint32_t place);
   void take_off_at_random();

@@ -2,6 +2,7 @@
 #include "proof/complete.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace gcdt::proof {
@@ -65,7 +66,7 @@ class Completion::Search {
     found = {false, none, none};
     if (h_ == none) return true;
     const std::uint32_t a = mesh_.to(h_), b = mesh_.apex(h_);
-    const std::int64_t left = mesh_.turn(v_, a, w_), right = mesh_.turn(v_, b, w_);
+    const std::int64_t left = mesh_.sites_.turn(v_, a, w_), right = mesh_.sites_.turn(v_, b, w_);
     if (left == 0 && ahead(a)) found = {true, h_, a};
     if (right == 0 && ahead(b)) found = {true, previous(h_), b};
     if (left > 0 && right < 0) found = {false, next(h_), none};
@@ -113,7 +114,7 @@ std::uint32_t Completion::follow(std::uint32_t v, std::uint32_t w, const Step& s
     part.crossed.push_back(h);
     h = twins_[h];
     if (h == none) return none;
-    const std::int64_t at_apex = turn(v, w, apex(h));
+    const std::int64_t at_apex = sites_.turn(v, w, apex(h));
     if (at_apex == 0) return apex(h);
     // h runs from left to right of the segment as seen from behind it.
     h = at_apex > 0 ? next(h) : previous(h);
@@ -224,22 +225,14 @@ std::uint64_t z_order(Vertex v) {
 void Completion::sort() {
   std::vector<std::uint64_t> z(sites_.at.size());
   for (std::size_t v = 0; v < z.size(); ++v) z[v] = z_order(sites_.at[v]);
-  struct Place {
-    std::uint64_t first, second;
-    std::uint32_t half_edge;  // the one across from the first corner
-  };
-  std::vector<Place> places;
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    std::uint32_t k = 0;
-    for (std::uint32_t j = 1; j < 3; ++j)
-      if (z[triangles_[t][j]] < z[triangles_[t][k]]) k = j;
-    places.push_back({z[triangles_[t][k]], z[triangles_[t][(k + 1) % 3]], 3 * t + k});
-  }
-  std::sort(places.begin(), places.end(),
-            [](const Place& a, const Place& b) { return std::pair(a.first, a.second) < std::pair(b.first, b.second); });
+  // Of the first and the second corner, and the half-edge across from the first.
+  std::vector<std::tuple<std::uint64_t, std::uint64_t, std::uint32_t>> places;
+  for (std::uint32_t h = 0; h < twins_.size(); ++h)
+    if (z[apex(h)] < z[from(h)] && z[apex(h)] < z[to(h)]) places.emplace_back(z[apex(h)], z[from(h)], h);
+  std::sort(places.begin(), places.end());
   std::vector<std::uint32_t> moved(twins_.size());
   for (std::uint32_t t = 0; t < places.size(); ++t)
-    for (std::uint32_t k = 0, h = places[t].half_edge; k < 3; ++k, h = next(h)) moved[h] = 3 * t + k;
+    for (std::uint32_t k = 0, h = std::get<2>(places[t]); k < 3; ++k, h = next(h)) moved[h] = 3 * t + k;
   const auto corners = triangles_;
   const auto twins = twins_;
   const auto constrained = constrained_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sequential CDT in exact host arithmetic, for the proof of domains: what is left of a mesh does not tell what was
-// removed, but the mesh is unique, so another way to it tells. Half-edges are numbered as in verify_mesh.hpp.
+// removed, but the mesh is unique, so another way to it tells. Half-edges are numbered as in mesh.hpp.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace gcdt::proof {
 
-/// Divide and conquer for the vertices (verify_delaunay.hpp), then the constraints one by one: the triangles that one
-/// crosses are removed, and what is left on either side triangulated (verify_cavity.hpp). The sites are not all on one
+/// Divide and conquer for the vertices (delaunay.hpp), then the constraints one by one: the triangles that one
+/// crosses are removed, and what is left on either side triangulated (cavity.hpp). The sites are not all on one
 /// line.
 ///
 /// In random order, k constraints that do not cross take O(n log n + n log^2 k) expected steps, and one for each edge
 /// on a constraint. What they cross: Agarwal, Arge and Yi (I/O-efficient construction of constrained Delaunay
-/// triangulations, 2005), as put by Shewchuk and Brown (verify_cavity.hpp). The ways to these edges: they are looked
+/// triangulations, 2005), as put by Shewchuk and Brown (cavity.hpp). The ways to these edges: they are looked
 /// for around both ends at once, so for the edge uv that comes to be at most 2 min(deg u, deg v) triangles are looked
 /// at, edges that it removes aside. By looking backwards, it is a random one of the i that are there, and the sum of
 /// that minimum over all 3 n edges of a planar graph is below 18 n (Chiba and Nishizeki 1985: below 2 a |E|, where the
@@ -62,14 +62,9 @@ class Completion {
   };
   class Search;
 
-  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-  static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
   std::uint32_t apex(std::uint32_t h) const { return triangles_[h / 3][h % 3]; }
   std::uint32_t from(std::uint32_t h) const { return apex(next(h)); }
   std::uint32_t to(std::uint32_t h) const { return apex(previous(h)); }
-  std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return orient(sites_.at[a], sites_.at[b], sites_.at[c]);
-  }
   Side side(std::uint32_t h) const { return {twins_[h], constrained(h)}; }
 
   bool find_parts(std::uint32_t a, std::uint32_t b, std::vector<Part>& parts);

@@ -14,46 +14,34 @@ namespace gcdt::proof {
 
 namespace {
 
-/// Walks segments through the mesh and records which edges are constrained.
-class Walker {
- public:
-  Walker(const Mesh& mesh, Sources& sources) : mesh_(mesh), sources_(sources) {}
-
-  /// If the segment is a chain of edges, records it there. Else returns the half-edge that it crosses first.
-  std::uint32_t keep(const Segment& segment) {
-    chain_.clear();
-    for (std::uint32_t v = segment.a; v != segment.b;) {
-      const auto exit = mesh_.leave(v, segment.b);
-      if (!exit.along_edge) return exit.half_edge;
-      chain_.push_back(exit.half_edge);
-      v = exit.end;
-    }
-    for (std::uint32_t h : chain_) {
-      record(h, segment.constraint);
-      if (mesh_.twin(h) != none) record(mesh_.twin(h), segment.constraint);
-    }
-    return none;
-  }
-
-  /// The least constraint on the first edge that the segment crosses and that belongs to a constraint before `limit`.
-  std::uint32_t crossed_before(const Segment& segment, std::uint32_t limit) const {
-    std::uint32_t found = none;
-    walk_across(mesh_, segment, [&](std::uint32_t h) {
-      if (sources_[h] < limit) found = sources_[h];
-      return found != none;
-    });
-    return found;
-  }
-
- private:
-  void record(std::uint32_t h, std::uint32_t constraint) { sources_[h] = std::min(sources_[h], constraint); }
-
-  const Mesh& mesh_;
-  Sources& sources_;
-  std::vector<std::uint32_t> chain_;
-};
+/// The least constraint on the first edge that the segment crosses and that belongs to a constraint before `limit`.
+std::uint32_t crossed_before(const Mesh& mesh, const Sources& sources, const Segment& segment, std::uint32_t limit) {
+  std::uint32_t found = none;
+  walk_across(mesh, segment, [&](std::uint32_t h) {
+    if (sources[h] < limit) found = sources[h];
+    return found != none;
+  });
+  return found;
+}
 
 }  // namespace
+
+std::uint32_t find_chain(const Mesh& mesh, const Segment& segment, Chain& chain) {
+  chain.clear();
+  for (std::uint32_t v = segment.a; v != segment.b;) {
+    const auto exit = mesh.leave(v, segment.b);
+    if (!exit.along_edge) return exit.half_edge;
+    chain.push_back(exit.half_edge);
+    v = exit.end;
+  }
+  return none;
+}
+
+void record(const Mesh& mesh, const Chain& chain, std::uint32_t constraint, Sources& sources) {
+  for (std::uint32_t h : chain)
+    for (std::uint32_t side : {h, mesh.twin(h)})
+      if (side != none) sources[side] = std::min(sources[side], constraint);
+}
 
 std::vector<Segment> distinct_segments(const Sites& sites, Constraints constraints) {
   std::vector<Segment> segments;
@@ -63,9 +51,9 @@ std::vector<Segment> distinct_segments(const Sites& sites, Constraints constrain
     if (a != b) segments.push_back({std::min(a, b), std::max(a, b), c});
   }
   auto key = [](const Segment& s) { return std::uint64_t(s.a) << 32 | s.b; };
-  std::sort(segments.begin(), segments.end(), [&](const Segment& s, const Segment& t) {
-    return key(s) != key(t) ? key(s) < key(t) : s.constraint < t.constraint;
-  });
+  // Stable: of equal ones the first is the least constraint.
+  std::stable_sort(segments.begin(), segments.end(),
+                   [&](const Segment& s, const Segment& t) { return key(s) < key(t); });
   const auto end = std::unique(segments.begin(), segments.end(),
                                [&](const Segment& s, const Segment& t) { return key(s) == key(t); });
   segments.erase(end, segments.end());
@@ -75,20 +63,23 @@ std::vector<Segment> distinct_segments(const Sites& sites, Constraints constrain
 std::string prove_constraints(const Sites& sites, const Mesh& mesh, Constraints constraints, Crossing crossing,
                               Sources& sources) {
   sources.assign(mesh.half_edges(), none);
-  Walker walker(mesh, sources);
   std::vector<Segment> missing;
   std::vector<std::uint32_t> crossed;
+  Chain chain;
   for (const Segment& segment : distinct_segments(sites, constraints)) {
-    const std::uint32_t h = walker.keep(segment);
-    if (h == none) continue;
+    const std::uint32_t h = find_chain(mesh, segment, chain);
+    if (h == none) {
+      record(mesh, chain, segment.constraint, sources);
+      continue;
+    }
     missing.push_back(segment);
     crossed.push_back(h);
     if (crossing == Crossing::reject) break;
   }
   for (std::size_t i = 0; i < missing.size(); ++i) {
     const Segment& segment = missing[i];
-    if (crossing == Crossing::drop && walker.crossed_before(segment, segment.constraint) != none) continue;
-    const std::uint32_t other = walker.crossed_before(segment, none);
+    if (crossing == Crossing::drop && crossed_before(mesh, sources, segment, segment.constraint) != none) continue;
+    const std::uint32_t other = crossed_before(mesh, sources, segment, none);
     return say("constraint ", segment.constraint, " (", segment.a, "-", segment.b,
                ") is not a chain of edges: it crosses ", mesh.edge_name(crossed[i]),
                other != none ? say(" and constraint ", other) : "",

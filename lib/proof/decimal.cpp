@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Doubles taken apart, the shortest decimals they stand for, and the cell of a fixed grid read from its text.
+// The shortest decimals that doubles stand for, and the cell of a fixed grid read from its text.
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <locale>
 #include <sstream>
 
 #include "proof/grid.hpp"
-#include "proof/wide.hpp"
 
 namespace gcdt::proof {
 
 namespace {
-
-std::uint64_t bits_of(double v) {
-  std::uint64_t bits;
-  std::memcpy(&bits, &v, sizeof bits);
-  return bits;
-}
 
 /// A positive decimal number without leading or trailing zeros: digits * 10^exponent.
 struct Spelled {
@@ -81,17 +73,7 @@ std::optional<int> nearest_power_of_two(const std::string& text) {
 
 }  // namespace
 
-bool is_finite(double v) { return (bits_of(v) >> 52 & 0x7ff) != 0x7ff; }
-
-Dyadic dyadic(double v) {
-  const std::uint64_t bits = bits_of(v), fraction = bits & ((1ull << 52) - 1);
-  const int exponent = static_cast<int>(bits >> 52 & 0x7ff);
-  Dyadic d;
-  d.mantissa = exponent == 0 ? fraction : fraction | 1ull << 52;
-  d.exponent = (exponent == 0 ? 1 : exponent) - 1075;
-  d.negative = bits >> 63 && d.mantissa != 0;
-  return d;
-}
+bool is_finite(double v) { return v - v == 0; }
 
 std::uint64_t power_of_five(int exponent) {
   std::uint64_t power = 1;
@@ -129,6 +111,17 @@ std::optional<Decimal> shortest_decimal(double v) {
     if (twice < five) return result(nearest, d);
   }
   return std::nullopt;
+}
+
+std::optional<Wide> in_units(double v, int decimals) {
+  const auto number = shortest_decimal(v);
+  if (!number || number->decimals > decimals) return std::nullopt;
+  const int zeros = decimals - number->decimals;
+  const auto magnitude = static_cast<std::uint64_t>(number->units < 0 ? -number->units : number->units);
+  const UWide scaled = UWide(magnitude) * power_of_five(zeros);  // < 2^115
+  if (bit_length(scaled) + zeros > 126) return std::nullopt;     // on a decimal grid it is below 2^95
+  const auto value = static_cast<Wide>(scaled << zeros);
+  return number->units < 0 ? -value : value;
 }
 
 void read_cell(const std::string& text, Grid& grid) {

@@ -48,7 +48,7 @@ class Subdivision {
     for (Edge e = 0; e < origin_.size(); ++e) {
       if (origin_[e] == none || half_edge[e] != none) continue;
       const Edge f = left_next(e), g = left_next(f);
-      if (left_next(g) != e || turn(from(e), from(f), from(g)) <= 0) continue;
+      if (left_next(g) != e || sites_.turn(from(e), from(f), from(g)) <= 0) continue;
       const auto t = static_cast<std::uint32_t>(mesh.triangles.size());
       mesh.triangles.push_back({from(e), from(f), from(g)});
       half_edge[e] = 3 * t + 2, half_edge[f] = 3 * t, half_edge[g] = 3 * t + 1;
@@ -63,11 +63,8 @@ class Subdivision {
   std::uint32_t from(Edge e) const { return origin_[e]; }
   std::uint32_t to(Edge e) const { return origin_[e ^ 1]; }
   Edge left_next(Edge e) const { return clockwise_[e ^ 1]; }
-  std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return orient(sites_.at[a], sites_.at[b], sites_.at[c]);
-  }
-  bool is_left(std::uint32_t v, Edge e) const { return turn(v, from(e), to(e)) > 0; }
-  bool is_right(std::uint32_t v, Edge e) const { return turn(v, to(e), from(e)) > 0; }
+  bool is_left(std::uint32_t v, Edge e) const { return sites_.turn(v, from(e), to(e)) > 0; }
+  bool is_right(std::uint32_t v, Edge e) const { return sites_.turn(v, to(e), from(e)) > 0; }
 
   Edge make(std::uint32_t a, std::uint32_t b) {
     Edge e = static_cast<Edge>(origin_.size());
@@ -109,7 +106,7 @@ class Subdivision {
   Ends build_three(const std::uint32_t* v) {
     const Edge a = make(v[0], v[1]), b = make(v[1], v[2]);
     splice(a ^ 1, b);
-    const std::int64_t side = turn(v[0], v[1], v[2]);
+    const std::int64_t side = sites_.turn(v[0], v[1], v[2]);
     if (side == 0) return {a, b ^ 1};
     const Edge c = connect(b, a);
     return side > 0 ? Ends{a, b ^ 1} : Ends{c ^ 1, c};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Delaunay triangulation of the sites, in exact host arithmetic, for the proof of domains: divide and conquer
-// (Guibas and Stolfi 1985). Half-edges are numbered as in verify_mesh.hpp.
+// (Guibas and Stolfi 1985). Half-edges are numbered as in mesh.hpp.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace gcdt::proof {
 Wide incircle(Vertex a, Vertex b, Vertex c, Vertex d);
 
 /// The order that decides ties: x first.
-bool before(Vertex a, Vertex b);
+inline bool before(Vertex a, Vertex b) { return a.key() < b.key(); }
 
 /// Whether d is inside the circle of a, b, c (counter-clockwise) after the paraboloid over the plane was pushed down at
 /// each vertex by an infinitely small length, at lesser vertices by infinitely more. Then no four vertices are

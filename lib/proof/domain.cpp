@@ -18,26 +18,27 @@ namespace {
 using Path = std::vector<std::uint32_t>;
 
 /// The whole mesh, and the path of each constraint that is in it, from its first end to its second.
-class Rebuilt {
- public:
-  Rebuilt(const Sites& sites, std::uint32_t inputs, Constraints constraints, Crossing crossing, std::uint64_t& steps)
-      : sites_(sites), inputs_(inputs), constraints_(constraints), crossing_(crossing), steps_(steps) {}
+struct Rebuilt {
+  const Sites& sites;
+  const std::uint32_t inputs;
+  const Constraints constraints;
+  const Crossing crossing;
+  std::uint64_t& steps;
+  std::optional<Completion> mesh = {};
+  std::vector<Path> paths = {};
 
   /// Returns the first failure.
   std::string run() {
-    const std::string reason = crossing_ == Crossing::split ? insert_split() : insert_whole();
-    if (reason.empty()) mesh_->sort();
+    const std::string reason = crossing == Crossing::split ? insert_split() : insert_whole();
+    if (reason.empty()) mesh->sort();
     return reason;
   }
-  const Completion& mesh() const { return *mesh_; }
-  const std::vector<Path>& paths() const { return paths_; }
 
- private:
-  std::uint32_t end(std::size_t c, int k) const { return sites_.representative[constraints_[c][k]]; }
+  std::uint32_t end(std::size_t c, int k) const { return sites.representative[constraints[c][k]]; }
 
   bool insert(const Path& path) {
     for (std::size_t i = 0; i + 1 < path.size(); ++i)
-      if (!mesh_->constrain(path[i], path[i + 1])) return false;
+      if (!mesh->constrain(path[i], path[i + 1])) return false;
     return true;
   }
 
@@ -53,25 +54,25 @@ class Rebuilt {
   /// In random order, unless some are to be dropped: then in that of the input, which decides, whatever steps that
   /// takes.
   std::string insert_whole() {
-    std::vector<char> there(constraints_.size());
-    std::string reason = insert_ordered(shuffled(constraints_.size()), there);
-    if (!reason.empty() && crossing_ == Crossing::drop) {
-      std::vector<std::uint32_t> order(constraints_.size());
+    std::vector<char> there(constraints.size());
+    std::string reason = insert_ordered(shuffled(constraints.size()), there);
+    if (!reason.empty() && crossing == Crossing::drop) {
+      std::vector<std::uint32_t> order(constraints.size());
       std::iota(order.begin(), order.end(), 0u);
       insert_ordered(order, there);
       reason.clear();
     }
-    for (std::size_t c = 0; c < constraints_.size(); ++c)
-      if (there[c]) paths_.push_back({end(c, 0), end(c, 1)});
+    for (std::size_t c = 0; c < constraints.size(); ++c)
+      if (there[c]) paths.push_back({end(c, 0), end(c, 1)});
     return reason;
   }
 
   /// Marks those that do not cross earlier ones; names another one.
   std::string insert_ordered(const std::vector<std::uint32_t>& order, std::vector<char>& there) {
-    mesh_.emplace(sites_, steps_);
+    mesh.emplace(sites, steps);
     std::string reason;
     for (const std::uint32_t c : order) {
-      there[c] = end(c, 0) != end(c, 1) && mesh_->constrain(end(c, 0), end(c, 1));
+      there[c] = end(c, 0) != end(c, 1) && mesh->constrain(end(c, 0), end(c, 1));
       if (!there[c] && end(c, 0) != end(c, 1))
         reason = say("constraint ", c, " (", end(c, 0), "-", end(c, 1), ") crosses another one");
     }
@@ -81,17 +82,17 @@ class Rebuilt {
   /// Routed constraints first; then those left straight that cross one are routed too. Ends: each round but the last
   /// routes another.
   std::string insert_split() {
-    const PixelTree tree(sites_);
-    const std::vector<Segment> segments = distinct_segments(sites_, constraints_);
+    const PixelTree tree(sites);
+    const std::vector<Segment> segments = distinct_segments(sites, constraints);
     std::vector<bool> routed;
-    if (auto reason = find_crossing(sites_, tree, inputs_, segments, routed); !reason.empty()) return reason;
+    if (auto reason = find_crossing(sites, tree, inputs, segments, routed); !reason.empty()) return reason;
     const auto path_of = [&](std::size_t s, std::uint32_t a, std::uint32_t b) {
       return routed[s] ? tree.along(a, b) : Path{a, b};
     };
     const std::vector<std::uint32_t> order = shuffled(segments.size());
     for (bool more = true; more;) {
       more = false;
-      mesh_.emplace(sites_, steps_);
+      mesh.emplace(sites, steps);
       for (const bool now : {true, false})
         for (const std::uint32_t s : order) {
           if (routed[s] != now || insert(path_of(s, segments[s].a, segments[s].b))) continue;
@@ -106,19 +107,11 @@ class Rebuilt {
       return std::lower_bound(segments.begin(), segments.end(), std::array{std::min(a, b), std::max(a, b)}, less) -
              segments.begin();
     };
-    for (std::size_t c = 0; c < constraints_.size(); ++c)
+    for (std::size_t c = 0; c < constraints.size(); ++c)
       if (end(c, 0) != end(c, 1))
-        paths_.push_back(path_of(std::size_t(number_of(end(c, 0), end(c, 1))), end(c, 0), end(c, 1)));
+        paths.push_back(path_of(std::size_t(number_of(end(c, 0), end(c, 1))), end(c, 0), end(c, 1)));
     return {};
   }
-
-  const Sites& sites_;
-  const std::uint32_t inputs_;
-  const Constraints constraints_;
-  const Crossing crossing_;
-  std::uint64_t& steps_;
-  std::optional<Completion> mesh_;
-  std::vector<Path> paths_;
 };
 
 /// The regions of a complete mesh in canonical order, with depths and windings.
@@ -126,10 +119,10 @@ class Flood {
  public:
   /// `proved`: the same mesh, half-edge by half-edge, after prove_topology().
   Flood(const Completion& mesh, const Mesh& proved, const std::vector<Path>& paths)
-      : mesh_(mesh), region_(mesh.triangles().size(), none) {
-    for (std::uint32_t t = 0; t < region_.size(); ++t)
-      if (region_[t] == none) fill(t, count_++);
-    turns_.assign(3 * region_.size(), 0);
+      : region(mesh.triangles().size(), none), mesh_(mesh) {
+    for (std::uint32_t t = 0; t < region.size(); ++t)
+      if (region[t] == none) fill(t, count++);
+    turns_.assign(3 * region.size(), 0);
     for (const Path& path : paths)
       for (std::size_t i = 0; i + 1 < path.size(); ++i)
         for (std::uint32_t v = path[i]; v != path[i + 1];) {
@@ -142,21 +135,20 @@ class Flood {
     search();
   }
 
-  std::uint32_t region(std::uint32_t t) const { return region_[t]; }
-  std::uint32_t depth(std::uint32_t r) const { return depth_[r]; }
-  std::int32_t winding(std::uint32_t r) const { return winding_[r]; }
-  std::uint32_t count() const { return count_; }
+  std::vector<std::uint32_t> region, depth;  ///< by triangle; by region
+  std::vector<std::int32_t> winding;         ///< by region
+  std::uint32_t count = 0;
 
  private:
   void fill(std::uint32_t first, std::uint32_t number) {
     std::vector<std::uint32_t> stack{first};
-    region_[first] = number;
+    region[first] = number;
     while (!stack.empty()) {
       const std::uint32_t t = stack.back();
       stack.pop_back();
       for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
-        if (mesh_.constrained(h) || mesh_.twin(h) == none || region_[mesh_.twin(h) / 3] != none) continue;
-        region_[mesh_.twin(h) / 3] = number;
+        if (mesh_.constrained(h) || mesh_.twin(h) == none || region[mesh_.twin(h) / 3] != none) continue;
+        region[mesh_.twin(h) / 3] = number;
         stack.push_back(mesh_.twin(h) / 3);
       }
     }
@@ -166,36 +158,36 @@ class Flood {
   /// the one on the near side, or in the hull the region's own. turns_[h]: how much more is on the left of h than
   /// on its right.
   void search() {
-    depth_.assign(count_, none);
-    winding_.assign(count_, 0);
-    std::vector<std::vector<std::uint32_t>> borders(count_);
-    std::vector<std::uint32_t> entry(count_, none), level;
+    depth.assign(count, none);
+    winding.assign(count, 0);
+    std::vector<std::vector<std::uint32_t>> borders(count);
+    std::vector<std::uint32_t> entry(count, none), level;
     for (std::uint32_t h = 0; h < turns_.size(); ++h) {
-      const std::uint32_t r = region_[h / 3];
+      const std::uint32_t r = region[h / 3];
       if (mesh_.twin(h) != none) {
-        if (mesh_.constrained(h) && region_[mesh_.twin(h) / 3] != r) borders[r].push_back(h);
+        if (mesh_.constrained(h) && region[mesh_.twin(h) / 3] != r) borders[r].push_back(h);
       } else if (mesh_.constrained(h)) {
         entry[r] = std::min(entry[r], h);
-      } else if (depth_[r] != 0) {
-        depth_[r] = 0;
+      } else if (depth[r] != 0) {
+        depth[r] = 0;
         level.push_back(r);
       }
     }
     std::vector<std::uint32_t> found;
-    for (std::uint32_t r = 0; r < count_; ++r)
-      if (entry[r] != none && depth_[r] == none) found.push_back(r);
+    for (std::uint32_t r = 0; r < count; ++r)
+      if (entry[r] != none && depth[r] == none) found.push_back(r);
     for (std::uint32_t d = 0; d == 0 || !level.empty(); ++d) {
       for (const std::uint32_t r : level)
         for (const std::uint32_t h : borders[r]) {
-          const std::uint32_t beyond = region_[mesh_.twin(h) / 3];
-          if (depth_[beyond] != none) continue;
+          const std::uint32_t beyond = region[mesh_.twin(h) / 3];
+          if (depth[beyond] != none) continue;
           if (entry[beyond] == none) found.push_back(beyond);
           entry[beyond] = std::min(entry[beyond], h);
         }
       for (const std::uint32_t r : found) {
         const std::uint32_t h = entry[r];
-        depth_[r] = d + 1;
-        winding_[r] = mesh_.twin(h) == none ? turns_[h] : winding_[region_[h / 3]] - turns_[h];
+        depth[r] = d + 1;
+        winding[r] = mesh_.twin(h) == none ? turns_[h] : winding[region[h / 3]] - turns_[h];
       }
       level.swap(found);
       found.clear();
@@ -203,19 +195,17 @@ class Flood {
   }
 
   const Completion& mesh_;
-  std::vector<std::uint32_t> region_, depth_;
-  std::vector<std::int32_t> winding_, turns_;
-  std::uint32_t count_ = 0;
+  std::vector<std::int32_t> turns_;
 };
 
 /// The regions with a hole seed: that of the least triangle that holds it, border included.
 std::vector<char> holed(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
                         const std::vector<std::array<double, 2>>& seeds, std::uint64_t& steps) {
-  std::vector<char> holes(flood.count(), 0);
+  std::vector<char> holes(flood.count, 0);
   std::vector<Vertex> places;
   for (const auto& seed : seeds)
     if (Vertex at; place_seed(seed, grid, at)) places.push_back(at);
-  for (const std::uint32_t t : least_triangles(sites, mesh, std::move(places), steps)) holes[flood.region(t)] = 1;
+  for (const std::uint32_t t : least_triangles(sites, mesh, std::move(places), steps)) holes[flood.region[t]] = 1;
   return holes;
 }
 
@@ -287,12 +277,12 @@ class Comparison {
   }
 
   std::string compare_region(std::uint32_t g, const RegionView& given) const {
-    const std::uint32_t r = flood_.region(right_of_[g]);
+    const std::uint32_t r = flood_.region[right_of_[g]];
     if (given.region && given.region[g] != r) return say(name(g), " is in region ", r, ", not ", given.region[g]);
-    if (given.depth && given.depth[g] != flood_.depth(r))
-      return say(name(g), " has depth ", flood_.depth(r), ", not ", given.depth[g]);
-    if (given.winding && given.winding[g] != flood_.winding(r))
-      return say(name(g), " has winding number ", flood_.winding(r), ", not ", given.winding[g]);
+    if (given.depth && given.depth[g] != flood_.depth[r])
+      return say(name(g), " has depth ", flood_.depth[r], ", not ", given.depth[g]);
+    if (given.winding && given.winding[g] != flood_.winding[r])
+      return say(name(g), " has winding number ", flood_.winding[r], ", not ", given.winding[g]);
     return {};
   }
 
@@ -309,32 +299,28 @@ std::vector<char> chosen(const Sites& sites, const Completion& mesh, const Flood
   const bool by_holes = options.domain == Domain::holes || options.domain == Domain::outer_holes;
   const bool by_outer = options.domain == Domain::outer || options.domain == Domain::outer_holes;
   const auto holes =
-      by_holes ? holed(sites, mesh, flood, grid, options.hole_seeds, steps) : std::vector<char>(flood.count());
+      by_holes ? holed(sites, mesh, flood, grid, options.hole_seeds, steps) : std::vector<char>(flood.count);
   std::vector<char> keep(mesh.triangles().size());
   for (std::uint32_t t = 0; t < keep.size(); ++t) {
-    const std::uint32_t r = flood.region(t);
-    keep[t] = !holes[r] && !(by_outer && flood.depth(r) == 0) &&
-              !(options.domain == Domain::even_odd && flood.winding(r) % 2 == 0) &&
-              !(options.domain == Domain::nonzero && flood.winding(r) == 0);
+    const std::uint32_t r = flood.region[t];
+    keep[t] = !holes[r] && !(by_outer && flood.depth[r] == 0) &&
+              !(options.domain == Domain::even_odd && flood.winding[r] % 2 == 0) &&
+              !(options.domain == Domain::nonzero && flood.winding[r] == 0);
   }
   return keep;
 }
 
 std::string prove(Points points, Constraints constraints, const MeshView& view, const RegionView& regions,
                   const Grid& grid, const Options& options, std::uint64_t& steps) {
-  std::string reason = check_sizes(points, constraints);
+  std::optional<Sites> placed;
+  std::string reason = place_sites(points, constraints, view.added, grid, placed);
   if (!reason.empty()) return reason;
-  auto vertices = quantise(points, grid, reason);
-  if (!reason.empty()) return reason;
-  const auto inputs = static_cast<std::uint32_t>(vertices.size());
-  reason = append_added(view.added, vertices);
-  if (!reason.empty()) return reason;
-  const Sites sites(std::move(vertices));
+  const Sites& sites = *placed;
   if (sites.flat) return verify(points, constraints, view, grid, options.crossing).reason;
-  Rebuilt rebuilt(sites, inputs, constraints, options.crossing, steps);
+  Rebuilt rebuilt{sites, static_cast<std::uint32_t>(points.size()), constraints, options.crossing, steps};
   reason = rebuilt.run();
   if (!reason.empty()) return reason;
-  const Completion& mesh = rebuilt.mesh();
+  const Completion& mesh = *rebuilt.mesh;
   MeshView whole;
   whole.triangles = mesh.triangles();
   whole.added = view.added;
@@ -342,7 +328,7 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
   if (!proved.valid) return say("the whole mesh made for comparison is not valid: ", proved.reason);
   Mesh whole_mesh(sites, whole);
   whole_mesh.prove_topology();
-  const Flood flood(mesh, whole_mesh, rebuilt.paths());
+  const Flood flood(mesh, whole_mesh, rebuilt.paths);
   return Comparison(mesh, flood, chosen(sites, mesh, flood, grid, options, steps), view).run(regions);
 }
 
@@ -350,12 +336,10 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
 
 Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh, const RegionView& regions,
                            const Grid& grid, const Options& options, std::uint64_t* steps) {
-  Verification result;
   std::uint64_t taken = 0;
-  result.reason = prove(points, constraints, mesh, regions, grid, options, taken);
+  const std::string reason = prove(points, constraints, mesh, regions, grid, options, taken);
   if (steps) *steps = taken;
-  result.valid = result.reason.empty();
-  return result;
+  return {reason.empty(), reason};
 }
 
 }  // namespace gcdt::proof

@@ -14,7 +14,7 @@ struct RegionView {
 
 /// As verify(), of a mesh from which options.domain has removed triangles. Takes crossing, domain and hole_seeds of
 /// `options`. O((n + m) log n) for constraints that do not cross, expected, and log n times more for the worst of them
-/// (verify_complete.hpp). `steps`, if not null, is set to how many vertices, edges and triangles were looked at while
+/// (complete.hpp). `steps`, if not null, is set to how many vertices, edges and triangles were looked at while
 /// the whole mesh was made and seeds were located in it; all else sorts, searches sorted lists, or goes through the
 /// mesh once.
 Verification verify_domain(Points points, Constraints constraints, const MeshView& mesh, const RegionView& regions,

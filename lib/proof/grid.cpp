@@ -5,14 +5,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "proof/big.hpp"
-
-namespace gcdt {
-
-namespace proof {
+namespace gcdt::proof {
 
 namespace {
 
+using exact::Natural;
 using Limits = std::array<std::array<double, 2>, 2>;  // [axis][least, largest]
 
 [[noreturn]] void fail(Status status, std::size_t vertex, int axis, const char* what) {
@@ -40,20 +37,16 @@ Limits limits_of(Points points) {
 constexpr int least_double = -1074;  // every double is a multiple of 2^least_double
 
 /// largest - least, in units of 2^least_double.
-Big extent(const std::array<double, 2>& limits) {
-  const Dyadic a = dyadic(limits[0]), b = dyadic(limits[1]);
-  const Big least = Big(a.mantissa) << (a.exponent - least_double);
-  const Big largest = Big(b.mantissa) << (b.exponent - least_double);
-  if (a.negative != b.negative) return least + largest;
-  return a.negative ? least - largest : largest - least;
+Natural extent(const std::array<double, 2>& limits) {
+  return (dyadic(limits[1]).in_units(least_double) - dyadic(limits[0]).in_units(least_double)).size();
 }
 
 /// The least k >= least_double with round_half_even(extent / 2^k) <= grid_max; the extent is positive. The limit,
 /// at which nothing moves, keeps the cell a double.
-int finest_power_of_two(const Big& extent) {
-  const int shift = extent.bits() - 31;  // leaves 31 bits: 2^30 to 2^31 before rounding
-  const bool rounds_to_32_bits = shift > 0 && extent.window(shift) == grid_max &&
-                                 extent.window(shift - 1) % 2 == 1;  // half or more above an odd number
+int finest_power_of_two(const Natural& extent) {
+  const int shift = bit_length(extent) - 31;  // leaves 31 bits: 2^30 to 2^31 before rounding
+  const bool rounds_to_32_bits = shift > 0 && bits_from(extent, shift) == grid_max &&
+                                 bits_from(extent, shift - 1) % 2 == 1;  // half or more above an odd number
   return std::max(0, shift + rounds_to_32_bits) + least_double;
 }
 
@@ -77,18 +70,12 @@ std::optional<int> decimals_of(Points points, const Limits& limits) {
       if (!number) return std::nullopt;
       digits = std::max(digits, number->decimals);
     }
-  Wide larger = 0;  // the larger extent in units of 10^-digits
-  for (int axis = 0; axis < 2; ++axis) {
-    Wide ends[2];
-    for (int end = 0; end < 2; ++end) {  // what fits at both ends fits between them
-      const Decimal number = *shortest_decimal(limits[axis][end]);
-      const int zeros = digits - number.decimals;
-      ends[end] = static_cast<Wide>(number.units) * static_cast<Wide>(power_of_five(zeros));
-      if (ends[end] > std::numeric_limits<std::int64_t>::max() >> zeros) return std::nullopt;
-      if (-ends[end] > std::numeric_limits<std::int64_t>::max() >> zeros) return std::nullopt;
-      ends[end] *= Wide(1) << zeros;
-    }
-    larger = std::max(larger, ends[1] - ends[0]);
+  const Wide most = std::numeric_limits<std::int64_t>::max();
+  Wide larger = 0;                               // the larger extent in units of 10^-digits
+  for (const auto& [least, largest] : limits) {  // what fits at both ends fits between them
+    const auto begin = in_units(least, digits), end = in_units(largest, digits);
+    if (!begin || !end || *begin < -most || *end > most) return std::nullopt;
+    larger = std::max(larger, *end - *begin);
   }
   if (larger > static_cast<Wide>(grid_max)) return std::nullopt;
   for (; digits < max_decimals && 10 * larger <= static_cast<Wide>(grid_max); ++digits) larger *= 10;
@@ -120,8 +107,8 @@ Grid chosen_grid(Points points) {
   if (points.size() == 0) return grid;
   const Limits limits = limits_of(points);
   grid.origin = {limits[0][0], limits[1][0]};
-  const Big width = extent(limits[0]), height = extent(limits[1]), larger = width < height ? height : width;
-  if (larger == Big(0)) return grid;
+  const Natural width = extent(limits[0]), height = extent(limits[1]), larger = width < height ? height : width;
+  if (larger == Natural()) return grid;
   grid.cell_exponent = finest_power_of_two(larger);
   if (grid.cell_exponent <= common_power_of_two(points)) return grid;
   if (const auto decimals = decimals_of(points, limits)) {
@@ -145,6 +132,4 @@ Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed) {
   return fixed ? fixed_grid(points, *fixed) : chosen_grid(points);
 }
 
-}  // namespace proof
-
-}  // namespace gcdt
+}  // namespace gcdt::proof

@@ -9,22 +9,21 @@
 #include <string>
 #include <vector>
 
+#include "exact/integer.hpp"
+#include "proof/wide.hpp"
+
 namespace gcdt::proof {
 
 /// A vertex on the grid; both in [0, 2^31 - 1].
 struct Vertex {
   std::int32_t x = 0, y = 0;
+  std::uint64_t key() const { return std::uint64_t(x) << 32 | std::uint32_t(y); }  ///< in order of x, then y
 };
 
-/// The value (-1)^negative * mantissa * 2^exponent of a finite double; zero has mantissa 0 and no sign.
-struct Dyadic {
-  bool negative = false;
-  std::uint64_t mantissa = 0;
-  int exponent = 0;
-};
+using exact::dyadic;
+using exact::Dyadic;
 
 bool is_finite(double v);
-Dyadic dyadic(double v);
 
 /// units / 10^decimals
 struct Decimal {
@@ -40,6 +39,9 @@ std::uint64_t power_of_five(int exponent);  ///< 0 <= exponent <= 22, so less th
 /// The decimal with the fewest digits after the point (at most max_decimals, |units| < 2^63) whose
 /// nearest double, ties to even, is v. Among those with that many digits the nearest to v, half to even.
 std::optional<Decimal> shortest_decimal(double v);
+
+/// v in units of 10^-decimals, v being read as its shortest decimal; nothing if that has more digits or is too large.
+std::optional<Wide> in_units(double v, int decimals);
 
 /// Length units * 2^two * 5^five of a cell's edge.
 struct Cell {

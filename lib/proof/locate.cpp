@@ -17,8 +17,7 @@ class Sweep {
     for (std::uint32_t h = 0; h < 3 * mesh.triangles().size(); ++h) {
       corners_.push_back({corner(h, 0), h / 3});
       // One half-edge an edge: that which has its triangle above it, if there is one.
-      const bool rising = before(at(left(h)), at(right(h))) && left(h) == corner(h, 1);
-      if (!rising && mesh.twin(h) != none) continue;
+      if (!rises(h) && mesh.twin(h) != none) continue;
       begins_.push_back({left(h), h});
       ends_.push_back({right(h), h});
     }
@@ -72,12 +71,9 @@ class Sweep {
   /// Corner k of the triangle of h, counted from the one across from h.
   std::uint32_t corner(std::uint32_t h, std::uint32_t k) const { return mesh_.triangles()[h / 3][(h + k) % 3]; }
   const Vertex& at(std::uint32_t v) const { return sites_.at[v]; }
-  std::uint32_t left(std::uint32_t h) const {
-    return before(at(corner(h, 1)), at(corner(h, 2))) ? corner(h, 1) : corner(h, 2);
-  }
-  std::uint32_t right(std::uint32_t h) const {
-    return before(at(corner(h, 1)), at(corner(h, 2))) ? corner(h, 2) : corner(h, 1);
-  }
+  bool rises(std::uint32_t h) const { return before(at(corner(h, 1)), at(corner(h, 2))); }
+  std::uint32_t left(std::uint32_t h) const { return corner(h, rises(h) ? 1 : 2); }
+  std::uint32_t right(std::uint32_t h) const { return corner(h, rises(h) ? 2 : 1); }
   std::int64_t turn(std::uint32_t a, std::uint32_t b, const Vertex& c) const { return orient(at(a), at(b), c); }
 
   /// The triangle over the highest edge that is not above the place, which is no vertex; the lesser of two on the edge.
@@ -86,7 +82,7 @@ class Sweep {
     if (edge == active_.begin()) return none;
     const std::uint32_t h = *--edge, twin = mesh_.twin(h);
     if (turn(left(h), right(h), place) == 0) return twin == none ? h / 3 : std::min(h, twin) / 3;
-    return left(h) == corner(h, 1) ? h / 3 : none;  // else it is under the hull's upper side
+    return rises(h) ? h / 3 : none;  // else it is under the hull's upper side
   }
 
   const Sites& sites_;
@@ -102,7 +98,7 @@ class Sweep {
 std::vector<std::uint32_t> least_triangles(const Sites& sites, const Completion& mesh, std::vector<Vertex> places,
                                            std::uint64_t& steps) {
   std::sort(places.begin(), places.end(), before);
-  const auto same = [](const Vertex& a, const Vertex& b) { return a.x == b.x && a.y == b.y; };
+  const auto same = [](const Vertex& a, const Vertex& b) { return a.key() == b.key(); };
   places.erase(std::unique(places.begin(), places.end(), same), places.end());
   if (places.empty()) return {};
   return Sweep(sites, mesh, steps).run(places);

@@ -14,8 +14,7 @@ namespace gcdt::proof {
 
 Sites::Sites(std::vector<Vertex> vertices) : at(std::move(vertices)), representative(at.size()) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(at.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i)
-    order[i] = {std::uint64_t(at[i].x) << 32 | std::uint32_t(at[i].y), i};
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {at[i].key(), i};
   std::sort(order.begin(), order.end());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool same = i > 0 && order[i].first == order[i - 1].first;
@@ -38,8 +37,9 @@ std::string Mesh::prove_topology() {
     sort_stars();
     reason = check_stars();
   }
-  if (reason.empty()) reason = match_twins();
-  if (reason.empty() && view_.neighbours) reason = check_given_neighbours();
+  if (!reason.empty()) return reason;
+  match_twins();
+  if (view_.neighbours) reason = check_given_neighbours();
   if (reason.empty()) reason = check_boundary();
   return reason;
 }
@@ -96,10 +96,9 @@ std::uint32_t Mesh::find(std::uint32_t origin, std::uint32_t target) const {
   return found != end && found->to == target ? found->half_edge : none;
 }
 
-std::string Mesh::match_twins() {
+void Mesh::match_twins() {
   twins_.resize(half_edges());
   for (std::uint32_t h = 0; h < half_edges(); ++h) twins_[h] = find(to(h), from(h));
-  return {};
 }
 
 std::string Mesh::check_given_neighbours() const {
@@ -165,7 +164,7 @@ Mesh::Exit Mesh::leave(std::uint32_t v, std::uint32_t w) const {
   --last;
   const std::uint32_t h = last->half_edge, previous = apex(h);
   if (compare_angles(ray, {at(v), at(last->to)}) == 0) return {true, h, last->to};
-  if (compare_angles(ray, {at(v), at(previous)}) == 0) return {true, next(next(h)), previous};
+  if (compare_angles(ray, {at(v), at(previous)}) == 0) return {true, proof::previous(h), previous};
   return {false, next(h), none};
 }
 

@@ -8,12 +8,12 @@
 //      k + 1 ---h--> k + 2
 #pragma once
 
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "proof/grid.hpp"
-#include "proof/wide.hpp"
 
 namespace gcdt::proof {
 
@@ -60,7 +60,12 @@ struct Sites {
 
   explicit Sites(std::vector<Vertex> vertices);
   bool is_representative(std::uint32_t v) const { return representative[v] == v; }
+  std::int64_t turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const { return orient(at[a], at[b], at[c]); }
 };
+
+/// The half-edges that follow h and precede it around its triangle.
+inline std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+inline std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
 class Mesh {
  public:
@@ -72,11 +77,9 @@ class Mesh {
 
   std::uint32_t half_edges() const { return static_cast<std::uint32_t>(3 * view_.triangles.size()); }
   std::uint32_t apex(std::uint32_t h) const { return view_.triangles[h / 3][h % 3]; }
-  std::uint32_t from(std::uint32_t h) const { return view_.triangles[h / 3][(h % 3 + 1) % 3]; }
-  std::uint32_t to(std::uint32_t h) const { return view_.triangles[h / 3][(h % 3 + 2) % 3]; }
+  std::uint32_t from(std::uint32_t h) const { return apex(next(h)); }
+  std::uint32_t to(std::uint32_t h) const { return apex(previous(h)); }
   std::uint32_t twin(std::uint32_t h) const { return twins_[h]; }
-  /// The half-edge that follows h around its triangle: from to(h) to apex(h).
-  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
   const Vertex& at(std::uint32_t v) const { return sites_.at[v]; }
   std::string edge_name(std::uint32_t h) const { return say("edge ", from(h), "-", to(h)); }
   std::string triangle_name(std::uint32_t t) const;
@@ -98,7 +101,7 @@ class Mesh {
   std::string check_triangles() const;
   void sort_stars();
   std::string check_stars() const;
-  std::string match_twins();
+  void match_twins();
   std::uint32_t find(std::uint32_t from, std::uint32_t to) const;
   std::string check_given_neighbours() const;
   std::string check_boundary() const;
@@ -124,6 +127,15 @@ struct Segment {
 /// The distinct segments, each with the least constraint that it is.
 std::vector<Segment> distinct_segments(const Sites& sites, Constraints constraints);
 
+/// A row of half-edges from one end of a segment to the other.
+using Chain = std::vector<std::uint32_t>;
+
+/// Fills `chain` if the segment is one, and returns none; else the half-edge that it crosses first.
+std::uint32_t find_chain(const Mesh& mesh, const Segment& segment, Chain& chain);
+
+/// The constraint runs along the chain.
+void record(const Mesh& mesh, const Chain& chain, std::uint32_t constraint, Sources& sources);
+
 /// Visits the half-edges that `segment` crosses between their ends, in order, seen from where it comes from, until
 /// visit(half_edge) returns true.
 template <class Visit>
@@ -142,21 +154,20 @@ void walk_across(const Mesh& mesh, const Segment& segment, Visit&& visit) {
       const std::int64_t side = orient(mesh.at(segment.a), mesh.at(segment.b), mesh.at(v));
       if (side == 0) break;
       // h runs from the segment's left to its right; the next one must run from right to left, as seen from here.
-      h = side > 0 ? Mesh::next(h) : Mesh::next(Mesh::next(h));
+      h = side > 0 ? next(h) : previous(h);
     }
   }
 }
 
-/// The failure of an index or a count to be possible.
-std::string check_sizes(Points points, Constraints constraints);
-
-/// Appends the added vertices to those of the input.
-std::string append_added(Span<std::array<std::int32_t, 2>> added, std::vector<Vertex>& vertices);
+/// Puts the vertices of the input and then the added ones on the grid. Returns the first failure of these, of an index
+/// or of a count to be possible.
+std::string place_sites(Points points, Constraints constraints, Span<std::array<std::int32_t, 2>> added,
+                        const Grid& grid, std::optional<Sites>& sites);
 
 /// Crossing::split. Vertices from `inputs` on must be no duplicates, and in order of x and y.
 std::string check_added(const Sites& sites, std::uint32_t inputs);
 
-/// Proves that the constraints were split (verify_split.cpp), and fills `sources`. Returns the first failure.
+/// Proves that the constraints were split (split.cpp), and fills `sources`. Returns the first failure.
 std::string prove_split(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, Constraints constraints,
                         Sources& sources);
 

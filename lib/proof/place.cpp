@@ -3,10 +3,12 @@
 #include <cmath>
 #include <sstream>
 
-#include "proof/big.hpp"
 #include "proof/grid.hpp"
 
 namespace gcdt::proof {
+
+using exact::Integer;
+using exact::Natural;
 
 namespace {
 
@@ -29,13 +31,13 @@ double nearest_double(const Number& n, int two) {
 }
 
 /// The double nearest to n * 2^two / 5^five, five > 0.
-double nearest_double(Big n, int two, int five) {
-  Big divisor(power_of_five(five));
+double nearest_double(Natural n, int two, int five) {
+  Natural divisor(power_of_five(five));
   const int shift = 58 + bit_length(divisor) - bit_length(n);
   if (shift > 0) n = n << shift;
   if (shift < 0) divisor = divisor << -shift;
   const std::uint64_t q = divide(n, divisor);  // of 58 or 59 bits
-  return nearest_double(q, n != Big(0), two - shift);
+  return nearest_double(q, n != Natural(), two - shift);
 }
 
 /// The double nearest to n * 2^two / 5^five, unless that is surely below `least`.
@@ -45,11 +47,10 @@ double move_length(const Number& n, int two, int five, double least) {
   if (five == 0 || rough == 0) return rough;
   const double quotient = rough / static_cast<double>(power_of_five(five));
   if (quotient > 1e-290 && quotient * (1 + 1e-9) < least) return quotient;
-  return nearest_double(Big(n), two, five);
+  return nearest_double(Natural(n), two, five);
 }
 
-/// |v - origin| = distance * 2^base, not 0; the numbers must hold 126 bits, or what Big's capacity allows:
-/// the early exit keeps the distance below 2^36 cells, hence both below 2^2300.
+/// |v - origin| = distance * 2^base, not 0; numbers have at most 126 bits, or any number.
 template <class Number>
 Placed place_distance(bool negative, const Number& distance, int base, const Cell& cell, double least_move) {
   const int fives_down = std::max(0, cell.five), fives_up = std::max(0, -cell.five);
@@ -88,23 +89,11 @@ Placed place_with_exit(bool negative, const Number& distance, int base, const Ce
   const int below = bit_length(cell.units) + 3 * std::max(0, cell.five) + std::max(0, cell.two - base);
   if constexpr (std::is_same_v<Number, UWide>)
     if (above <= 126 && below <= 126) return place_distance<UWide>(negative, distance, base, cell, least_move);
-  return place_distance<Big>(negative, Big(distance), base, cell, least_move);
+  return place_distance<Natural>(negative, Natural(distance), base, cell, least_move);
 }
 
 std::string describe(std::size_t vertex, int axis, const char* what) {
   return std::string(axis ? "y" : "x") + " of vertex " + std::to_string(vertex) + " " + what;
-}
-
-/// v in units of 10^-decimals, v being read as its shortest decimal; nothing if that has more digits or is too large.
-std::optional<Wide> in_units(double v, int decimals) {
-  const auto number = shortest_decimal(v);
-  if (!number || number->decimals > decimals) return std::nullopt;
-  const int zeros = decimals - number->decimals;
-  const auto magnitude = static_cast<std::uint64_t>(number->units < 0 ? -number->units : number->units);
-  const UWide scaled = UWide(magnitude) * power_of_five(zeros);  // < 2^115
-  if (bit_length(scaled) + zeros > 126) return std::nullopt;     // on a decimal grid it is below 2^95
-  const auto value = static_cast<Wide>(scaled << zeros);
-  return number->units < 0 ? -value : value;
 }
 
 /// False if a double is no decimal of so many digits, or if the difference is not a grid coordinate.
@@ -113,12 +102,6 @@ bool place_decimal(double v, double origin, int decimals, std::int32_t& at) {
   if (!value || !zero || *value < *zero || *value - *zero > static_cast<Wide>(grid_max)) return false;
   at = static_cast<std::int32_t>(*value - *zero);
   return true;
-}
-
-/// left + right or, if `minus`, left - right; the sign apart.
-std::pair<bool, Big> signed_sum(bool minus, const Big& left, const Big& right) {
-  if (!minus) return {false, left + right};
-  return left < right ? std::pair(true, right - left) : std::pair(false, left - right);
 }
 
 std::string place_vertex(Points points, std::size_t vertex, int axis, const Grid& grid, std::int32_t& at) {
@@ -149,10 +132,8 @@ Placed place(double v, double origin, const Cell& cell, double least_move) {
     const bool negative = difference < 0;
     return place_with_exit(negative, static_cast<UWide>(negative ? -difference : difference), base, cell, least_move);
   }
-  const Big left = Big(a.mantissa) << (a.exponent - base), right = Big(b.mantissa) << (b.exponent - base);
-  if (a.negative != b.negative) return place_with_exit(a.negative, left + right, base, cell, least_move);
-  const bool smaller = left < right;
-  return place_with_exit(smaller != a.negative, smaller ? right - left : left - right, base, cell, least_move);
+  const Integer difference = a.in_units(base) - b.in_units(base);
+  return place_with_exit(difference.sign() < 0, difference.size(), base, cell, least_move);
 }
 
 std::string grid_defect(const Grid& grid) {
@@ -172,7 +153,7 @@ double coordinate_at(const Grid& grid, int axis, std::int32_t at) {
   if (grid.kind == Grid::Kind::decimal) {
     const Wide units = in_units(grid.origin[axis], grid.cell_decimals).value_or(0) + at;
     const bool negative = units < 0;
-    const Big n(static_cast<UWide>(negative ? -units : units));
+    const Natural n(static_cast<UWide>(negative ? -units : units));
     const int d = grid.cell_decimals;
     const double v = d == 0 || units == 0 ? nearest_double(n, -d) : nearest_double(n, -d, d);
     return negative ? -v : v;
@@ -183,13 +164,11 @@ double coordinate_at(const Grid& grid, int axis, std::int32_t at) {
   const int up = std::max(0, cell.five), down = std::max(0, -cell.five);
   if (at == 0) return grid.origin[axis];
   const int base = origin.mantissa == 0 ? cell.two : std::min(origin.exponent, cell.two);
-  Big left = Big(origin.mantissa) * power_of_five(down);
-  if (origin.mantissa != 0) left = left << (origin.exponent - base);
-  const Big right = ((Big(static_cast<UWide>(at)) * cell.units) * power_of_five(up)) << (cell.two - base);
-  const auto [turned, sum] = signed_sum(origin.negative, right, left);
-  if (sum == Big(0)) return 0;
-  const double v = down == 0 ? nearest_double(sum, base) : nearest_double(sum, base, down);
-  return turned ? -v : v;
+  const Integer way(false, Natural(static_cast<std::uint32_t>(at)) * cell.units * power_of_five(up));
+  const Integer sum = origin.in_units(base) * Integer(false, power_of_five(down)) + (way << (cell.two - base));
+  if (sum.sign() == 0) return 0;
+  const double v = down == 0 ? nearest_double(sum.size(), base) : nearest_double(sum.size(), base, down);
+  return sum.sign() < 0 ? -v : v;
 }
 
 std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v) {
@@ -215,12 +194,9 @@ bool place_seed(const std::array<double, 2>& point, const Grid& grid, Vertex& at
   std::int32_t* to[2] = {&at.x, &at.y};
   for (int axis = 0; axis < 2; ++axis) {
     if (!is_finite(point[axis])) return false;
-    if (grid.kind == Grid::Kind::decimal &&
-        place_decimal(point[axis], grid.origin[axis], grid.cell_decimals, *to[axis]))
-      continue;
-    const Placed placed = place(point[axis], grid.origin[axis], cell_of(grid), HUGE_VAL);
-    if (placed.outside) return false;
-    *to[axis] = placed.at;
+    const auto found = nearest_at(grid, axis, point[axis]);
+    if (!found) return false;
+    *to[axis] = *found;
   }
   return true;
 }

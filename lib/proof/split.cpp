@@ -24,29 +24,32 @@ struct Meeting {
 
 std::string name(const Segment& s) { return say("constraint ", s.constraint, " (", s.a, "-", s.b, ")"); }
 
-class CrossingSearch {
- public:
-  CrossingSearch(const Sites& sites, const PixelTree& tree, std::uint32_t inputs, const std::vector<Segment>& segments)
-      : sites_(sites), tree_(tree), inputs_(inputs), segments_(segments), crosses_(segments.size(), false) {
-    for (const Vertex at : sites_.at) places_.push_back(place(at));
-    std::sort(places_.begin(), places_.end());
-  }
+struct CrossingSearch {
+  const Sites& sites;
+  const PixelTree& tree;
+  const std::uint32_t inputs;
+  const std::vector<Segment>& segments;
+  std::vector<bool>& crosses;
+  std::vector<std::uint64_t> places = {};  // of all vertices, ascending
 
   /// Every pixel with a crossing is that of a vertex, and every added vertex has a crossing in its pixel.
   std::string run() {
+    crosses.assign(segments.size(), false);
+    for (const Vertex at : sites.at) places.push_back(at.key());
+    std::sort(places.begin(), places.end());
     std::vector<Meeting> meetings;
-    for (std::uint32_t s = 0; s < segments_.size(); ++s)
-      for (std::uint32_t v : tree_.along(segments_[s].a, segments_[s].b)) meetings.push_back({v, s});
+    for (std::uint32_t s = 0; s < segments.size(); ++s)
+      for (std::uint32_t v : tree.along(segments[s].a, segments[s].b)) meetings.push_back({v, s});
     std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
       return a.vertex != b.vertex ? a.vertex < b.vertex : a.segment < b.segment;
     });
-    std::vector<bool> founded(sites_.at.size(), false);
+    std::vector<bool> founded(sites.at.size(), false);
     for (std::size_t begin = 0, end; begin < meetings.size(); begin = end) {
       const std::uint32_t v = meetings[begin].vertex;
       std::vector<std::uint32_t> through, ending;
       for (end = begin; end < meetings.size() && meetings[end].vertex == v; ++end) {
         const std::uint32_t s = meetings[end].segment;
-        (segments_[s].a == v || segments_[s].b == v ? ending : through).push_back(s);
+        (segments[s].a == v || segments[s].b == v ? ending : through).push_back(s);
       }
       for (std::size_t i = 0; i < through.size(); ++i) {
         for (std::size_t j = i + 1; j < through.size(); ++j)
@@ -55,75 +58,62 @@ class CrossingSearch {
           if (auto reason = check_pair(v, through[i], s, founded); !reason.empty()) return reason;
       }
     }
-    for (std::uint32_t v = inputs_; v < sites_.at.size(); ++v)
+    for (std::uint32_t v = inputs; v < sites.at.size(); ++v)
       if (!founded[v]) return say("added vertex ", v, ": no constraints cross in its pixel");
     return {};
   }
 
-  const std::vector<bool>& crosses() const { return crosses_; }
-
- private:
-  static std::uint64_t place(Vertex at) { return std::uint64_t(at.x) << 32 | std::uint32_t(at.y); }
-
   /// Two constraints that meet the pixel of v.
   std::string check_pair(std::uint32_t v, std::uint32_t s, std::uint32_t t, std::vector<bool>& founded) {
-    const Vertex a = sites_.at[segments_[s].a], b = sites_.at[segments_[s].b];
-    const Vertex c = sites_.at[segments_[t].a], d = sites_.at[segments_[t].b];
+    const Vertex a = sites.at[segments[s].a], b = sites.at[segments[s].b];
+    const Vertex c = sites.at[segments[t].a], d = sites.at[segments[t].b];
     const auto pixel = pixel_of_crossing(a, b, c, d);
     if (!pixel) return {};
-    if (pixel->x == sites_.at[v].x && pixel->y == sites_.at[v].y) {
+    if (pixel->key() == sites.at[v].key()) {
       // At a vertex of the input itself they are split there, and do not cross.
-      if (v < inputs_ && orient(a, b, *pixel) == 0 && orient(c, d, *pixel) == 0) return {};
+      if (v < inputs && orient(a, b, *pixel) == 0 && orient(c, d, *pixel) == 0) return {};
       founded[v] = true;
-      crosses_[s] = crosses_[t] = true;
+      crosses[s] = crosses[t] = true;
       return {};
     }
-    if (std::binary_search(places_.begin(), places_.end(), place(*pixel))) return {};  // looked at there
-    return say(name(segments_[s]), " and ", name(segments_[t]), " cross, but no vertex was added at grid point (",
+    if (std::binary_search(places.begin(), places.end(), pixel->key())) return {};  // looked at there
+    return say(name(segments[s]), " and ", name(segments[t]), " cross, but no vertex was added at grid point (",
                pixel->x, ", ", pixel->y, ")");
   }
-
-  const Sites& sites_;
-  const PixelTree& tree_;
-  const std::uint32_t inputs_;
-  const std::vector<Segment>& segments_;
-  std::vector<bool> crosses_;
-  std::vector<std::uint64_t> places_;  // of all vertices, ascending
 };
 
-class SplitProof {
- public:
-  SplitProof(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, const std::vector<Segment>& segments,
-             Sources& sources)
-      : sites_(sites), mesh_(mesh), inputs_(inputs), segments_(segments), sources_(sources), tree_(sites) {}
+struct SplitProof {
+  const Sites& sites;
+  const Mesh& mesh;
+  const std::uint32_t inputs;
+  const std::vector<Segment>& segments;
+  Sources& sources;
+  const PixelTree tree = PixelTree(sites);
+  Sources routed_edge = {};  // none: not of a route
+  std::vector<bool> crosses = {};
 
   std::string run() {
-    sources_.assign(mesh_.half_edges(), none);
-    routed_edge_.assign(mesh_.half_edges(), false);
-    auto reason = find_crossing(sites_, tree_, inputs_, segments_, crosses_);
+    sources.assign(mesh.half_edges(), none);
+    routed_edge.assign(mesh.half_edges(), none);
+    auto reason = find_crossing(sites, tree, inputs, segments, crosses);
     if (reason.empty()) reason = check_chains();
     return reason;
   }
 
- private:
-  using Chain = std::vector<std::uint32_t>;  // half-edges
-
-  const Segment& segment(std::uint32_t s) const { return segments_[s]; }
-  std::string name(std::uint32_t s) const { return proof::name(segment(s)); }
+  std::string name(std::uint32_t s) const { return proof::name(segments[s]); }
 
   std::string check_chains() {
     std::vector<std::uint32_t> left;
-    for (std::uint32_t s = 0; s < segments_.size(); ++s) {
-      Chain chain;
-      if (crosses_[s]) {
-        const std::uint32_t v = route(s, chain);
+    Chain chain;
+    for (std::uint32_t s = 0; s < segments.size(); ++s) {
+      if (crosses[s]) {
+        const std::uint32_t v = route(s);
         if (v != none)
           return say(name(s),
                      " crosses another one, but is not routed through the vertices near it: no edge leaves vertex ", v,
                      " to the next of them");
-        record(s, chain, true);
-      } else if (straight(s, chain)) {
-        record(s, chain, false);
+      } else if (find_chain(mesh, segments[s], chain) == none) {
+        record(mesh, chain, segments[s].constraint, sources);
       } else {
         left.push_back(s);
       }
@@ -132,16 +122,14 @@ class SplitProof {
     for (bool more = true; more && !left.empty();) {
       more = false;
       for (std::size_t i = 0; i < left.size();) {
-        Chain chain;
         if (!crosses_routed(left[i])) {
           ++i;
           continue;
         }
-        const std::uint32_t v = route(left[i], chain);
+        const std::uint32_t v = route(left[i]);
         if (v != none)
           return say(name(left[i]), " crosses a routed one, but is not routed itself: no edge leaves vertex ", v,
                      " to the next vertex near it");
-        record(left[i], chain, true);
         left[i] = left.back();
         left.pop_back();
         more = true;
@@ -151,49 +139,25 @@ class SplitProof {
     return say(name(*std::min_element(left.begin(), left.end())), " is not a chain of edges, though it crosses none");
   }
 
-  bool straight(std::uint32_t s, Chain& chain) const {
-    for (std::uint32_t v = segment(s).a; v != segment(s).b;) {
-      const auto exit = mesh_.leave(v, segment(s).b);
-      if (!exit.along_edge) return false;
-      chain.push_back(exit.half_edge);
-      v = exit.end;
-    }
-    return true;
-  }
-
-  /// Fills `chain`, or returns the vertex from which no edge leads to the next one.
-  std::uint32_t route(std::uint32_t s, Chain& chain) const {
-    const auto vertices = tree_.along(segment(s).a, segment(s).b);
+  /// Records the constraint along its route, or returns the vertex from which no edge leads to the next one.
+  std::uint32_t route(std::uint32_t s) {
+    Chain chain;
+    const auto vertices = tree.along(segments[s].a, segments[s].b);
     for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
-      const auto exit = mesh_.leave(vertices[i], vertices[i + 1]);
+      const auto exit = mesh.leave(vertices[i], vertices[i + 1]);
       if (!exit.along_edge || exit.end != vertices[i + 1]) return vertices[i];
       chain.push_back(exit.half_edge);
     }
+    record(mesh, chain, segments[s].constraint, sources);
+    record(mesh, chain, 0, routed_edge);
     return none;
-  }
-
-  void record(std::uint32_t s, const Chain& chain, bool routed) {
-    for (std::uint32_t h : chain)
-      for (std::uint32_t side : {h, mesh_.twin(h)}) {
-        if (side == none) continue;
-        sources_[side] = std::min(sources_[side], segment(s).constraint);
-        if (routed) routed_edge_[side] = true;
-      }
   }
 
   bool crosses_routed(std::uint32_t s) const {
     bool found = false;
-    walk_across(mesh_, segment(s), [&](std::uint32_t h) { return found = routed_edge_[h]; });
+    walk_across(mesh, segments[s], [&](std::uint32_t h) { return found = routed_edge[h] != none; });
     return found;
   }
-
-  const Sites& sites_;
-  const Mesh& mesh_;
-  const std::uint32_t inputs_;
-  const std::vector<Segment>& segments_;
-  Sources& sources_;
-  const PixelTree tree_;
-  std::vector<bool> routed_edge_, crosses_;
 };
 
 }  // namespace
@@ -203,8 +167,7 @@ std::string check_added(const Sites& sites, std::uint32_t inputs) {
     if (!sites.is_representative(v))
       return say("added vertex ", v, " is where vertex ", sites.representative[v], " is");
     if (v == inputs) continue;
-    const Vertex before = sites.at[v - 1], at = sites.at[v];
-    if (before.x > at.x || (before.x == at.x && before.y > at.y))
+    if (sites.at[v - 1].key() > sites.at[v].key())
       return say("added vertices ", v - 1, " and ", v, " are not in order of x and y");
   }
   return {};
@@ -212,16 +175,13 @@ std::string check_added(const Sites& sites, std::uint32_t inputs) {
 
 std::string find_crossing(const Sites& sites, const PixelTree& tree, std::uint32_t inputs,
                           const std::vector<Segment>& segments, std::vector<bool>& crosses) {
-  CrossingSearch search(sites, tree, inputs, segments);
-  const std::string reason = search.run();
-  crosses = search.crosses();
-  return reason;
+  return CrossingSearch{sites, tree, inputs, segments, crosses}.run();
 }
 
 std::string prove_split(const Sites& sites, const Mesh& mesh, std::uint32_t inputs, Constraints constraints,
                         Sources& sources) {
   const std::vector<Segment> segments = distinct_segments(sites, constraints);
-  return SplitProof(sites, mesh, inputs, segments, sources).run();
+  return SplitProof{sites, mesh, inputs, segments, sources}.run();
 }
 
 }  // namespace gcdt::proof

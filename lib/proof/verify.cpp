@@ -5,9 +5,7 @@
 #include "proof/delaunay.hpp"
 #include "proof/mesh.hpp"
 
-namespace gcdt {
-
-namespace proof {
+namespace gcdt::proof {
 
 /// Positive iff d is inside the circle through a, b, c (counter-clockwise), zero iff on it.
 /// With S = 2^31 - 1: squared lengths are at most 2 S^2 < 2^63 and areas at most S^2 < 2^62 (twice the largest
@@ -20,24 +18,23 @@ Wide incircle(Vertex a, Vertex b, Vertex c, Vertex d) {
   return lift(a) * orient(d, b, c) + lift(b) * orient(d, c, a) + lift(c) * orient(d, a, b);
 }
 
-bool before(Vertex a, Vertex b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
-
-std::string check_sizes(Points points, Constraints constraints) {
+std::string place_sites(Points points, Constraints constraints, Span<std::array<std::int32_t, 2>> added,
+                        const Grid& grid, std::optional<Sites>& sites) {
   if (points.size() > max_vertices) return say(points.size(), " vertices are more than ", max_vertices);
   if (constraints.size() >= none) return say(constraints.size(), " constraints are more than ", none - 1);
   for (std::size_t c = 0; c < constraints.size(); ++c)
     for (std::uint32_t v : constraints[c])
       if (v >= points.size()) return say("constraint ", c, ": vertex ", v, " does not exist");
-  return {};
-}
-
-std::string append_added(Span<std::array<std::int32_t, 2>> added, std::vector<Vertex>& vertices) {
+  std::string reason;
+  std::vector<Vertex> vertices = quantise(points, grid, reason);
+  if (!reason.empty()) return reason;
   if (added.size() > max_vertices - vertices.size())
     return say(vertices.size(), " and ", added.size(), " added vertices are more than ", max_vertices);
   for (const auto& [x, y] : added) {
     if (x < 0 || y < 0) return say("added vertex ", vertices.size(), " is outside the grid");
     vertices.push_back({x, y});
   }
+  sites.emplace(std::move(vertices));
   return {};
 }
 
@@ -82,14 +79,11 @@ std::string check_flags(const Mesh& mesh, const std::uint8_t* constrained, const
 
 /// The first failure, or an empty text.
 std::string prove(Points points, Constraints constraints, const MeshView& view, const Grid& grid, Crossing crossing) {
-  auto reason = check_sizes(points, constraints);
+  std::optional<Sites> placed;
+  auto reason = place_sites(points, constraints, view.added, grid, placed);
   if (!reason.empty()) return reason;
-  auto vertices = quantise(points, grid, reason);
-  if (!reason.empty()) return reason;
-  const auto inputs = static_cast<std::uint32_t>(vertices.size());
-  reason = append_added(view.added, vertices);
-  if (!reason.empty()) return reason;
-  const Sites sites(std::move(vertices));
+  const Sites& sites = *placed;
+  const auto inputs = static_cast<std::uint32_t>(points.size());
   reason = check_added(sites, inputs);
   if (!reason.empty()) return reason;
   if (sites.flat) {
@@ -111,12 +105,8 @@ std::string prove(Points points, Constraints constraints, const MeshView& view, 
 }  // namespace
 
 Verification verify(Points points, Constraints constraints, const MeshView& mesh, const Grid& grid, Crossing crossing) {
-  Verification result;
-  result.reason = prove(points, constraints, mesh, grid, crossing);
-  result.valid = result.reason.empty();
-  return result;
+  const std::string reason = prove(points, constraints, mesh, grid, crossing);
+  return {reason.empty(), reason};
 }
 
-}  // namespace proof
-
-}  // namespace gcdt
+}  // namespace gcdt::proof

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "query/derived.hpp"
+
 namespace gcdt {
 
 using runtime::Buffer;
@@ -29,11 +31,9 @@ Pieces kept_pieces(Runtime& runtime, Primitives& primitives, const Pieces& all, 
   if (count != 0)
     runtime.launch("adopt", "count_sources", over(count), count, cl_uint{limit}, all.source_offsets, all.sources,
                    places, first_sources);
-  primitives.exclusive_scan(places, places, count);
-  primitives.exclusive_scan(first_sources, first_sources, count);
   Pieces kept;
-  kept.count = runtime.read_one(places, count);
-  kept.source_count = runtime.read_one(first_sources, count);
+  kept.count = primitives.scan_total(places, count);
+  kept.source_count = primitives.scan_total(first_sources, count);
   kept.ends = runtime.allocate<cl_uint2>("pieces", kept.count);
   kept.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t{kept.count} + 1);
   kept.sources = runtime.allocate<cl_uint>("sources of pieces", kept.source_count);
@@ -106,20 +106,12 @@ Error mesh_error(const Error& crossing, Constraints constraints, Span<Constraint
 
 DeviceTriangulation adopt(Runtime& runtime, Primitives& primitives, DeviceTriangulation whole, Triangles triangles,
                           std::uint32_t constraints) {
-  OrderedMesh mesh;
-  mesh.triangles = static_cast<std::uint32_t>(triangles.size());
-  const std::size_t corners = std::size_t{3} * mesh.triangles;
-  mesh.corners = runtime.allocate<cl_uint>("corners", corners);
-  mesh.neighbours = runtime.allocate<cl_int>("neighbours", corners);
-  mesh.constrained = runtime.allocate<cl_uchar>("flags", mesh.triangles);
-  if (corners != 0) runtime.write(mesh.corners, triangles.data()->data(), corners);
+  OrderedMesh mesh = make_ordered(runtime, triangles.size());
+  if (mesh.triangles != 0) runtime.write(mesh.corners, triangles.data()->data(), std::size_t{3} * mesh.triangles);
   const Buffer<cl_uint> found = find(runtime, whole, mesh, whole.kept);
   const Vertices& vertices = whole.vertices;
   const Pieces& all = whole.pieces;
-  auto ends = runtime.allocate<cl_uint2>("ends as vertices", all.count);
-  if (all.count != 0)
-    runtime.launch("hull", "number_ends", over(std::size_t{2} * all.count), cl_uint{2 * all.count}, all.ends,
-                   vertices.input_vertex, ends);
+  const Buffer<cl_uint2> ends = ends_as_vertices(runtime, vertices, all);
   if (mesh.triangles != 0)
     runtime.launch("adopt", "link_triangles", over(mesh.triangles), cl_uint{mesh.triangles}, vertices.levels_buffer,
                    vertices.vertex_input, vertices.input_vertex, found, whole.kept, whole.mesh.corners,

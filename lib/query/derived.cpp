@@ -19,6 +19,13 @@ std::uint64_t hull_count(const DeviceTriangulation& result) {
   return triangles == 0 ? 0 : 2 * std::uint64_t{result.vertices.n()} - 2 - triangles;
 }
 
+Buffer<cl_uint2> ends_as_vertices(Runtime& runtime, const Vertices& vertices, const Pieces& pieces) {
+  auto ends = runtime.allocate<cl_uint2>("ends as vertices", pieces.count);
+  const cl_uint count = 2 * pieces.count;
+  if (count != 0) runtime.launch("hull", "number_ends", over(count), count, pieces.ends, vertices.input_vertex, ends);
+  return ends;
+}
+
 const Buffer<cl_uint>& Derived::hull(Runtime& runtime, Primitives& primitives, const DeviceTriangulation& result) {
   if (hull_.allocated()) return hull_;
   const OrderedMesh& mesh = hull_mesh(result);
@@ -26,8 +33,7 @@ const Buffer<cl_uint>& Derived::hull(Runtime& runtime, Primitives& primitives, c
   const cl_uint half_edges = 3 * mesh.triangles;
   auto places = runtime.allocate<cl_uint>("places of hull edges", std::size_t{half_edges} + 1);
   if (half_edges != 0) runtime.launch("hull", "hull_flags", over(half_edges), half_edges, mesh.neighbours, places);
-  primitives.exclusive_scan(places, places, half_edges);
-  const cl_uint count = runtime.read_one(places, half_edges);
+  const cl_uint count = primitives.scan_total(places, half_edges);
   if (count != hull_count(result)) throw Error(Status::check_failed, "hull: its edges do not fit the triangles");
   auto edges = runtime.allocate<cl_uint>("hull edges", count);
   primitives.compact_indices(places, edges, half_edges);
@@ -69,11 +75,8 @@ const Buffer<cl_int>& Derived::edge_pieces(Runtime& runtime, const DeviceTriangu
   if (edge_pieces_.allocated()) return edge_pieces_;
   const Pieces& pieces = result.pieces;
   const cl_uint half_edges = 3 * result.mesh.triangles;
-  auto ends = runtime.allocate<cl_uint2>("ends as vertices", pieces.count);
+  const Buffer<cl_uint2> ends = ends_as_vertices(runtime, result.vertices, pieces);
   auto made = runtime.allocate<cl_int>("pieces of edges", half_edges);
-  if (pieces.count != 0)
-    runtime.launch("hull", "number_ends", over(std::size_t{2} * pieces.count), cl_uint{2 * pieces.count}, pieces.ends,
-                   result.vertices.input_vertex, ends);
   if (half_edges != 0)
     runtime.launch("hull", "edge_pieces", over(half_edges), half_edges, result.vertices.levels_buffer,
                    result.mesh.corners, result.mesh.constrained, result.vertices.input_vertex, cl_uint{pieces.count},

@@ -26,6 +26,9 @@ class Derived {
   runtime::Buffer<cl_int> vertex_triangles_, edge_pieces_;
 };
 
+/// The ends of pieces of a result, which are input numbers, as vertices.
+runtime::Buffer<cl_uint2> ends_as_vertices(runtime::Runtime& runtime, const Vertices& vertices, const Pieces& pieces);
+
 /// The mesh of the whole convex hull.
 const OrderedMesh& hull_mesh(const DeviceTriangulation& result);
 

@@ -51,12 +51,8 @@ void check_imported(Runtime& runtime, Primitives& primitives, Points points, Con
       order(runtime, primitives, make_plan(runtime, {1, n, n}), stage(runtime, points), grid).vertices;
   const Pieces pieces = order_pieces(runtime, primitives, vertices, constraints);
   primitives.release();
-  OrderedMesh ordered;
-  ordered.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  const OrderedMesh ordered = make_ordered(runtime, mesh.triangles.size());
   const std::size_t corners = std::size_t{3} * ordered.triangles;
-  ordered.corners = runtime.allocate<cl_uint>("corners to check", corners);
-  ordered.neighbours = runtime.allocate<cl_int>("neighbours to check", corners);
-  ordered.constrained = runtime.allocate<cl_uchar>("flags to check", ordered.triangles);
   if (corners != 0) {
     runtime.write(ordered.corners, mesh.triangles.data()->data(), corners);
     runtime.write(ordered.neighbours, mesh.neighbours->data(), corners);

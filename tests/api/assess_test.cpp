@@ -4,8 +4,8 @@
 
 #include <map>
 
+#include "exact/doubles.hpp"
 #include "grid_oracle.hpp"
-#include "mesh/exact.hpp"
 #include "solver_fixture.hpp"
 
 using namespace gcdt;

@@ -11,7 +11,7 @@
 #include <set>
 #include <string>
 
-#include "device/kernel_sources.hpp"
+#include "device/programs.hpp"
 
 namespace {
 

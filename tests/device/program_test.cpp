@@ -9,7 +9,7 @@
 
 #include "cache_folder.hpp"
 #include "device/cache.hpp"
-#include "device/kernel_sources.hpp"
+#include "device/programs.hpp"
 #include "device/runtime.hpp"
 #include "device_list.hpp"
 

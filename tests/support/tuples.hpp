@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "common/selftest.h"
+#include "predicate_values.h"
 
 namespace gcdt::test {
 

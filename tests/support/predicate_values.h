@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the self-test kernels compute, once for host and device. OpenCL C and C++17.
-#ifndef GCDT_SELFTEST_H
-#define GCDT_SELFTEST_H
+// Every predicate of a tuple, once for host and device: the test adds this file to a program that has the predicates.
+// OpenCL C and C++17.
+#ifndef GCDT_PREDICATE_VALUES_H
+#define GCDT_PREDICATE_VALUES_H
 
 #include "common/predicates.h"
 
@@ -46,9 +47,13 @@ GCDT_INLINE PredicateValues gcdt_evaluate_predicates(PredicateTuple t) {
   return r;
 }
 
-#ifndef __OPENCL_VERSION__
+#ifdef __OPENCL_VERSION__
+kernel void evaluate_predicates(u32 count, global const PredicateTuple* tuples, global PredicateValues* values) {
+  FOR_EACH(i, count) values[i] = gcdt_evaluate_predicates(tuples[i]);
+}
+#else
 static_assert(sizeof(Vertex) == 24 && sizeof(PredicateTuple) == 104 && sizeof(PredicateValues) == 56,
-              "the self-test's records have the same layout on host and device");
+              "the records have the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 
