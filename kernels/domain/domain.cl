@@ -200,16 +200,12 @@ kernel void depth_expand(const uint d, SEARCH_PARAMETERS) {
   if (get_global_id(0) == 0) report->frontier[(d + 2u) % 3u] = report->arcs[(d + 2u) % 3u] = 0u;
   const uint few = count <= GCDT_FEW_NODES ? count : 0u, many = count - few;
   for (uint i = 0; i < few; ++i)
-    expand(frontier_node(frontier, i, nodes), get_global_id(0), get_global_size(0), begins, arcs, neighbours, region,
-           depth, entry, next, next_count);
+    expand(d, frontier_node(frontier, i, nodes), get_global_id(0), get_global_size(0), SEARCH);
   FOR_EACH(i, many)
-  if (has_few_arcs(frontier[i], begins))
-    expand(frontier[i], 0u, 1u, begins, arcs, neighbours, region, depth, entry, next, next_count);
+  if (has_few_arcs(frontier[i], begins)) expand(d, frontier[i], 0u, 1u, SEARCH);
   FOR_EACH_OF_GROUPS(i, 0u, many) {
     const uint node = frontier_node(frontier, i, nodes);
-    if (!has_few_arcs(node, begins))
-      expand(node, get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry, next,
-             next_count);
+    if (!has_few_arcs(node, begins)) expand(d, node, get_local_id(0), get_local_size(0), SEARCH);
   }
 }
 
@@ -236,14 +232,10 @@ kernel void depth_rounds(const uint d, SEARCH_PARAMETERS) {
     if (get_local_id(0) == 0) report->frontier[(now + 2u) % 3u] = report->arcs[(now + 2u) % 3u] = 0u;
     global const uint* frontier = frontier_of(now, frontiers, nodes);
     for (uint i = get_local_id(0); i < count; i += get_local_size(0))
-      if (has_few_arcs(frontiers[(now & 1u) * nodes + i], begins))
-        expand(frontiers[(now & 1u) * nodes + i], 0u, 1u, begins, arcs, neighbours, region, depth, entry,
-               frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
+      if (has_few_arcs(frontier[i], begins)) expand(now, frontier[i], 0u, 1u, SEARCH);
     for (uint i = 0; i < count; ++i) {
-      const uint node = frontier_node(frontiers + (now & 1u) * nodes, i, nodes);
-      if (!has_few_arcs(node, begins))
-        expand(node, get_local_id(0), get_local_size(0), begins, arcs, neighbours, region, depth, entry,
-               frontiers + ((now + 1u) & 1u) * nodes, &report->frontier[(now + 1u) % 3u]);
+      const uint node = frontier_node(frontier, i, nodes);
+      if (!has_few_arcs(node, begins)) expand(now, node, get_local_id(0), get_local_size(0), SEARCH);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
     const uint found = report->frontier[(now + 1u) % 3u];

@@ -6,7 +6,6 @@
 #include "batch/copy.hpp"
 #include "batch/gather.hpp"
 #include "batch/order_problems.hpp"
-#include "phases/arrange.hpp"
 #include "phases/check.hpp"
 #include "phases/enforce.hpp"
 #include "solve/crossing_policy.hpp"

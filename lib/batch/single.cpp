@@ -9,19 +9,6 @@ using runtime::Runtime;
 
 namespace {
 
-Points points_of(const BatchInput& batch, std::uint32_t p) {
-  const auto count = static_cast<std::size_t>(batch.n(p));
-  const auto from = [&](auto number) {
-    return Points::pairs(static_cast<const decltype(number)*>(batch.vertices) + 2 * batch.vertex_offsets[p], count);
-  };
-  switch (batch.type) {
-    case Points::Type::float32: return from(float{});
-    case Points::Type::int32: return from(std::int32_t{});
-    case Points::Type::int64: return from(std::int64_t{});
-    default: return from(double{});
-  }
-}
-
 /// Copies the arrays that the call left on the device.
 void copy_single(Runtime& runtime, const DeviceTriangulation& made, ForestResult& result) {
   for (const ResultArray& array : result_arrays) {

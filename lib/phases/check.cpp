@@ -95,15 +95,15 @@ struct Checker {
   /// `cover` finds out whether the hull is covered once, from the boundary.
   template <class Cover>
   void check_parts(Cover&& cover) {
-    const cl_uint n = vertices_.n(), count = ordered_.triangles;
-    auto next = runtime_.allocate<cl_uint>("check boundary", n),
-         previous = runtime_.allocate<cl_uint>("check boundary", n);
-    const bool lists = plan_.lists_pieces && pieces_.count > 0;
-    auto first_pieces = runtime_.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
-    if (plan_.check == Plan::By::one) {
-      runtime_.launch("by_one_item", "check_by_one_item", runtime::one_group(), count, n, vertices_.levels_buffer,
-                      vertices_.points, ordered_.corners, ordered_.neighbours, ordered_.constrained,
-                      cl_uint{pieces_.count}, first_pieces, pieces_.ends, next, previous, report_);
+    const cl_uint n = vertices.n(), count = ordered.triangles;
+    auto next = runtime.allocate<cl_uint>("check boundary", n),
+         previous = runtime.allocate<cl_uint>("check boundary", n);
+    const bool lists = plan.lists_pieces && pieces.count > 0;
+    auto first_pieces = runtime.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
+    if (plan.check == Plan::By::one) {
+      runtime.launch("by_one_item", "check_by_one_item", runtime::one_group(), count, n, vertices.levels_buffer,
+                     vertices.points, ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count},
+                     first_pieces, pieces.ends, next, previous, report);
     } else {
       clear_report();
       runtime.fill<cl_uint>(next, GCDT_NONE, n);

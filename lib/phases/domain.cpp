@@ -161,11 +161,11 @@ struct Selection {
   Buffer<cl_uint> seeded(const std::vector<std::array<double, 2>>& points) {
     auto seeds = runtime.filled<cl_uint>("seeds of regions", regions, GCDT_NONE);
     if (points.empty()) return seeds;
-    if (!starts_.allocated()) starts_ = least_triangles(runtime_, vertices_, mesh_, false);
-    const SearchMesh mesh = {vertices_, mesh_, false, nullptr, mesh_, starts_, starts_};
-    const Located located = locate(runtime_, primitives_, mesh, stage(runtime_, Points(points)));
-    runtime_.launch("domain", "mark_seeds", over(points.size()), static_cast<cl_uint>(points.size()), located.triangles,
-                    region_, seeds);
+    if (!starts.allocated()) starts = least_triangles(runtime, vertices, mesh, false);
+    const SearchMesh searched = {vertices, mesh, false, nullptr, mesh, starts, starts};
+    const Located located = locate(runtime, primitives, searched, stage(runtime, Points(points)));
+    runtime.launch("domain", "mark_seeds", over(points.size()), static_cast<cl_uint>(points.size()), located.triangles,
+                   region, seeds);
     return seeds;
   }
 };

@@ -45,13 +45,6 @@ std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh&
   return triangles;
 }
 
-/// Room for so many.
-void allocate(Runtime& runtime, OrderedMesh& ordered, std::size_t triangles) {
-  ordered.corners = runtime.allocate<cl_uint>("output corners", 3 * triangles);
-  ordered.neighbours = runtime.allocate<cl_int>("output neighbours", 3 * triangles);
-  ordered.constrained = runtime.allocate<cl_uchar>("output flags", triangles);
-}
-
 /// All of it by one work-item (kernels/programs/by_one_item.cl).
 OrderedMesh order_triangles_by_one_item(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
   Step gathering(runtime, "gather");
