@@ -5,8 +5,6 @@
 //
 // How isolated a vertex is says its depth: the longer of the prefixes that its Morton code shares with its neighbours
 // on the curve, in pairs of bits. That is the depth of the smallest cell of the quadtree in which another vertex is.
-// The end of a long constraint is seen by whatever lies along it, however near its neighbours are: there the length
-// counts.
 #ifndef GCDT_ISOLATION_H
 #define GCDT_ISOLATION_H
 
@@ -17,28 +15,9 @@ namespace gcdt::device {
 #endif
 
 #define GCDT_DEPTHS 32u
-// Tables of how many vertices there are of each depth, a row, and stride, a column: of vertices that are not tied, then
-// of those that are; and how many there are of each depth, tied or not.
-#define GCDT_FREE_COUNT(depth, strides) ((depth)*GCDT_MAX_LEVELS + (strides))
-#define GCDT_TIED_COUNT(depth, strides) GCDT_FREE_COUNT(GCDT_DEPTHS + (depth), strides)
-#define GCDT_EACH_COUNT(depth) GCDT_FREE_COUNT(2u * GCDT_DEPTHS, depth)
-#define GCDT_DEPTH_COUNTS GCDT_EACH_COUNT(GCDT_DEPTHS)
-
-// Of a cell that is at most as large as a length below 2^31 along an axis, and more than half as large; 32 for 0.
-GCDT_INLINE u32 gcdt_depth_of_length(u32 length) {
-  u32 depth = 32;
-  for (; length > 0u; length >>= 1) --depth;
-  return depth;
-}
-
-// A vertex is tied to a constraint that is so many depths longer than its neighbours are away. The depth that counts of
-// it is the length's, and less the more neighbours may lie along the constraint.
-#define GCDT_TIED 2u
-GCDT_INLINE u32 gcdt_is_tied(u32 depth, u32 length) { return depth >= length + GCDT_TIED; }
-GCDT_INLINE u32 gcdt_tied_depth(u32 depth, u32 length) {
-  const u32 more = depth - length - (GCDT_TIED - 1u);
-  return length > more ? length - more : 0u;
-}
+// A table of how many vertices there are of each depth, a row, and stride, a column.
+#define GCDT_DEPTH_COUNT(depth, strides) ((depth)*GCDT_MAX_LEVELS + (strides))
+#define GCDT_DEPTH_COUNTS GCDT_DEPTH_COUNT(GCDT_DEPTHS, 0u)
 
 // The column of a rank: how often the ratio divides it.
 GCDT_INLINE u32 gcdt_strides_of_rank(u32 rank) {
@@ -47,9 +26,9 @@ GCDT_INLINE u32 gcdt_strides_of_rank(u32 rank) {
   return strides;
 }
 
-// Vertices less deep than these are of level j at least, however odd their rank. Both ascend with j.
+// Vertices less deep than below[j] are of level j at least, however odd their rank. It ascends with j.
 typedef struct DepthLevels {
-  u32 free_below[GCDT_MAX_LEVELS], tied_below[GCDT_MAX_LEVELS];
+  u32 below[GCDT_MAX_LEVELS];
 } DepthLevels;
 
 #ifdef __OPENCL_VERSION__
@@ -59,9 +38,9 @@ typedef struct DepthLevels {
 #endif
 
 // The level of a vertex: that of its rank, or that of its depth if it is coarser. Ends: j falls.
-GCDT_INLINE u32 gcdt_level(u32 levels, GCDT_DEPTH_LEVELS_POINTER by, u32 strides, u32 depth, u32 tied) {
+GCDT_INLINE u32 gcdt_level(u32 levels, GCDT_DEPTH_LEVELS_POINTER by, u32 strides, u32 depth) {
   u32 j = strides < levels ? levels - 1u - strides : 0u;
-  while (j > 0u && depth < (tied ? by->tied_below[j - 1u] : by->free_below[j - 1u])) --j;
+  while (j > 0u && depth < by->below[j - 1u]) --j;
   return j;
 }
 

@@ -101,50 +101,18 @@ static inline uint depth_at(uint n, global const ulong* keys, global const uint*
 }
 
 // One work-item per place in the sorted order.
-// Reads: values, a permutation of the inputs. Writes: places[values[i]] = i.
-// An input has one place.
-// After this kernel places says where each input stands.
-kernel void place_inputs(uint n, global const uint* values, global uint* places) {
-  FOR_EACH(i, n) places[values[i]] = i;
-}
-
-// One work-item per constraint, as given: its ends need not be inputs.
-// Reads: where its ends stand. Writes: lengths, by rank, all GCDT_DEPTHS before: the depth of a cell about as large as
-//   the longest constraint that ends at the vertex.
-// atomic_min: the order cannot matter.
-// After this kernel lengths says how long the constraints of each vertex are.
-kernel void measure_constraints(uint count, uint inputs, global const uint2* constraints, global const uint* places,
-                                global const ulong* keys, global const uint* before, volatile global uint* lengths) {
-  FOR_EACH(c, count) {
-    const uint2 ends = constraints[c];
-    if (ends.x >= inputs || ends.y >= inputs) continue;
-    const uint p = places[ends.x], q = places[ends.y];
-    const uint dx = abs_diff((int)gcdt_gather_bits(keys[p]), (int)gcdt_gather_bits(keys[q]));
-    const uint dy = abs_diff((int)gcdt_gather_bits(keys[p] >> 1), (int)gcdt_gather_bits(keys[q] >> 1));
-    const uint depth = gcdt_depth_of_length(max(dx, dy));
-    atomic_min(lengths + (before[p + 1u] - 1u), depth);
-    atomic_min(lengths + (before[q + 1u] - 1u), depth);
-  }
-}
-
-// One work-item per place in the sorted order.
-// Reads: keys, sorted; before, the scan of mark_first; lengths, if constrained. Writes: counts, which were 0
+// Reads: keys, sorted; before, the scan of mark_first. Writes: counts, which were 0
 // (isolation.h). Atomic additions, in local memory, then of each group's sums: their order cannot matter. After this
 // kernel the sum of the counts is the number of distinct vertices.
-kernel void count_depths(uint n, global const ulong* keys, global const uint* before, uint constrained,
-                         global const uint* lengths, volatile global uint* counts) {
+kernel void count_depths(uint n, global const ulong* keys, global const uint* before, volatile global uint* counts) {
   local uint own[GCDT_DEPTH_COUNTS];
   for (uint k = get_local_id(0); k < GCDT_DEPTH_COUNTS; k += get_local_size(0)) own[k] = 0u;
   barrier(CLK_LOCAL_MEM_FENCE);
   FOR_EACH(i, n) {
     const uint rank = before[i];
     if (before[i + 1u] == rank) continue;
-    const uint depth = depth_at(n, keys, before, i, rank), strides = gcdt_strides_of_rank(rank);
-    const uint length = constrained ? lengths[rank] : GCDT_DEPTHS;
-    const uint counted = gcdt_is_tied(depth, length) ? GCDT_TIED_COUNT(gcdt_tied_depth(depth, length), strides)
-                                                     : GCDT_FREE_COUNT(depth, strides);
-    atomic_inc((volatile local uint*)own + counted);
-    atomic_inc((volatile local uint*)own + GCDT_EACH_COUNT(depth));
+    const uint depth = depth_at(n, keys, before, i, rank);
+    atomic_inc((volatile local uint*)own + GCDT_DEPTH_COUNT(depth, gcdt_strides_of_rank(rank)));
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint k = get_local_id(0); k < GCDT_DEPTH_COUNTS; k += get_local_size(0))
@@ -152,19 +120,15 @@ kernel void count_depths(uint n, global const ulong* keys, global const uint* be
 }
 
 // One work-item per place in the sorted order.
-// Reads: keys, before, lengths. Writes: level_of_rank, and rank_of_rank[rank] = rank, of each vertex.
+// Reads: keys, before. Writes: level_of_rank, and rank_of_rank[rank] = rank, of each vertex.
 // A vertex has one first place.
 // After this kernel a stable sort of the ranks by level numbers the vertices.
 kernel void level_vertices(uint n, uint levels, global const DepthLevels* by_depth, global const ulong* keys,
-                           global const uint* before, uint constrained, global const uint* lengths,
-                           global uint* level_of_rank, global uint* rank_of_rank) {
+                           global const uint* before, global uint* level_of_rank, global uint* rank_of_rank) {
   FOR_EACH(i, n) {
     const uint rank = before[i];
     if (before[i + 1u] == rank) continue;
-    const uint length = constrained ? lengths[rank] : GCDT_DEPTHS;
-    const uint depth = depth_at(n, keys, before, i, rank), tied = gcdt_is_tied(depth, length);
-    level_of_rank[rank] =
-        gcdt_level(levels, by_depth, gcdt_strides_of_rank(rank), tied ? gcdt_tied_depth(depth, length) : depth, tied);
+    level_of_rank[rank] = gcdt_level(levels, by_depth, gcdt_strides_of_rank(rank), depth_at(n, keys, before, i, rank));
     rank_of_rank[rank] = rank;
   }
 }

@@ -33,7 +33,7 @@ struct Tuning {
   int isolation_margin = 2;
   /// There are dense rows where so many times as many vertices are deep as of evenly spread ones, and so many more: a
   /// thin ring of random vertices has 26 times as many and no chains of flips, and so few vertices make short ones.
-  std::uint32_t times_evenly = 32, least_row = 256;
+  std::uint32_t times_evenly = 64, least_row = 256;
   /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
   /// on a pool's GPUs: pool_plan.cpp.)
   std::uint32_t rounds_per_read = 4;
@@ -158,9 +158,8 @@ struct Tuning {
   /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
   static constexpr unsigned spare_bits = 4;
   /// Of the vertices that come up to a level by their rank, as many isolated ones come besides as are this share of
-  /// them, and as many that are tied to constraints, if these are no more than that share of all: where long
-  /// constraints are the rule they are no chains, and a table costs 3 % (NOTES, "Isolated vertices").
-  static constexpr std::uint32_t share_isolated = 4, share_tied = 64;
+  /// them (not measured but for 2, which takes the same rounds).
+  static constexpr std::uint32_t share_isolated = 4;
   /// Vertices of a batch that one work-item surveys and quantises: few enough that a batch of small problems fills a
   /// GPU, many enough that a row of maxima costs little beside them (not measured).
   static constexpr std::uint32_t least_chunk = 64;

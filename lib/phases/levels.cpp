@@ -13,20 +13,21 @@ namespace {
 constexpr unsigned level_bits = 4;
 static_assert(GCDT_MAX_LEVELS <= 1 << level_bits, "a level has so many bits");
 
-int median_depth(const cl_uint* of_depth, cl_uint n) {
+/// The number of vertices of each depth.
+using Depths = std::array<cl_uint, GCDT_DEPTHS>;
+
+int median_depth(const Depths& of_depth, cl_uint n) {
   int median = 0;
   for (std::uint64_t upto = of_depth[0]; 2 * upto < n; upto += of_depth[median]) ++median;
   return median;
 }
 
 // Whether many vertices are deeper than evenly spread ones, of which one in 4^k is k deeper than log4(n).
-bool has_rows(const cl_uint* of_depth, cl_uint n, const Tuning& tuning) {
-  int depth = 0;
+bool has_rows(const Depths& of_depth, cl_uint n, const Tuning& tuning) {
+  std::size_t depth = 0;
   for (std::uint64_t cells = 1; cells < n; cells *= GCDT_LEVEL_RATIO) ++depth;
-  std::uint64_t deeper = std::accumulate(of_depth + std::min(depth, static_cast<int>(GCDT_DEPTHS)),
-                                         of_depth + GCDT_DEPTHS, std::uint64_t{0});
-  std::uint64_t evenly = n;
-  for (; depth < static_cast<int>(GCDT_DEPTHS); deeper -= of_depth[depth++], evenly /= GCDT_LEVEL_RATIO)
+  std::uint64_t deeper = std::accumulate(of_depth.begin() + depth, of_depth.end(), std::uint64_t{0}), evenly = n;
+  for (; depth < of_depth.size(); deeper -= of_depth[depth++], evenly /= GCDT_LEVEL_RATIO)
     if (deeper > tuning.times_evenly * evenly + tuning.least_row) return true;
   return false;
 }
@@ -35,73 +36,57 @@ constexpr std::size_t table_bytes(std::size_t n) { return 2 * n * sizeof(cl_uint
 
 }  // namespace
 
-ConstraintLengths measure_constraints(runtime::Runtime& runtime, const SortedCodes& sorted,
-                                      const runtime::Buffer<cl_uint2>& constraints) {
-  const auto count = constraints.allocated() ? static_cast<cl_uint>(constraints.size()) : 0;
-  if (count == 0) return {};
-  auto lengths = runtime.filled<cl_uint>("lengths of constraints", sorted.count, GCDT_DEPTHS);
-  const auto places = runtime.allocate<cl_uint>("places of inputs", sorted.count);
-  runtime.launch("order", "place_inputs", runtime::over(sorted.count), sorted.count, sorted.inputs, places);
-  runtime.launch("order", "measure_constraints", runtime::over(count), count, sorted.count, constraints, places,
-                 sorted.codes, sorted.before, lengths);
-  return lengths;
-}
-
 ChosenLevels choose_levels(const std::vector<cl_uint>& counts, std::uint32_t coarsest, const Tuning& tuning) {
-  const cl_uint* of_depth = &counts[GCDT_EACH_COUNT(0)];
-  const cl_uint n = std::accumulate(of_depth, of_depth + GCDT_DEPTHS, cl_uint{0});
+  Depths of_depth;
+  for (unsigned depth = 0; depth < GCDT_DEPTHS; ++depth) {
+    const auto row = counts.begin() + GCDT_DEPTH_COUNT(depth, 0);
+    of_depth[depth] = std::accumulate(row, row + GCDT_MAX_LEVELS, cl_uint{0});
+  }
+  const cl_uint n = std::accumulate(of_depth.begin(), of_depth.end(), cl_uint{0});
   ChosenLevels chosen = {device::make_levels(n, coarsest), {}};
   device::Levels& levels = chosen.levels;
+  if (!has_rows(of_depth, n, tuning)) return chosen;
   const int median = median_depth(of_depth, n);
-  std::uint64_t isolated = 0;
-  const auto cut = [&](cl_uint* below, const cl_uint* table, cl_uint most_of_all) {
-    for (unsigned j = 0; j + 1 < levels.count; ++j) {
-      const int above = static_cast<int>(levels.count - 1 - j), deepest = median + 1 - above - tuning.isolation_margin;
-      const cl_uint most = std::min(levels.begin[j + 1] / Tuning::share_isolated, most_of_all);
-      for (cl_uint taken = 0; static_cast<int>(below[j]) < std::min(deepest, static_cast<int>(GCDT_DEPTHS));
-           ++below[j]) {
-        const cl_uint* row = table + GCDT_FREE_COUNT(below[j], 0);
-        taken = std::accumulate(row, row + GCDT_MAX_LEVELS, taken);
-        if (taken > most) break;
-        isolated += taken;
-      }
+  cl_uint isolated = 0;
+  for (unsigned j = 0; j + 1 < levels.count; ++j) {
+    const int above = static_cast<int>(levels.count - 1 - j);
+    const int most = std::min(median + 1 - above - tuning.isolation_margin, static_cast<int>(GCDT_DEPTHS));
+    cl_uint& below = chosen.by_depth.below[j];
+    for (cl_uint taken = 0; static_cast<int>(below) < most; ++below) {
+      taken += of_depth[below];
+      if (taken > levels.begin[j + 1] / Tuning::share_isolated) break;
+      isolated = std::max(isolated, taken);
     }
-  };
-  if (has_rows(of_depth, n, tuning)) cut(chosen.by_depth.free_below, &counts[GCDT_FREE_COUNT(0, 0)], n);
-  cut(chosen.by_depth.tied_below, &counts[GCDT_TIED_COUNT(0, 0)], n / Tuning::share_tied);
+  }
   if (isolated == 0) return chosen;
   levels.tabled = 1;
   std::array<cl_uint, GCDT_MAX_LEVELS> sizes = {};
   for (unsigned depth = 0; depth < GCDT_DEPTHS; ++depth)
     for (unsigned strides = 0; strides < GCDT_MAX_LEVELS; ++strides)
-      for (const bool tied : {false, true})
-        sizes[device::gcdt_level(levels.count, &chosen.by_depth, strides, depth, tied)] +=
-            counts[tied ? GCDT_TIED_COUNT(depth, strides) : GCDT_FREE_COUNT(depth, strides)];
+      sizes[device::gcdt_level(levels.count, &chosen.by_depth, strides, depth)] +=
+          counts[GCDT_DEPTH_COUNT(depth, strides)];
   for (unsigned j = 0; j < levels.count; ++j) levels.begin[j + 1] = levels.begin[j] + sizes[j];
   return chosen;
 }
 
-ChosenLevels choose_levels(runtime::Runtime& runtime, const SortedCodes& sorted, const ConstraintLengths& lengths,
-                           std::uint32_t coarsest) {
+ChosenLevels choose_levels(runtime::Runtime& runtime, const SortedCodes& sorted, std::uint32_t coarsest) {
   const auto counted = runtime.filled<cl_uint>("counts of depths", GCDT_DEPTH_COUNTS, 0);
   runtime.launch("order", "count_depths", runtime::over(sorted.count), sorted.count, sorted.codes, sorted.before,
-                 cl_uint(lengths.allocated()), lengths.allocated() ? lengths : sorted.before, counted);
+                 counted);
   std::vector<cl_uint> counts(GCDT_DEPTH_COUNTS);
   runtime.read(counted, counts.data(), counts.size());
   return choose_levels(counts, coarsest, runtime.tuning());
 }
 
 runtime::Buffer<device::Levels> make_levels(runtime::Runtime& runtime, Primitives& primitives,
-                                            const SortedCodes& sorted, const ConstraintLengths& lengths,
-                                            const ChosenLevels& chosen) {
+                                            const SortedCodes& sorted, const ChosenLevels& chosen) {
   const device::Levels& levels = chosen.levels;
   if (!levels.tabled) return runtime.upload_one("levels", levels);
   auto keys = runtime.allocate<cl_uint>("levels of ranks", levels.n),
        ranks = runtime.allocate<cl_uint>("ranks", levels.n);
   const auto by_depth = runtime.upload_one("levels of depths", chosen.by_depth);
   runtime.launch("order", "level_vertices", runtime::over(sorted.count), sorted.count, cl_uint{levels.count}, by_depth,
-                 sorted.codes, sorted.before, cl_uint(lengths.allocated()),
-                 lengths.allocated() ? lengths : sorted.before, keys, ranks);
+                 sorted.codes, sorted.before, keys, ranks);
   primitives.sort(keys, ranks, levels.n, level_bits);
   primitives.release();
   const std::size_t with_table = 1 + (table_bytes(levels.n) + sizeof(levels) - 1) / sizeof(levels);

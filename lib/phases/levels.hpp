@@ -13,14 +13,8 @@ namespace gcdt {
 struct SortedCodes {
   cl_uint count;
   const runtime::Buffer<cl_ulong>& codes;
-  const runtime::Buffer<cl_uint>& inputs;  ///< whose codes these are
   const runtime::Buffer<cl_uint>& before;
 };
-
-/// The depth of the longest constraint that ends at each vertex, by rank; without constraints not allocated.
-using ConstraintLengths = runtime::Buffer<cl_uint>;
-ConstraintLengths measure_constraints(runtime::Runtime& runtime, const SortedCodes& sorted,
-                                      const runtime::Buffer<cl_uint2>& constraints);
 
 struct ChosenLevels {
   device::Levels levels;
@@ -33,17 +27,15 @@ struct ChosenLevels {
 /// By rank, n_j vertices come before the end of level j. Those less deep than a cut come with them, too: as many of the
 /// least deep as make up a share of n_j. But where vertices are spread evenly none is isolated, and no table is wanted.
 /// There, depths lie close to the median, and vertices of a level i above the finest would be i less deep if they were
-/// alone. So a cut is also Tuning::isolation_margin below that. And there are dense rows only if many vertices are
-/// deeper than evenly spread ones are: else vertices are taken for isolated only if they are tied to a constraint.
+/// alone. So a cut is also Tuning::isolation_margin below that. And a chain is as long as a dense row, which there is
+/// only if many vertices are deeper than evenly spread ones are.
 ChosenLevels choose_levels(const std::vector<cl_uint>& counts, std::uint32_t coarsest, const Tuning& tuning);
 
 /// Of vertices on the device. Blocks.
-ChosenLevels choose_levels(runtime::Runtime& runtime, const SortedCodes& sorted, const ConstraintLengths& lengths,
-                           std::uint32_t coarsest);
+ChosenLevels choose_levels(runtime::Runtime& runtime, const SortedCodes& sorted, std::uint32_t coarsest);
 
 /// The levels on the device, and behind them, if levels.tabled, the table.
 runtime::Buffer<device::Levels> make_levels(runtime::Runtime& runtime, Primitives& primitives,
-                                            const SortedCodes& sorted, const ConstraintLengths& lengths,
-                                            const ChosenLevels& chosen);
+                                            const SortedCodes& sorted, const ChosenLevels& chosen);
 
 }  // namespace gcdt

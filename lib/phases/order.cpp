@@ -213,7 +213,7 @@ InputPoints stage(runtime::Runtime& runtime, Points points) {
 }
 
 OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
-                  const std::optional<FixedGrid>& fixed, const runtime::Buffer<cl_uint2>& constraints) {
+                  const std::optional<FixedGrid>& fixed) {
   const std::uint32_t coarsest_level = plan.coarsest_level;
   const cl_uint n = points.n;
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
@@ -228,9 +228,8 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   auto before = runtime.allocate<cl_uint>("distinct before", n + 1);
   runtime.launch("order", "mark_first", runtime::over(n), n, keys.codes, before);
   primitives.exclusive_scan(before, before, n);
-  const SortedCodes sorted = {n, keys.codes, keys.numbers, before};
-  ConstraintLengths lengths = measure_constraints(runtime, sorted, constraints);
-  const ChosenLevels chosen = choose_levels(runtime, sorted, lengths, coarsest_level);
+  const SortedCodes sorted = {n, keys.codes, before};
+  const ChosenLevels chosen = choose_levels(runtime, sorted, coarsest_level);
   const cl_uint distinct = chosen.levels.n;
 
   OrderResult result;
@@ -240,8 +239,7 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   vertices.decimals = keys.decimals;
   vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
   vertices.levels = chosen.levels;
-  vertices.levels_buffer = make_levels(runtime, primitives, sorted, lengths, chosen);
-  lengths = {};
+  vertices.levels_buffer = make_levels(runtime, primitives, sorted, chosen);
   vertices.points = runtime.allocate<cl_int2>("points", distinct);
   vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", distinct);
   runtime.launch("order", "number_vertices", runtime::over(n), n, vertices.levels_buffer, keys.codes, keys.numbers,

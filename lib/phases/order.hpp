@@ -47,6 +47,6 @@ struct OrderResult {
 /// axis}, the least such vertex). `points`, at most max_vertices, are released as soon as their keys are made, unless
 /// rounding may have made some one: then these are counted.
 OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
-                  const std::optional<FixedGrid>& fixed, const runtime::Buffer<cl_uint2>& constraints = {});
+                  const std::optional<FixedGrid>& fixed);
 
 }  // namespace gcdt

@@ -95,7 +95,7 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
     DeviceInput input = source.load();
     run.constraints = std::move(input.constraints);
     run.plan = make_plan(runtime, {1, input.points.n, input.points.n});
-    run.take(order(runtime, run.primitives, run.plan, std::move(input.points), options.grid, run.constraints));
+    run.take(order(runtime, run.primitives, run.plan, std::move(input.points), options.grid));
   });
   run.tell_plan();
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The canonical order of forests, problem by problem, against that of CGAL's triangulations, and the sort of each
 // problem's keys against the standard library's, on CPUs whose work-items are threads' loops.
-#include "phases/output.hpp"
 #include "forest_fixture.hpp"
+#include "phases/output.hpp"
 
 using namespace fixture;
 
