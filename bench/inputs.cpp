@@ -36,7 +36,7 @@ std::vector<Input> inputs(List list, const std::vector<std::string>& maps) {
     add(rows, "uniform", {100000, 300000, million, 3 * million, 10 * million, 30 * million, 100 * million});
     return rows;
   }
-  if (list == List::growth) {
+  if (list == List::shapes) {
     for (const std::string& name : test::growth_names()) add(rows, name.c_str(), {1000, 10000, 100000, million});
     return rows;
   }

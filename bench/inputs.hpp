@@ -22,7 +22,7 @@ struct Input {
   std::string path;  ///< of a map in Triangle's .poly format
 };
 
-enum class List { gpu, cpu, scaling, growth };
+enum class List { gpu, cpu, scaling, shapes };
 
 /// The rows of `list`, short ones first; `maps` are .poly files.
 std::vector<Input> inputs(List list, const std::vector<std::string>& maps);

@@ -95,4 +95,19 @@ def draw(rows, machine, stem, labels, times, phases):
         axes.plot([n for n, _ in sizes], [1e6 * t / n for n, t in sizes], "o-")
         axes.set(xscale="log", xlabel="uniform vertices", ylabel="nanoseconds per vertex", ylim=(0, None))
         save(figure, "-growth")
+
+    shapes = {}
+    for r, t in zip(rows, times):
+        shapes.setdefault(r["workload"], []).append((r["n"], t))
+    shapes = {name: sorted(of) for name, of in shapes.items() if len(of) > 2}
+    if len(shapes) > 2:
+        figure, axes = pyplot.subplots(figsize=(9, 6))
+        colours = pyplot.get_cmap("tab20").colors
+        for i, (name, of) in enumerate(sorted(shapes.items(), key=lambda shape: -shape[1][-1][1])):
+            look = {"color": "black", "linewidth": 3} if name == "uniform" else {"color": colours[i % len(colours)]}
+            axes.plot([n for n, _ in of], [t for _, t in of], "o-", label=name.replace("_", " "), **look)
+        axes.set(xscale="log", yscale="log", xlabel="vertices", ylabel="ms")
+        axes.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        axes.grid(True, which="major", alpha=0.3)
+        save(figure, "-growth-of-shapes")
     return made

@@ -86,7 +86,7 @@ class Benchmark {
     for (const Input& input : inputs(list == "gpu"       ? List::gpu
                                      : list == "cpu"     ? List::cpu
                                      : list == "scaling" ? List::scaling
-                                                         : List::growth,
+                                                         : List::shapes,
                                      arguments_.maps))
       if (selected(input, arguments_.only)) rows.push_back(input);
     if (rows.empty()) throw std::runtime_error("no workload of the list is called " + arguments_.only);
@@ -306,7 +306,7 @@ class Benchmark {
 };
 
 const char* const usage =
-    "usage: gcdt_bench --out FOLDER [--suffix TEXT] [--device SPEC] [--list gpu|cpu|scaling|growth] [--only "
+    "usage: gcdt_bench --out FOLDER [--suffix TEXT] [--device SPEC] [--list gpu|cpu|scaling|shapes] [--only "
     "NAME[:SIZE],...]\n"
     "                  [--quick] [--force] [--map FILE.poly]... [--peer COMMAND]... [--anchors FILE]\n"
     "                  [--scratch FOLDER] [--command TEXT] [--commit TEXT]\n"
@@ -337,7 +337,7 @@ bool parse(int count, char** words, Arguments& a) {
     if (!map.empty()) a.maps.push_back(map);
     if (!peer.empty()) a.peers.push_back(peer);
   }
-  const bool list = a.list.empty() || a.list == "gpu" || a.list == "cpu" || a.list == "scaling" || a.list == "growth";
+  const bool list = a.list.empty() || a.list == "gpu" || a.list == "cpu" || a.list == "scaling" || a.list == "shapes";
   return list && (a.first_call || a.context_only || !a.out.empty());
 }
 

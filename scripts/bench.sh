@@ -7,6 +7,7 @@
 #   --quick            small inputs and few runs: shows that everything works; the figures mean nothing
 #   --only NAME[:N]    only these workloads (separated by commas), such as letters or uniform:1000000
 #   --scaling          instead: 100k to 100M uniform vertices
+#   --shapes           instead: shapes whose time might grow faster than n, 1k to 1M vertices
 #   --force            measures rows again that are there already
 #   --with-cgal        gpu: times CGAL on the host too, for minutes
 # Variables: GCDT_DEVICE chooses the device (default: the first CPU or GPU). GCDT_BENCH_BIN is a folder of binaries
@@ -42,6 +43,7 @@ while [[ -z $label && $# -gt 0 ]]; do
     --force) options+=(--force); shift ;;
     --with-cgal) cgal=yes; shift ;;
     --scaling) list=scaling; scaling=-scaling; start=; shift ;;
+    --shapes) list=shapes; scaling=-shapes; start=; shift ;;
     --only) [[ $# -ge 2 ]] || { usage >&2; exit 2; }; options+=(--only "$2"); start=; shift 2 ;;
     *) echo "bench.sh: unknown option $1" >&2; usage >&2; exit 2 ;;
   esac

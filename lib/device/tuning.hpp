@@ -32,7 +32,7 @@ struct Tuning {
   /// vertex and a sort, is not made for uniform vertices (NOTES, "Isolated vertices").
   int isolation_margin = 2;
   /// There are dense rows where so many times as many vertices are deep as of evenly spread ones, and so many more: a
-  /// thin ring of random vertices has 26 times as many and no chains of flips, and so few vertices make short ones.
+  /// thin ring of random vertices has 26 times as many, and no chains of flips; few vertices make short chains.
   std::uint32_t times_evenly = 64, least_row = 256;
   /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
   /// on a pool's GPUs: pool_plan.cpp.)
@@ -158,7 +158,7 @@ struct Tuning {
   /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
   static constexpr unsigned spare_bits = 4;
   /// Of the vertices that come up to a level by their rank, as many isolated ones come besides as are this share of
-  /// them (not measured but for 2, which takes the same rounds).
+  /// them (NOTES, "Isolated vertices": half takes the same rounds).
   static constexpr std::uint32_t share_isolated = 4;
   /// Vertices of a batch that one work-item surveys and quantises: few enough that a batch of small problems fills a
   /// GPU, many enough that a row of maxima costs little beside them (not measured).
