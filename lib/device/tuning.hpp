@@ -14,7 +14,7 @@ namespace gcdt {
 enum class DeviceKind {
   gpu,
   threads,      ///< of a CPU: each a loop of a thread, which takes contiguous shares (kernels/common/loops.h)
-  lanes,        ///< of a CPU: lanes of vectors, in Mesa's llvmpipe; there loops end early (docs/devices.md)
+  lanes,        ///< of a CPU: lanes of vectors, in Mesa's llvmpipe; there loops may end early (docs/devices.md)
   accelerator,  ///< nobody knows
 };
 
@@ -82,7 +82,8 @@ struct Tuning {
   // ---- Ways, which the plan chooses by ----------------------------------------------------------
 
   /// Vertices of a problem that one work-group inserts and flips by itself: saves launches and reads, but a larger one
-  /// would be at it when all others are done (not measured). Of lanes: their loops end early (docs/devices.md).
+  /// would be at it when all others are done (not measured). Of lanes: their loops may end early
+  /// (docs/devices.md).
   static constexpr std::uint32_t most_of_a_group = 2048, most_of_a_group_of_lanes = 256;
   /// Vertices of a launch of many problems, which must not last for seconds: 12 ms on an H200 (NOTES, "Batches").
   static constexpr std::uint32_t most_of_a_launch = 1u << 24;
@@ -90,7 +91,7 @@ struct Tuning {
   /// look around its first vertex, whatever the degree (NOTES, "CPUs").
   static constexpr std::uint32_t most_enforced_by_one = 1u << 14;
   /// Pieces of which all are compared with all for crossings, by one loop each: saves the records of faces, costs their
-  /// square (not measured). Of lanes: their loops end early.
+  /// square (not measured). Of lanes: their loops may end early.
   static constexpr std::uint32_t most_of_all_pairs = 1u << 16, most_of_all_pairs_of_lanes = 1u << 11;
 
   // ---- Launches (runtime.cpp) -------------------------------------------------------------------
