@@ -80,13 +80,7 @@ Workload outlines(const Image& image) {
 }  // namespace
 
 Workload shuffled(const Workload& work, Random& random) {
-  std::vector<std::uint32_t> position(work.points.size());
-  for (std::size_t i = 0; i < position.size(); ++i) position[i] = index(i);
-  test::shuffle(position, random);
-  Workload result;
-  result.points.resize(work.points.size());
-  for (std::size_t i = 0; i < position.size(); ++i) result.points[position[i]] = work.points[i];
-  for (const Segment& s : work.constraints) result.constraints.push_back({position[s[0]], position[s[1]]});
+  Workload result = test::shuffled_vertices(work, random);
   test::shuffle(result.constraints, random);
   return result;
 }

@@ -318,11 +318,11 @@ struct DeviceInfo {
 /// the phase and one after the other; inner phases lie within outer ones.
 struct TraceSpan {
   std::string device;  ///< its name
-  std::uint32_t device_number =
-      0;                   ///< its place among the devices of a pool (and workers: gcdt_pool.h); 0 for a solver
-  std::string phase;       ///< the outermost phase: order, insert ... (gcdt_trace_span, gcdt.h)
-  std::string name;        ///< the phase's or the kernel's
-  bool on_device = false;  ///< a launch
+  /// Its place among the devices of a pool (and workers: gcdt_pool.h); 0 for a solver.
+  std::uint32_t device_number = 0;
+  std::string phase;                       ///< the outermost phase: order, insert ... (gcdt_trace_span, gcdt.h)
+  std::string name;                        ///< the phase's or the kernel's
+  bool on_device = false;                  ///< a launch
   std::uint64_t begin_ns = 0, end_ns = 0;  ///< on the host's steady clock
 };
 using Trace = std::function<void(const TraceSpan& span)>;

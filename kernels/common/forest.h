@@ -53,8 +53,6 @@ static inline uint root_count(global const int2* points, uint n) { return 1u; }
 static inline uint root_of(global const int2* points, uint n, uint v) { return 0u; }
 static inline uint symbol_of(uint v, uint n) { return v - n; }
 static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint v) {
-  (void)points;
-  (void)v;
   const uint stride = levels->stride[level - 1u];
   return (uint2)(0u, (n + stride - 1u) / stride);
 }

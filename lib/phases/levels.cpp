@@ -88,7 +88,6 @@ runtime::Buffer<device::Levels> make_levels(runtime::Runtime& runtime, Primitive
   runtime.launch("order", "level_vertices", runtime::over(sorted.count), sorted.count, cl_uint{levels.count}, by_depth,
                  sorted.codes, sorted.before, keys, ranks);
   primitives.sort(keys, ranks, levels.n, level_bits);
-  primitives.release();
   const std::size_t with_table = 1 + (table_bytes(levels.n) + sizeof(levels) - 1) / sizeof(levels);
   auto made = runtime.allocate<device::Levels>("levels", with_table);
   runtime.write(made, &levels, 1);

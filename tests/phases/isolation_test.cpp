@@ -6,17 +6,16 @@
 #include <numeric>
 
 #include "kinds.hpp"
+#include "order_cases.hpp"
 #include "phases/levels.hpp"
-#include "phases/order.hpp"
 #include "solve/triangulate.hpp"
 #include "workloads.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
+using order_cases::coarsest;
 
 namespace {
-
-constexpr std::uint32_t coarsest = 16;
 
 /// Counts of vertices by rank, each with a depth.
 struct Counts {
@@ -27,11 +26,8 @@ struct Counts {
   }
 };
 
-/// The ordered vertices of an input, read back.
-struct Ordered {
-  std::vector<device::Levels> levels_and_table;
-  std::vector<cl_int2> points;
-  const device::Levels& levels() const { return levels_and_table[0]; }
+/// The ordered vertices of an input.
+struct Ordered : order_cases::Read {
   std::uint32_t n() const { return levels().n; }
   std::uint32_t vertex(std::uint32_t rank) const {
     return device::gcdt_vertex_of_rank(&levels(), levels().count - 1, rank);
@@ -61,16 +57,7 @@ struct Ordered {
 
 Ordered order_on(runtime::Runtime& runtime, const Workload& work) {
   Primitives primitives(runtime);
-  const auto n = static_cast<std::uint32_t>(work.points.size());
-  Plan plan = make_plan(runtime, {1, n, n});
-  plan.coarsest_level = coarsest;
-  const Vertices v = order(runtime, primitives, plan, stage(runtime, Points(work.points)), {}).vertices;
-  Ordered read;
-  read.levels_and_table.resize(v.levels_buffer.size());
-  read.points.resize(v.n());
-  runtime.read(v.levels_buffer, read.levels_and_table.data(), read.levels_and_table.size());
-  runtime.read(v.points, read.points.data(), v.n());
-  return read;
+  return {order_cases::run(runtime, primitives, work.points)};
 }
 
 /// Numbers and ranks are each other's inverse, ascend together in each level, and ranks at multiples of a stride are at

@@ -60,24 +60,29 @@ struct Read {
   const device::Levels& levels() const { return levels_and_table[0]; }
 };
 
-inline Read run(Device& device, Points points, const std::optional<FixedGrid>& fixed = {}) {
-  const OrderResult result = order(device.runtime, device.primitives, plan_for(device.runtime, points, coarsest),
-                                   stage(device.runtime, points), fixed);
+inline Read run(runtime::Runtime& runtime, Primitives& primitives, Points points,
+                const std::optional<FixedGrid>& fixed = {}) {
+  const OrderResult result =
+      order(runtime, primitives, plan_for(runtime, points, coarsest), stage(runtime, points), fixed);
   const Vertices& v = result.vertices;
   Read read{v.grid, {}, result.merged, {}, {}, {}};
   read.points.resize(v.n());
   read.vertex_input.resize(v.n());
   read.input_vertex.resize(points.size());
-  device.runtime.read(v.points, read.points.data(), v.n());
-  device.runtime.read(v.vertex_input, read.vertex_input.data(), v.n());
-  device.runtime.read(v.input_vertex, read.input_vertex.data(), points.size());
+  runtime.read(v.points, read.points.data(), v.n());
+  runtime.read(v.vertex_input, read.vertex_input.data(), v.n());
+  runtime.read(v.input_vertex, read.input_vertex.data(), points.size());
   read.levels_and_table.resize(v.levels_buffer.size());
-  device.runtime.read(v.levels_buffer, read.levels_and_table.data(), read.levels_and_table.size());
+  runtime.read(v.levels_buffer, read.levels_and_table.data(), read.levels_and_table.size());
   CHECK(std::memcmp(&read.levels(), &v.levels, sizeof v.levels) == 0);
   CHECK(v.points.size() == v.n());
   CHECK(v.vertex_input.size() == v.n());
   CHECK(v.input_vertex.size() == points.size());
   return read;
+}
+
+inline Read run(Device& device, Points points, const std::optional<FixedGrid>& fixed = {}) {
+  return run(device.runtime, device.primitives, points, fixed);
 }
 
 inline void check_same(const Read& a, const Read& b) {

@@ -17,17 +17,9 @@ void add_row(Workload& work, std::size_t count, double y) {
   for (std::size_t i = 0; i < count; ++i) work.points.push_back({static_cast<double>(i), y});
 }
 
-/// Vertices in random order; constraints keep their ends.
-Workload shuffled_vertices(const Workload& work, std::uint64_t seed) {
+Workload shuffled(const Workload& work, std::uint64_t seed) {
   Random random(seed);
-  std::vector<std::uint32_t> position(work.points.size());
-  for (std::size_t i = 0; i < position.size(); ++i) position[i] = index(i);
-  shuffle(position, random);
-  Workload result;
-  result.points.resize(work.points.size());
-  for (std::size_t i = 0; i < position.size(); ++i) result.points[position[i]] = work.points[i];
-  for (const Segment& s : work.constraints) result.constraints.push_back({position[s[0]], position[s[1]]});
-  return result;
+  return shuffled_vertices(work, random);
 }
 
 }  // namespace
@@ -37,7 +29,7 @@ Workload row(std::size_t n) {
   add_row(work, n - 1, 0);
   const double half = std::floor(static_cast<double>(n) / 2);
   work.points.push_back({half, -half});
-  return shuffled_vertices(work, 18001);
+  return shuffled(work, 18001);
 }
 
 Workload row_between(std::size_t n) {
@@ -46,29 +38,21 @@ Workload row_between(std::size_t n) {
   const double half = std::floor(static_cast<double>(n) / 2);
   work.points.push_back({half, -half});
   work.points.push_back({std::floor(half / 3), half});
-  return shuffled_vertices(work, 18002);
+  return shuffled(work, 18002);
 }
 
 Workload two_rows(std::size_t n) {
   Workload work;
   add_row(work, n / 2, 0);
   add_row(work, n - n / 2, std::floor(static_cast<double>(n) / 8));
-  return shuffled_vertices(work, 18003);
+  return shuffled(work, 18003);
 }
 
 Workload closed_comb(std::size_t n) {
-  const std::size_t teeth = std::max<std::size_t>((n - 2) / 4, 1);
-  Workload work;
-  for (std::size_t i = 0; i < teeth; ++i) {
-    const double x = 2 * static_cast<double>(i);
-    work.points.insert(work.points.end(), {{x, 0}, {x, 1000}, {x + 1, 1000}, {x + 1, 0}});
-  }
-  const double width = 2 * static_cast<double>(teeth) - 1;
-  work.points.push_back({width, -width});
-  work.points.push_back({0, -width});
-  for (std::size_t i = 0; i < work.points.size(); ++i)
-    work.constraints.push_back({index(i), index((i + 1) % work.points.size())});
-  return shuffled_vertices(work, 18004);
+  Workload work = comb(n);  // its last two vertices are the corners that close it
+  Point& right = *(work.points.end() - 2);
+  right[1] = work.points.back()[1] = -right[0];
+  return shuffled(work, 18004);
 }
 
 Workload dense_border(std::size_t n) {
@@ -85,7 +69,7 @@ Workload dense_border(std::size_t n) {
     const double x = std::floor(length * random.between(0.1, 0.9));
     work.points.push_back({x, std::floor(length * random.between(0.1, 0.9))});
   }
-  return shuffled_vertices(work, 18006);
+  return shuffled(work, 18006);
 }
 
 Workload sunray(std::size_t n) {
@@ -101,7 +85,7 @@ Workload sunray(std::size_t n) {
     const double x = snapped(random.unit());
     work.points.push_back({x, snapped(random.unit())});
   }
-  return shuffled_vertices(work, 18008);
+  return shuffled(work, 18008);
 }
 
 Workload log_spirals(std::size_t n) {

@@ -143,14 +143,8 @@ class Scene {
   }
 
   Workload shuffled_and_snapped() {
-    std::vector<std::uint32_t> position(size());
-    for (std::uint32_t i = 0; i < position.size(); ++i) position[i] = i;
-    shuffle(position, random_);
-    Workload result;
-    result.points.resize(size());
-    for (std::size_t i = 0; i < size(); ++i)
-      result.points[position[i]] = {snapped(work_.points[i][0]), snapped(work_.points[i][1])};
-    for (const Segment& s : work_.constraints) result.constraints.push_back({position[s[0]], position[s[1]]});
+    for (Point& p : work_.points) p = {snapped(p[0]), snapped(p[1])};
+    Workload result = shuffled_vertices(work_, random_);
     shuffle(result.constraints, random_);
     return result;
   }

@@ -28,6 +28,17 @@ Point direction(std::uint32_t turn) {
   return p;
 }
 
+Workload shuffled_vertices(const Workload& work, Random& random) {
+  std::vector<std::uint32_t> position(work.points.size());
+  std::iota(position.begin(), position.end(), 0u);
+  shuffle(position, random);
+  Workload result;
+  result.points.resize(work.points.size());
+  for (std::size_t i = 0; i < position.size(); ++i) result.points[position[i]] = work.points[i];
+  for (const Segment& s : work.constraints) result.constraints.push_back({position[s[0]], position[s[1]]});
+  return result;
+}
+
 double snapped(double value) { return std::floor(value * 0x1p29 + 0.5) * 0x1p-29; }
 
 namespace {

@@ -44,6 +44,9 @@ void shuffle(std::vector<T>& values, Random& random) {
   for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random.below(i)]);
 }
 
+/// The same with its vertices in random order; constraints keep their ends and their order.
+Workload shuffled_vertices(const Workload& work, Random& random);
+
 /// (cos, sin) of the angle of `turn` / 2^32 whole turns, to about 1e-15.
 Point direction(std::uint32_t turn);
 /// `value` rounded to a multiple of 2^-29: coordinates in [-1, 3] then fit the grid without moving.
