@@ -200,10 +200,10 @@ static uint coarse_vertex_around(GCDT_LEVELS_POINTER levels, uint level, global 
 
 // A face of the top layer that holds the germ, of vertex a's triangulation, in its closure, or GCDT_NONE; `from` is a
 // coarser vertex of it near the germ, or GCDT_NONE if there is none. A walk that gets long is begun again from a better
-// vertex, since a launch lasts as long as its longest walk.
+// vertex, since a launch lasts as long as its longest walk; one that passes `limit` faces is given up.
 static uint find_in_top_layer(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Germ g, uint a, uint from,
-                              private uint* steps, private uint* zero) {
-  const uint root = root_of(mesh.points, mesh.n, a), faces = gcdt_forest_faces(h.begin, mesh.roots);
+                              uint limit, private uint* steps, private uint* zero) {
+  const uint root = root_of(mesh.points, mesh.n, a), faces = min(limit, gcdt_forest_faces(h.begin, mesh.roots));
   const uint top = walk_top_layer(mesh.points, mesh.n, h, g, from, root, min(faces, SHORT_WALK), steps, zero);
   if (top != GCDT_NONE || from == GCDT_NONE) return top;
   const Vertex goal = near_germ(g);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cleaning constraints (docs/contract.md, 3): end points to vertices, zero-length ones out, each split
 // at every vertex on it (found by walking), equal pieces merged with the list of their sources.
+#include "constrain/clean.h"
 #include "constrain/walk.h"
 #include "sort/mark_first.h"
 
@@ -50,49 +51,57 @@ kernel void clean_count(uint count, global const uint* begins, global const uint
   FOR_EACH(c, count) pieces[places[c]] = offsets[begins[c + 1u]] - offsets[begins[c]] + 1u;
 }
 
-// One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it
-// (emit = 0), or writes them in order to hits[offsets[part] ...] (emit = 1, only parts that have some). No race: each
-// part has its own word, or its own range; faces crossed are added to their constraint's count. After: counts[part] for
-// every part, 0 beyond the last, and part_face[part], where it begins.
-kernel void clean_walk(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
-                       global const uint* list, global const uint* begins, global uint* part_face, global uint* counts,
-                       global uint* hits, volatile global uint* crossed, volatile global Counters* counters) {
+// One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it, or writes them in
+// order to hits[offsets[part] ...]. No race: each part has its own words, or its own range; faces crossed are added to
+// their constraint's count. After counting: counts[part] for every part, 0 beyond the last; part_face[part], where it
+// begins, is GCDT_NONE if it failed.
+kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_FAN_PARAMETERS,
+                       global const uint2* ends, global const uint* list, global const uint* begins,
+                       global const int4* lines, global const uint* part_piece, global uint* part_face,
+                       global const uint* searched, global const uint* offsets, global uint* counts, global uint* hits,
+                       volatile global uint* crossed, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const uint parts = begins[pieces], faces = gcdt_face_count(n);
+  const Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
+  const uint parts = begins[pieces];
   uint steps = 0, hit = 0;
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
-    if (part < parts && !(emit && counts[part + 1u] == counts[part])) {
-      const uint c = last_begin(begins, pieces, part);
-      const uint2 e = ends[c];
-      const int4 line = line_of(points, e);
+    const uint before = task == CLEAN_ALL ? 0u : offsets[part + 1u] - offsets[part];
+    if (part < parts && (task == CLEAN_ALL || (task == CLEAN_REST ? searched[part] == GCDT_NONE : before > 0u))) {
+      const uint c = part_piece[part];
       Walk w;
-      const uint k = part - begins[c], all = begins[c + 1u] - begins[c];
-      uint event = emit ? walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), k, all)
-                        : walk_begin(&w, levels, level, mesh, h, e.x, e.y, k, all, &steps);
-      if (!emit) part_face[part] = w.face;
+      uint event =
+          walk_begin(&w, mesh, part_face[part], ends[c], lines[c], part - begins[c], begins[c + 1u] - begins[c]);
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
         if (event == WALK_HIT) {
-          if (emit) hits[counts[part] + found] = w.hit;
+          if (task == CLEAN_WRITE) hits[offsets[part] + found] = w.hit;
           ++found;
-          event = walk_turn(&w, mesh, w.hit, faces);
+          event = walk_turn(&w, walked, w.hit, &steps);
         } else {
           event = walk_cross(&w, mesh, look_behind(&w, mesh));
           ++edges;
         }
       }
-      if (!emit && edges > 0u) atomic_add(crossed + list[c], edges);
-      if (event != WALK_END) atomic_or(&counters->failed, GCDT_FAILED_WALK);
+      if (event == WALK_END) {
+        if (task != CLEAN_WRITE && edges > 0u) atomic_add(crossed + list[c], edges);
+      } else if (task == CLEAN_ALL) {
+        part_face[part] = GCDT_NONE;
+        found = 0u;
+        atomic_inc(&counters->unfinished);
+      } else {
+        atomic_or(&counters->failed, GCDT_FAILED_WALK);
+      }
+      hit += found;
+    } else {
+      found = before;
     }
-    if (!emit) counts[part] = found;
-    hit += found;
+    if (task != CLEAN_WRITE) counts[part] = found;
   }
-  add_for_group(&sum, &counters->steps_low, &counters->steps_high, emit ? 0u : steps);
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, task == CLEAN_WRITE ? 0u : steps);
   hit = sum_of_group(&sum, hit);
-  if (get_local_id(0) == 0 && !emit && hit > 0u) atomic_add(&counters->hits, hit);
+  if (get_local_id(0) == 0 && task != CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
 }
 
 static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phase 2: all constraints at once (paper, section 6; rules in kernels/README.md).
 //
-// Two walks over the same parts, whose first faces constrain_first finds: constrain_near finds the nearest piece at
+// Two walks over the same parts, whose first faces first.cl finds: constrain_near finds the nearest piece at
 // each end of every crossed edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the
 // farthest cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl and stitch.cl. Claim
 // words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed, claim + 1 + h =
@@ -9,34 +9,6 @@
 #include "common/append.h"
 #include "constrain/chunks.h"
 #include "constrain/near.h"
-
-// One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
-// words. Cleaning has walked along most pieces from the same point or from the one that their parts are cut at now, and
-// says where it was. Apart from the walks, since else a GPU waits for many loads one after the other, and here it has
-// registers for more work-items.
-kernel void constrain_first(uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
-                            global const uint* begins, global const uint2* walked, global const uint* walked_face,
-                            global int4* lines, global uint* part_piece, global uint* part_face,
-                            volatile global Counters* counters) {
-  local uint sum;
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
-  const uint parts = begins[pieces];
-  uint steps = 0;
-  FOR_EACH(part, min(parts, capacity)) {
-    const uint c = last_begin(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
-    const uint2 before = walked[c];
-    const uint cut = before.y > 0u ? count / before.y : 0u;  // into so many
-    const uint2 e = walk_ends(ends[c]);
-    const int4 line = line_of(points, e);
-    part_piece[part] = c;
-    part_face[part] = cut > 0u && k % cut == 0u ? walked_face[before.x + k / cut]
-                                                : locate_division_point(levels, level, mesh, h, e.x, line_begin(line),
-                                                                        line_end(line), k, count, &steps);
-    if (k == 0u) lines[c] = line;
-  }
-  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
-}
 
 // One work-item per part. Writes near words by compare-and-exchange (reduce_piece: order cannot
 // matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
@@ -52,11 +24,9 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
   uint pairs = 0, existing = 0;
   FOR_EACH(part, min(parts, capacity)) {
     const uint c = part_piece[part];
-    const uint2 e = walk_ends(ends[c]);
-    const int4 line = lines[c];
     Walk w;
-    uint event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), part - begins[c],
-                               begins[c + 1u] - begins[c]);
+    uint event = walk_begin(&w, mesh, part_face[part], walk_ends(ends[c]), lines[c], part - begins[c],
+                            begins[c + 1u] - begins[c]);
     if (w.k == 0u) {
       const bool is_edge = event == WALK_END && w.hit == w.b;
       piece_edge[c] = is_edge ? GCDT_SIDE_EDGE(w.code) : GCDT_NONE;
@@ -230,13 +200,11 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
     Owned o = own_nothing(part);
     if (part < parts) {
       const uint c = part_piece[part];
-      const uint2 e = walk_ends(ends[c]);
-      const int4 line = lines[c];
       Walk w;
       uint event = WALK_END;
       if (piece_edge[c] == GCDT_NONE)
-        event = walk_begin_in(&w, mesh, part_face[part], e.x, e.y, line_begin(line), line_end(line), part - begins[c],
-                              begins[c + 1u] - begins[c]);
+        event = walk_begin(&w, mesh, part_face[part], walk_ends(ends[c]), lines[c], part - begins[c],
+                           begins[c + 1u] - begins[c]);
       uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
@@ -372,7 +340,6 @@ kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH
       continue;
     }
     const uint4 corners = mesh.face_data[GCDT_CORNERS(t)];
-    const uint2 e = walk_ends(ends[c]);
     const Vertex a = line_begin(lines[c]), b = line_end(lines[c]);
     const bool cut_right = gcdt_orient2d(a, b, load_vertex(mesh.points, mesh.n, element(corners, k))) < 0;
     const uint third = cut_right ? previous_corner(k) : next_corner(k), parts = begins[c + 1u] - begins[c];
@@ -381,7 +348,7 @@ kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH
     uint left = left_begin(starts, begins[c] + part, c) + 1u;
     uint right = right_begin(starts, capacity, pieces, begins[c] + part, c) + 1u;
     Walk w;
-    uint event = walk_begin_in(&w, mesh, part_face[begins[c] + part], e.x, e.y, a, b, part, parts);
+    uint event = walk_begin(&w, mesh, part_face[begins[c] + part], walk_ends(ends[c]), lines[c], part, parts);
     // Ends: every edge crossed lies further along the piece.
     while (event == WALK_CROSS && w.face != t) {
       left += owns_left(&w, near, c) ? 1u : 0u;

@@ -15,18 +15,17 @@
 // range (emit = 1: places by atomic counter; the order within a face is free, since pairs are sorted).
 // A face in which one part ends and the next begins would be recorded twice: the later part skips its
 // first face, which the earlier one has recorded.
-kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_WALK_PARAMETERS, global const uint2* ends,
-                              global const uint* begins, volatile global uint* starts, volatile global uint* filled,
+kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, global const uint2* ends,
+                              global const uint* begins, global const int4* lines, global const uint* part_piece,
+                              global const uint* part_face, volatile global uint* starts, volatile global uint* filled,
                               global uint* records, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   const uint parts = begins[pieces];
-  uint steps = 0;
   FOR_EACH(part, min(parts, capacity)) {
-    const uint c = last_begin(begins, pieces, part);
-    const uint2 e = walk_ends(ends[c]);
+    const uint c = part_piece[part];
     Walk w;
-    uint event = walk_begin(&w, levels, level, mesh, h, e.x, e.y, part - begins[c], begins[c + 1u] - begins[c], &steps);
+    uint event = walk_begin(&w, mesh, part_face[part], walk_ends(ends[c]), lines[c], part - begins[c],
+                            begins[c + 1u] - begins[c]);
     const bool is_edge = event == WALK_END && w.hit == w.b && w.code != GCDT_NONE;
     if (is_edge && w.k != 0u) continue;
     bool record = w.k == 0u;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walking along a straight piece through the mesh (paper, section 6.2): each work-item takes one part
-// of a piece, between two exact division points, finds its first face through the history tree and
-// goes from face to face. OpenCL C only.
+// of a piece, between two exact division points, and goes from face to face, beginning with the one that
+// kernels/constrain/first.cl has found. OpenCL C only.
 #ifndef GCDT_WALK_H
 #define GCDT_WALK_H
 
-#include "common/history.h"
+#include "common/search.h"
+#include "constrain/fan.h"
 
 // What the walk has come to in the current face.
 #define WALK_CROSS 0u   // it leaves through an edge, strictly between its ends
@@ -26,29 +27,29 @@ typedef struct Walk {
   u32 hit;                        // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
 } Walk;
 
-#define GCDT_WALK_PARAMETERS GCDT_LEVELS_POINTER levels, uint level, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS
+// Walks start at the finer end: its location is a leaf below a face of the top layer, found without
+// turning around a vertex of high degree.
+static inline uint2 walk_ends(uint2 ends) { return ends.x > ends.y ? ends : ends.yx; }
 
-// ---- Where a part begins -------------------------------------------------------------------------
+// A piece's ends as points, from where it is walked to where: at hand in one load instead of two that wait for a third.
+static inline int4 line_of(global const int2* points, uint2 ends) { return (int4)(points[ends.x], points[ends.y]); }
+static inline Vertex line_begin(int4 line) { return gcdt_finite_vertex(line.x, line.y); }
+static inline Vertex line_end(int4 line) { return gcdt_finite_vertex(line.z, line.w); }
 
-// A face whose closure holds division point k, moved infinitely little towards b.
-static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, Vertex va,
-                                  Vertex vb, uint k, uint parts, private uint* steps) {
-  Germ g;
-  g.p = va;
-  g.q = vb;
-  g.k = k;
-  g.parts = parts;
-  uint from;
-  if (k == 0u) {
-    from = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, mesh.n, h, a);
-  } else {
-    const Vertex at = near_germ(g);
-    from = level == 0u ? GCDT_NONE
-                       : coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
-  }
-  uint zero;
-  const uint top = find_in_top_layer(levels, level, mesh, h, g, a, from, steps, &zero);
-  return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
+// What a walk goes through, and how many faces it may pass around a vertex that has no fan.
+typedef struct Walked {
+  Mesh mesh;
+  Fans fans;
+  uint patience;
+} Walked;
+
+// Until fans are made, patience has an end where `hasty`. Else all faces are enough, since a turn comes to each once.
+static inline Walked make_walked(Mesh mesh, Fans fans, uint hasty) {
+  Walked w;
+  w.mesh = mesh;
+  w.fans = fans;
+  w.patience = hasty && !fans.made ? GCDT_FAN_LEAST : gcdt_face_count(mesh.n);
+  return w;
 }
 
 // ---- What lies ahead -----------------------------------------------------------------------------
@@ -129,25 +130,16 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
 
 // Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
 // GCDT_NONE.
-static uint walk_begin_in(private Walk* w, Mesh mesh, uint face, uint a, uint b, Vertex va, Vertex vb, uint k,
-                          uint parts) {
-  w->a = a;
-  w->b = b;
-  w->va = va;
-  w->vb = vb;
+static uint walk_begin(private Walk* w, Mesh mesh, uint face, uint2 ends, int4 line, uint k, uint parts) {
+  w->a = ends.x;
+  w->b = ends.y;
+  w->va = line_begin(line);
+  w->vb = line_end(line);
   w->k = k;
   w->parts = parts;
   w->hit = GCDT_NONE;
   w->face = face;
   return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
-}
-
-// The same, and finds the face.
-static uint walk_begin(private Walk* w, GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, uint a, uint b,
-                       uint k, uint parts, private uint* steps) {
-  const Vertex va = load_vertex(mesh.points, mesh.n, a), vb = load_vertex(mesh.points, mesh.n, b);
-  return walk_begin_in(w, mesh, locate_division_point(levels, level, mesh, h, a, va, vb, k, parts, steps), a, b, va, vb,
-                       k, parts);
 }
 
 // What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for both at once.
@@ -180,10 +172,14 @@ static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
 }
 
 // Goes on from the vertex z just hit, a corner of the face: turns counter-clockwise around z to the
-// face into which the piece continues. Ends: `limit` faces at most; the faces around z cover all
-// directions, and exactly one direction is right.
-static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
-  for (uint step = 0; step < limit; ++step) {
+// face into which the piece continues, from where the fan says if z has one. Ends: `patience` faces at most; the faces
+// around z cover all directions, and exactly one direction is right. Fails if it is not found among them.
+static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* steps) {
+  const Mesh mesh = walked.mesh;
+  if (has_fan(walked.fans, z))
+    w->face = face_of_fan(walked.fans, mesh, z, load_vertex(mesh.points, mesh.n, z), w->vb, steps);
+  for (uint step = 0; step < walked.patience; ++step) {
+    ++*steps;
     const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
     const uint k = c.x == z ? 0u : c.y == z ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
@@ -197,16 +193,5 @@ static uint walk_turn(private Walk* w, Mesh mesh, uint z, uint limit) {
   }
   return WALK_FAILED;
 }
-
-// ---- Parts (paper, 6.2: work-items in proportion to length) -----------------------------------------
-
-// Walks start at the finer end: its location is a leaf below a face of the top layer, found without
-// turning around a vertex of high degree.
-static inline uint2 walk_ends(uint2 ends) { return ends.x > ends.y ? ends : ends.yx; }
-
-// A piece's ends as points, from where it is walked to where: at hand in one load instead of two that wait for a third.
-static inline int4 line_of(global const int2* points, uint2 ends) { return (int4)(points[ends.x], points[ends.y]); }
-static inline Vertex line_begin(int4 line) { return gcdt_finite_vertex(line.x, line.y); }
-static inline Vertex line_end(int4 line) { return gcdt_finite_vertex(line.z, line.w); }
 
 #endif

@@ -201,7 +201,7 @@ static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, H
   g.k = 0;
   g.parts = 1;
   uint zero;
-  const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, steps, &zero);
+  const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, GCDT_NONE, steps, &zero);
   uint location = t;
   if (t == GCDT_NONE)
     atomic_or(&counters->failed, GCDT_FAILED_WALK), location = root_of(mesh.points, mesh.n, v);

@@ -22,6 +22,8 @@ const ProgramInfo programs[] = {
     {"domain", "domain", false},
     {"enforce", "enforce", false},
     {"by_one_item", "core", false},
+    {"fans", "fans", true},
+    {"first", "first", true},
     {"flip", "flip", true},
     {"imported", "imported", false},
     {"forest", "forest", false},

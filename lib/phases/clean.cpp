@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "constrain/clean.h"
 #include "device/step.hpp"
 
 namespace gcdt {
@@ -92,6 +93,55 @@ void Cleaner::place_pieces(const Kept& kept, const PieceParts& parts, const runt
   primitives_.exclusive_scan(firsts, firsts, kept.count);
 }
 
+void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const Kept& kept, const PieceParts& parts,
+                          const Found& found, const runtime::Buffer<cl_uint>& searched,
+                          const runtime::Buffer<cl_uint>& counts, PhaseCounters& counters) {
+  const Mesh& mesh = walked.mesh;
+  const Fans& fans = walked.history.fans;
+  runtime_.launch("clean", "clean_walk", over(parts.capacity), task, kept.count, parts.capacity, mesh.n,
+                  vertices_.points, mesh.face_data, mesh.edge_faces, cl_uint{fans.made}, fans.begins, fans.faces,
+                  kept.ends, kept.list, parts.begins, found.begins.lines, found.begins.pieces, found.begins.faces,
+                  searched, found.offsets, counts, found.hits, found.crossed, counters.buffer());
+}
+
+Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts,
+                             PhaseCounters& counters) {
+  Found found;
+  found.begins = find_first_faces(runtime_, walked, kept.ends, kept.count, parts, nullptr, true, counters);
+  found.crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
+  found.offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
+  found.hits = runtime_.allocate<cl_uint>("vertices on constraints", 0);
+  launch_walk(CLEAN_ALL, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
+  primitives_.exclusive_scan(found.offsets, found.offsets, parts.capacity);
+  if (counters.read().unfinished > 0) walk_rest(walked, kept, parts, found, counters);
+  if (counters.last().failed) throw Error(Status::check_failed, "clean: a walk along a constraint left the mesh");
+  return found;
+}
+
+// Parts give up that take long, since they turn around a vertex. They walk again when there are fans.
+void Cleaner::walk_rest(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,
+                        PhaseCounters& counters) {
+  Fans& fans = walked.history.fans;
+  if (!fans.made) fans = make_fans(runtime_, primitives_, vertices_, walked.mesh, counters);
+  const auto searched = std::move(found.begins.faces);
+  found.begins.faces = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
+  runtime_.copy(searched, found.begins.faces, parts.capacity);
+  find_missing_faces(runtime_, walked, kept.ends, kept.count, parts, found.begins, counters);
+  auto counts = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
+  launch_walk(CLEAN_REST, walked, kept, parts, found, searched, counts, counters);
+  primitives_.exclusive_scan(counts, counts, parts.capacity);
+  found.offsets = std::move(counts);
+  counters.read();
+}
+
+void Cleaner::write_hits(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,
+                         PhaseCounters& counters) {
+  const cl_uint hits = counters.last().hits;
+  if (hits == 0) return;
+  found.hits = runtime_.allocate<cl_uint>("vertices on constraints", hits);
+  launch_walk(CLEAN_WRITE, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
+}
+
 CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
   const Kept kept = keep(walked.plan, wanted);
   const std::uint64_t selected =
@@ -101,35 +151,23 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   runtime_.end_step();
   Step walking(runtime_, "walk");
   const PieceParts parts = parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count);
-  auto part_face = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);
-  auto crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
-  auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);
-  auto offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
-  auto walk = [&](cl_uint emit, const runtime::Buffer<cl_uint>& hits) {
-    walked.launch(runtime_, "clean", "clean_walk", over(parts.capacity),
-                  std::make_tuple(emit, kept.count, parts.capacity), kept.ends, kept.list, parts.begins, part_face,
-                  offsets, hits, crossed, counters.buffer());
-  };
-  walk(0, offsets);
-  primitives_.exclusive_scan(offsets, offsets, parts.capacity);
-  if (counters.read().failed) throw Error(Status::check_failed, "clean: a walk along a constraint left the mesh");
+  Found found = walk(walked, kept, parts, counters);
   result.walk_ms = walking.end();
-  const cl_uint hits = counters.last().hits;
-  result.hits = hits;
-  auto hit_list = runtime_.allocate<cl_uint>("vertices on constraints", hits);
-  if (hits > 0) walk(1, hit_list);
+  result.hits = counters.last().hits;
+  write_hits(walked, kept, parts, found, counters);
 
-  const cl_uint count = hits + kept.count;
+  const cl_uint count = static_cast<cl_uint>(result.hits) + kept.count;
   const unsigned bits = std::max(1u, bit_width(vertices_.n()));
+  auto whole = runtime_.allocate<cl_uint2>("parts of whole constraints", count_);
   auto keys = runtime_.allocate<cl_ulong>("keys of pieces", count);
   auto sources = runtime_.allocate<cl_uint>("sources of pieces", count);
   runtime::Buffer<cl_uint> firsts;
-  place_pieces(kept, parts, offsets, firsts);
+  place_pieces(kept, parts, found.offsets, firsts);
   runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(kept.along_curve), cl_uint(bits),
-                  vertices_.levels_buffer, kept.ends, parts.begins, offsets, hit_list, kept.list,
-                  kept.along_curve ? kept.places : kept.list, firsts, keys, sources, crossed, whole);
-  result.pieces = merge(vertices_, std::move(keys), std::move(sources), crossed, whole, count, bits);
-  result.pieces.walked.faces = std::move(part_face);
+                  vertices_.levels_buffer, kept.ends, parts.begins, found.offsets, found.hits, kept.list,
+                  kept.along_curve ? kept.places : kept.list, firsts, keys, sources, found.crossed, whole);
+  result.pieces = merge(vertices_, std::move(keys), std::move(sources), found.crossed, whole, count, bits);
+  result.pieces.walked.faces = std::move(found.begins.faces);
   return result;
 }
 

@@ -46,6 +46,21 @@ class Cleaner {
   };
   Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);
   void put_along_curve(Kept& kept);
+  /// What the walks along the parts of the kept constraints leave.
+  struct Found {
+    PartBegins begins;
+    runtime::Buffer<cl_uint> offsets;  ///< parts + 1: of each part's vertices among all
+    runtime::Buffer<cl_uint> crossed;  ///< faces, by constraint
+    runtime::Buffer<cl_uint> hits;     ///< the vertices, after write_hits()
+  };
+  Found walk(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, PhaseCounters& counters);
+  void walk_rest(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,
+                 PhaseCounters& counters);
+  void write_hits(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,
+                  PhaseCounters& counters);
+  void launch_walk(cl_uint task, const WalkedMesh& walked, const Kept& kept, const PieceParts& parts,
+                   const Found& found, const runtime::Buffer<cl_uint>& searched, const runtime::Buffer<cl_uint>& counts,
+                   PhaseCounters& counters);
   void place_pieces(const Kept& kept, const PieceParts& parts, const runtime::Buffer<cl_uint>& offsets,
                     runtime::Buffer<cl_uint>& firsts);
   Pieces merge(const Vertices& vertices, runtime::Buffer<cl_ulong> keys, runtime::Buffer<cl_uint> sources,

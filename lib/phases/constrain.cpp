@@ -61,22 +61,16 @@ class Constraining {
 
   void find_near() {
     take_claims();
-    near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
     parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
-    find_first_faces();
+    begins_ =
+        find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_, &pieces_.walked, false, counters_);
+    history_.fans = no_fans(runtime_);
+    near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_near", over(parts_.capacity), pieces_.count, parts_.capacity, mesh_.n,
                     walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, near_, pieces_.ends,
-                    parts_.begins, lines_, part_piece_, part_face_, piece_edge_, claim_, counters_.buffer());
-  }
-
-  void find_first_faces() {
-    lines_ = runtime_.allocate<cl_int4>("lines of pieces", pieces_.count);
-    part_piece_ = runtime_.allocate<cl_uint>("pieces of parts", parts_.capacity);
-    part_face_ = runtime_.allocate<cl_uint>("first faces of parts", parts_.capacity);
-    walked_.launch(runtime_, "constrain", "constrain_first", over(parts_.capacity),
-                   std::make_tuple(pieces_.count, parts_.capacity), pieces_.ends, parts_.begins, pieces_.walked.parts,
-                   pieces_.walked.faces, lines_, part_piece_, part_face_, counters_.buffer());
+                    parts_.begins, begins_.lines, begins_.pieces, begins_.faces, piece_edge_, claim_,
+                    counters_.buffer());
   }
 
   // One claim for crossed faces, and one for each hexagon.
@@ -113,8 +107,8 @@ class Constraining {
     last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
                     chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                    pieces_.ends, parts_.begins, piece_edge_, lines_, part_piece_, part_face_, starts_, far_,
-                    chunk_heads_, chunk_entries_, last_sides_, claim_, counters_.buffer());
+                    pieces_.ends, parts_.begins, piece_edge_, begins_.lines, begins_.pieces, begins_.faces, starts_,
+                    far_, chunk_heads_, chunk_entries_, last_sides_, claim_, counters_.buffer());
     primitives_.exclusive_scan(starts_, starts_, 2 * std::size_t{parts_.capacity});
   }
 
@@ -133,8 +127,8 @@ class Constraining {
     if (hexagons_ > 0)
       runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
                       parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                      pieces_.ends, parts_.begins, lines_, part_face_, starts_, far_, hexagon_face_, hole_place_,
-                      counters_.buffer());
+                      pieces_.ends, parts_.begins, begins_.lines, begins_.faces, starts_, far_, hexagon_face_,
+                      hole_place_, counters_.buffer());
   }
 
   void write_chains() {
@@ -146,8 +140,8 @@ class Constraining {
     const cl_uint taken = counters_.last().chunks;
     runtime_.launch("constrain", "constrain_chain", over(GCDT_CHUNK_LENGTH * (std::size_t{parts_.capacity} + taken)),
                     pieces_.count, taken, parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends,
-                    parts_.begins, piece_edge_, lines_, part_piece_, last_sides_, starts_, chunk_heads_, chunk_entries_,
-                    chain_vertex_, chain_distances_, chain_piece_, chain_side_, counters_.buffer());
+                    parts_.begins, piece_edge_, begins_.lines, begins_.pieces, last_sides_, starts_, chunk_heads_,
+                    chunk_entries_, chain_vertex_, chain_distances_, chain_piece_, chain_side_, counters_.buffer());
     chunk_heads_ = {};
     chunk_entries_ = {};
     make_minima();
@@ -216,9 +210,8 @@ class Constraining {
   const Pieces& pieces_;
   PhaseCounters& counters_;
   PieceParts parts_;
-  runtime::Buffer<cl_uint> near_, piece_edge_, part_piece_, part_face_, crossed_, crossed_edges_, starts_, far_,
-      hexagon_face_;
-  runtime::Buffer<cl_int4> lines_;
+  PartBegins begins_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, crossed_, crossed_edges_, starts_, far_, hexagon_face_;
   runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_;
   runtime::Buffer<cl_uint2> chunk_entries_;

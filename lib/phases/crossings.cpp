@@ -30,16 +30,20 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
   count_ = cl_uint(found);
 }
 
-// Records by face, unless testing all pairs of pieces takes fewer tests.
+// Records by face, unless testing all pairs of pieces takes fewer tests. The mesh may have been made again since pieces
+// were cleaned, with other numbers, so where their walks began is not asked.
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
   const PieceParts parts = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
   starts_ = runtime_.filled<cl_uint>("record starts", std::size_t(faces) + 1, 0);
   auto filled = runtime_.filled<cl_uint>("records filled", faces, 0);
+  const PartBegins begins =
+      find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts, nullptr, false, counters_);
   auto collect = [&](cl_uint emit, const runtime::Buffer<cl_uint>& records) {
-    walked_.launch(runtime_, "crossings", "crossings_records", over(parts.capacity),
-                   std::make_tuple(emit, pieces_.count, parts.capacity), pieces_.ends, parts.begins, starts_, filled,
-                   records, counters_.buffer());
+    const Mesh& mesh = walked_.mesh;
+    runtime_.launch("crossings", "crossings_records", over(parts.capacity), emit, pieces_.count, parts.capacity, mesh.n,
+                    walked_.vertices.points, mesh.face_data, mesh.edge_faces, pieces_.ends, parts.begins, begins.lines,
+                    begins.pieces, begins.faces, starts_, filled, records, counters_.buffer());
   };
   collect(0, filled);
   runtime_.launch("crossings", "crossings_work", over(faces), faces, starts_, counters_.buffer());

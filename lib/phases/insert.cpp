@@ -153,6 +153,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
   history.vertex_face = runtime.allocate<cl_uint>("faces of coarse vertices", coarse);
   history.nodes = runtime.allocate<cl_uint4>("history nodes", largest);
   history.shape = runtime.allocate<cl_uint>("history shapes", largest);
+  history.fans = no_fans(runtime);
   return history;
 }
 
@@ -164,6 +165,7 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& me
   history.vertex_face = runtime.allocate<cl_uint>("faces of coarse vertices", mesh.n);
   history.nodes = runtime.allocate<cl_uint4>("history nodes", 0);
   history.shape = runtime.allocate<cl_uint>("history shapes", 0);
+  history.fans = no_fans(runtime);
   const cl_uint faces = mesh.faces();
   runtime.fill<cl_uint>(history.vertex_face, 0, mesh.n);
   runtime.launch("insert", "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,

@@ -2,7 +2,7 @@
 // Phase 1 on the host: vertex insertion, level by level (kernels/insert/insert.cl).
 #pragma once
 
-#include "mesh/phase.hpp"
+#include "phases/fans.hpp"
 
 namespace gcdt {
 
@@ -12,6 +12,7 @@ struct History {
   cl_uint level = 0, begin = 0, end = 0;
   runtime::Buffer<cl_uint4> top, nodes;
   runtime::Buffer<cl_uint> vertex_face, shape;
+  Fans fans;  ///< of the mesh with the level in it
 };
 
 /// Buffers for the largest level; sizes in `required_bytes`.

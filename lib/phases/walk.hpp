@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all walks along constraints share on the host: cutting pieces into parts, and launching a kernel with the mesh
-// and the history tree as arguments (kernels/constrain/walk.h).
+// What all walks along constraints share on the host: cutting pieces into parts, and finding where these begin
+// (kernels/constrain/walk.h).
 #pragma once
-
-#include <tuple>
 
 #include "mesh/primitives.hpp"
 #include "phases/insert.hpp"
@@ -15,20 +13,7 @@ struct WalkedMesh {
   const Plan& plan;
   const Vertices& vertices;
   const Mesh& mesh;
-  const History& history;
-
-  /// Launches a kernel whose arguments are `first`, then GCDT_WALK_PARAMETERS, then `last`.
-  template <class First, class... Last>
-  void launch(runtime::Runtime& runtime, const char* program, const char* kernel, runtime::Range range,
-              const First& first, const Last&... last) const {
-    std::apply(
-        [&](const auto&... f) {
-          runtime.launch(program, kernel, range, f..., vertices.levels_buffer, history.level, mesh.n, vertices.points,
-                         mesh.face_data, mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face,
-                         history.nodes, history.shape, last...);
-        },
-        first);
-  }
+  History& history;  ///< a walk may make its fans
 };
 
 /// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
@@ -42,5 +27,21 @@ PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, co
 /// better measure than lengths, because vertices are seldom spread evenly.
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                               const Pieces& pieces);
+
+/// What a walk along each part begins with.
+struct PartBegins {
+  runtime::Buffer<cl_int4> lines;   ///< by piece: its ends as points, in the order in which it is walked
+  runtime::Buffer<cl_uint> pieces;  ///< by part
+  runtime::Buffer<cl_uint> faces;   ///< by part: where it begins, or GCDT_NONE if it was not found
+};
+
+/// Finds the first faces of all parts. `before`, if any, says where cleaning's walks began. A hasty search gives up
+/// where fans might help and are not made. Adds to counters: steps.
+PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
+                            cl_uint pieces, const PieceParts& parts, const WalkedPieces* before, bool hasty,
+                            PhaseCounters& counters);
+/// Finds those that a hasty search has not found.
+void find_missing_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
+                        cl_uint pieces, const PieceParts& parts, PartBegins& begins, PhaseCounters& counters);
 
 }  // namespace gcdt

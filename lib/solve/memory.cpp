@@ -43,6 +43,15 @@ std::uint64_t hexagons(const Sizes& s) { return std::min(s.crossed_faces, s.cros
 // Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
 std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
 
+// Fans (phases/fans.hpp): beginnings, elements of faces, and 28 bytes for each of at most 2.3 n elements. Beside them
+// the history, and of constraints, which are no pieces yet, input, ends and number, crossed faces, lines and what parts
+// have (beginnings, pieces, faces twice, hits).
+std::uint64_t fan_step(const Sizes& s) {
+  const std::uint64_t elements = 23 * s.n / 10;
+  return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 28 * elements +
+         (8 + 12 + 4 + 16 + 24) * s.m;
+}
+
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
 // crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and two starts; of
 // hexagons faces and farthest cuts.
@@ -78,12 +87,12 @@ std::uint64_t output_step(const Sizes& s) {
 
 // Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (190): order (60),
 // insertion (186 with its history), domains (180). With constraints walking (236 and 184) is above these as well:
-// insertion (222 and 8), cleaning (222 and 108), domains (180 and 76).
+// insertion (222 and 8), cleaning without fans (192 and 128), domains (180 and 76).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
   const std::uint64_t most =
-      m == 0 ? output_step(s) : std::max({output_step(s), walk_step(s), chain_step(s), stitch_step(s)});
+      m == 0 ? output_step(s) : std::max({output_step(s), fan_step(s), walk_step(s), chain_step(s), stitch_step(s)});
   return (constant_bytes + most + most / gaps_share) / page * page + page;
 }
 

@@ -90,6 +90,7 @@ void Run::no_pieces() {
 void Run::clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, const std::vector<cl_uint>& wanted) {
   step("clean", statistics.ms.clean, [&] {
     pieces = {};
+    lists = {};
     counters.zero();
     Cleaner cleaner(runtime, primitives, vertices, given, static_cast<std::uint32_t>(inputs));
     CleanResult cleaned = cleaner.clean(walked(), wanted, counters);
@@ -104,7 +105,6 @@ void Run::clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, co
 }
 
 ConstrainResult Run::enforce() {
-  lists = {};
   const ConstrainResult r = constrain(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
   auto& cases = statistics.cases;
   cases.existing_edges = r.existing_edges;

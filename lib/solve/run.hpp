@@ -76,7 +76,7 @@ struct Run {
   /// any more, which are the result's, and all triangles in place of those that were kept, if any were taken out.
   SelectedDomain select(OrderedMesh& ordered);
   bool wants_regions() const { return options.regions || options.domain != Domain::hull; }
-  WalkedMesh walked() const { return {plan, vertices, mesh, history}; }
+  WalkedMesh walked() { return {plan, vertices, mesh, history}; }
   /// The sums of times, counters and sizes; the result is whole.
   DeviceTriangulation finish();
   /// `error` of a workspace too small for one step, with the bytes that all steps need.

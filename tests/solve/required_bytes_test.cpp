@@ -49,6 +49,16 @@ Family rows(std::size_t n) {
   return family;
 }
 
+/// A row between two vertices that have all of it for neighbours, and a constraint between these: they have fans.
+Family hubs(std::size_t n) {
+  Family family = {"hubs", row_between(n), {}};
+  std::vector<std::uint32_t> beside;
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (family.work.points[v][1] != 0) beside.push_back(v);
+  family.work.constraints.push_back({beside.at(0), beside.at(1)});
+  return family;
+}
+
 /// Letters of which a hundred are crossed out.
 Family split_letters(std::size_t n) {
   Family family = {"split letters", letters(n), {}};
@@ -66,6 +76,7 @@ std::vector<Family> families(std::size_t n) {
   all.push_back({"letters with a domain", letters(n), with_domain()});
   all.push_back({"uniform with regions", uniform(n), with_domain()});
   all.push_back(rows(n));
+  all.push_back(hubs(n));
   all.push_back(split_letters(n));
   return all;
 }
@@ -129,8 +140,9 @@ TEST_CASE("all that is said for a million vertices is at most half as much again
 TEST_CASE("a workspace of so many bytes, in one buffer, is enough, and so is one without what does not grow") {
   const App app;
   const std::size_t n = 50000;
-  for (const Family& family : {Family{"uniform", uniform(n), {}}, Family{"clusters", clusters(n), {}}, cons(n, 3),
-                               cons(n, 6), Family{"letters", letters(n), with_domain()}, Family{"fan", fan(n), {}}}) {
+  for (const Family& family :
+       {Family{"uniform", uniform(n), {}}, Family{"clusters", clusters(n), {}}, cons(n, 3), cons(n, 6),
+        Family{"letters", letters(n), with_domain()}, Family{"fan", fan(n), {}}, hubs(n)}) {
     CAPTURE(family.name);
     const Triangulation expected = solver().triangulate(family.work.points, family.work.constraints, family.options);
     const Statistics& s = expected.statistics;

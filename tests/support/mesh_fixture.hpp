@@ -153,7 +153,7 @@ struct MeshOnDevice {
   }
   HostMesh after(unsigned level) const { return download(runtime, mesh, points, vertices_of(level)); }
   HostMesh now() const { return after(levels() - 1); }
-  WalkedMesh walked() const { return {plan, vertices, mesh, history}; }
+  WalkedMesh walked() { return {plan, vertices, mesh, history}; }
 };
 
 /// Empty if the mesh is a valid triangulation of the symbolic triangle with exactly the vertices

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fan of a vertex: the faces around it, counter-clockwise, in one array. Finding the one that a direction points
+// into takes bisection then, not a turn around the vertex, which can have as many faces as there are vertices; and a
+// launch lasts as long as its longest walk. Vertices of many faces have fans, and
+// only once a walk has taken too long (kernels/constrain/fans.cl, lib/phases/fans.hpp). OpenCL C and
+// C++17 the least number, OpenCL C all else.
+#ifndef GCDT_FAN_H
+#define GCDT_FAN_H
+
+// Faces of a vertex that has a fan, at least; and those that a walk passes, at most, before it asks for fans.
+#define GCDT_FAN_LEAST 256u
+
+#ifdef __OPENCL_VERSION__
+#include "common/mesh.h"
+
+typedef struct Fans {
+  uint made;
+  global const uint* begins;  // n + 1: the fan of vertex v is [begins[v], begins[v + 1]), empty if it has few faces
+  global const uint2* faces;  // a face, and its corner after v, which is finite in the first
+} Fans;
+
+#define GCDT_FAN_PARAMETERS uint fans_made, global const uint *fan_begins, global const uint2 *fan_faces
+
+static inline Fans make_fans(GCDT_FAN_PARAMETERS) {
+  Fans f;
+  f.made = fans_made;
+  f.begins = fan_begins;
+  f.faces = fan_faces;
+  return f;
+}
+
+static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] > f.begins[v]; }
+
+// The face of vertex v's fan, which there is, whose closure holds a point next to v towards b; of two, the one left of
+// the line. Directions are compared by their angles counter-clockwise from the first corner y of the fan: that of b is
+// above 180 degrees if y lies left of v -> b, below if right, and 0 or 180 if y lies on the line: 0 where the next
+// corner lies left. A corner is beyond b in this order
+//   y left:   if it is left, too, and clockwise of y
+//   y right:  unless it is y, or right or on the line, and counter-clockwise of y
+//   y on it:  unless it is y, or right or on the line, with 180 degrees
+// Corners of one fan point into distinct directions, less than 180 degrees from one to the next. Ends: the range
+// halves.
+static uint face_of_fan(Fans f, Mesh mesh, uint v, Vertex at, Vertex b, private uint* steps) {
+  const uint begin = f.begins[v];
+  uint low = begin, high = f.begins[v + 1u];
+  const Vertex y = load_vertex(mesh.points, mesh.n, f.faces[begin].y);
+  const int first = gcdt_sign64(gcdt_orient2d(at, b, y));
+  if (first == 0 && gcdt_orient2d(at, b, load_vertex(mesh.points, mesh.n, f.faces[begin + 1u].y)) > 0) high = low + 1u;
+  while (high - low > 1u) {
+    const uint middle = low + (high - low) / 2u;
+    const Vertex corner = load_vertex(mesh.points, mesh.n, f.faces[middle].y);
+    const int side = gcdt_sign64(gcdt_orient2d(at, b, corner)), turn = gcdt_sign64(gcdt_orient2d(at, y, corner));
+    const bool beyond = first > 0 ? side > 0 && turn < 0 : first < 0 ? side > 0 || turn < 0 : side > 0;
+    ++*steps;
+    if (beyond)
+      high = middle;
+    else
+      low = middle;
+  }
+  return f.faces[low].x;
+}
+
+#endif
+
+#endif

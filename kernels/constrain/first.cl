@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the parts of pieces begin: the faces that hold their division points, found through the history tree. Apart
+// from the walks (kernels/constrain/walk.h), since else a GPU waits for many loads one after the other, and has no
+// registers for as many work-items; and all walks begin by it, so that its text is compiled once.
+#include "common/history.h"
+#include "constrain/walk.h"
+
+// The face of v's fan that the germ's line to `other` begins in, if its closure holds the germ, too; else GCDT_NONE.
+static uint germ_beside(Fans fans, Mesh mesh, Germ g, uint v, Vertex at, Vertex other, private uint* steps) {
+  if (!has_fan(fans, v)) return GCDT_NONE;
+  const uint face = face_of_fan(fans, mesh, v, at, other, steps);
+  if (g.k == 0u) return face;
+  const uint4 c = mesh.face_data[GCDT_CORNERS(face)];
+  const Vertex x = load_vertex(mesh.points, mesh.n, c.x), y = load_vertex(mesh.points, mesh.n, c.y),
+               z = load_vertex(mesh.points, mesh.n, c.z);
+  return germ_side(g, x, y) >= 0 && germ_side(g, y, z) >= 0 && germ_side(g, z, x) >= 0 ? face : GCDT_NONE;
+}
+
+// A face whose closure holds division point k of a-b, moved infinitely little towards b, or GCDT_NONE if that takes too
+// long. Walks in the top layer turn around vertices with many faces: the constraint may begin or end at one (its own
+// first point is the germ of k = 0), and then lie beside it for long.
+static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked walked, History h, uint2 ends,
+                                  int4 line, uint k, uint parts, private uint* steps) {
+  const Mesh mesh = walked.mesh;
+  const uint a = ends.x, b = ends.y;
+  Germ g;
+  g.p = line_begin(line);
+  g.q = line_end(line);
+  g.k = k;
+  g.parts = parts;
+  uint face = germ_beside(walked.fans, mesh, g, a, g.p, g.q, steps);
+  if (face == GCDT_NONE && k > 0u) face = germ_beside(walked.fans, mesh, g, b, g.q, g.p, steps);
+  if (face != GCDT_NONE) return face;
+  uint from, zero;
+  if (k == 0u) {
+    from = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, mesh.n, h, a);
+  } else {
+    const Vertex at = near_germ(g);
+    from = level == 0u ? GCDT_NONE
+                       : coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
+  }
+  const uint top = find_in_top_layer(levels, level, mesh, h, g, a, from, walked.patience, steps, &zero);
+  return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
+}
+
+// One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
+// words. The face is GCDT_NONE if a hasty search takes too long, or the mesh is wrong. If `again`, pieces have been
+// walked from the same point or from the one that their parts are cut at now, and walked_face says where it was. If
+// `missing`, only faces that are GCDT_NONE are searched.
+kernel void first_faces(uint hasty, uint again, uint missing, uint pieces, uint capacity, GCDT_LEVELS_POINTER levels,
+                        uint level, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, GCDT_FAN_PARAMETERS,
+                        global const uint2* ends, global const uint* begins, global const uint2* walked,
+                        global const uint* walked_face, global int4* lines, global uint* part_piece,
+                        global uint* part_face, volatile global Counters* counters) {
+  local uint sum;
+  const Walked through =
+      make_walked(make_mesh(n, points, face_data, edge_faces), make_fans(fans_made, fan_begins, fan_faces), hasty);
+  const History h = make_history(begin, end, top, vertex_face, nodes, shape);
+  const uint parts = begins[pieces];
+  uint steps = 0;
+  FOR_EACH(part, min(parts, capacity)) {
+    if (missing && part_face[part] != GCDT_NONE) continue;
+    const uint c = last_begin(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
+    const uint2 before = again ? walked[c] : (uint2)(0u, 0u);
+    const uint cut = before.y > 0u ? count / before.y : 0u;  // into so many
+    const uint2 e = walk_ends(ends[c]);
+    const int4 line = line_of(points, e);
+    part_piece[part] = c;
+    part_face[part] = cut > 0u && k % cut == 0u
+                          ? walked_face[before.x + k / cut]
+                          : locate_division_point(levels, level, through, h, e, line, k, count, &steps);
+    if (k == 0u) lines[c] = line;
+  }
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, steps);
+}
