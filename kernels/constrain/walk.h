@@ -24,6 +24,8 @@ typedef struct Walk {
   u32 code;                       // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
   u32 across_left, across_right;  // at an exit edge: side codes of the face's edges across from its two ends
   u32 left, right;                // ends of the exit edge
+  i32 at_left, at_right;          // how far along the piece they are: way_along
+  i32 until;                      // the next division point is that far at least
   u32 hit;                        // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
 } Walk;
 
@@ -58,14 +60,19 @@ static inline int side_of(const private Walk* w, Mesh mesh, uint v) {
   return gcdt_sign64(gcdt_orient2d(w->va, w->vb, load_vertex(mesh.points, mesh.n, v)));
 }
 
-// Does vertex z, on the piece, come after division point k + 1? Compared along the longer axis:
-// 31 bits times parts < 2^31.
-static inline bool after_next_division(const private Walk* w, Vertex z) {
+// How far a vertex is from a along the longer axis of a-b, counted towards b. Below 2^31; of a symbolic vertex nothing
+// is said: it is as far as the next division point.
+static inline i32 way_along(const private Walk* w, Vertex v) {
+  if (v.symbol != 0) return w->until;
   const i64 dx = w->vb.x - w->va.x, dy = w->vb.y - w->va.y;
   const bool along_x = (dx < 0 ? -dx : dx) >= (dy < 0 ? -dy : dy);
-  const i64 whole = along_x ? dx : dy, part = along_x ? z.x - w->va.x : z.y - w->va.y;
-  const i64 difference = part * (i64)w->parts - whole * (i64)(w->k + 1u);
-  return whole > 0 ? difference > 0 : difference < 0;
+  const i64 way = along_x ? v.x - w->va.x : v.y - w->va.y;
+  return (i32)((along_x ? dx : dy) < 0 ? -way : way);
+}
+
+// Does vertex z, on the piece, come after division point k + 1? 31 bits times parts < 2^31.
+static inline bool after_next_division(const private Walk* w, Vertex z) {
+  return (i64)way_along(w, z) * (i64)w->parts > (i64)way_along(w, w->vb) * (i64)(w->k + 1u);
 }
 
 static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
@@ -80,7 +87,9 @@ static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
 }
 
 // The exit edge is opposite corner `third` of the face, whose rotated corners are c = (third, right,
-// left): seen from inside, the line leaves an edge from its right to its left end. `sides` are the face's.
+// left): seen from inside, the line leaves an edge from its right to its left end. `sides` are the face's; how far the
+// ends are along the piece is set. The line leaves the edge between its ends: an edge both of whose ends are not as far
+// as the next division point is before it, which few need to be asked exactly.
 static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
   w->third = third;
   w->third_side = third_side;
@@ -90,11 +99,18 @@ static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 
   w->code = element(sides, third);
   w->across_right = element(sides, next_corner(third));
   w->across_left = element(sides, previous_corner(third));
-  if (w->k + 1u < w->parts &&
+  if (w->k + 1u < w->parts && (w->at_left >= w->until || w->at_right >= w->until) &&
       gcdt_orient2d_division(load_vertex(mesh.points, mesh.n, c.y), load_vertex(mesh.points, mesh.n, c.z), w->va, w->vb,
                              w->k + 1u, w->parts) > 0)
     return WALK_END;  // the next division point lies on this side of the edge
   return WALK_CROSS;
+}
+
+// The same, where nothing is known of the ends.
+static uint come_to_first_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
+  w->at_right = way_along(w, load_vertex(mesh.points, mesh.n, c.y));
+  w->at_left = way_along(w, load_vertex(mesh.points, mesh.n, c.z));
+  return come_to_edge(w, mesh, third, c, sides, third_side);
 }
 
 // The face holds the walk's point, moved a little towards b. Signs of the corners tell all:
@@ -110,13 +126,13 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
   if (zeros == 0) {
     const uint k = (s1 < 0 && s2 > 0) ? 0u : (s2 < 0 && s0 > 0) ? 1u : (s0 < 0 && s1 > 0) ? 2u : 3u;
     if (k == 3u) return WALK_FAILED;
-    return come_to_edge(w, mesh, k, rotate_to(c, k), sides, k == 0u ? s0 : k == 1u ? s1 : s2);
+    return come_to_first_edge(w, mesh, k, rotate_to(c, k), sides, k == 0u ? s0 : k == 1u ? s1 : s2);
   }
   if (zeros == 1) {
     const uint k = s0 == 0 ? 0u : s1 == 0 ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
     const int right = k == 0u ? s1 : k == 1u ? s2 : s0, left = k == 0u ? s2 : k == 1u ? s0 : s1;
-    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, sides, 0);
+    if (right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, 0);
     if (right > 0 && left < 0) return come_to_vertex(w, mesh, r.x, GCDT_NONE);
     return WALK_FAILED;
   }
@@ -139,6 +155,7 @@ static uint walk_begin(private Walk* w, Mesh mesh, uint face, uint2 ends, int4 l
   w->parts = parts;
   w->hit = GCDT_NONE;
   w->face = face;
+  w->until = (i32)((i64)way_along(w, w->vb) * (i64)(k + 1u) / (i64)parts);
   return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
 }
 
@@ -168,6 +185,10 @@ static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
   const int s = gcdt_sign64(gcdt_orient2d(w->va, w->vb, b.apex));
   if (s == 0) return come_to_vertex(w, mesh, element(b.corners, j), GCDT_NONE);
   const uint third = s > 0 ? next_corner(j) : previous_corner(j);
+  if (s > 0)
+    w->at_left = way_along(w, b.apex);
+  else
+    w->at_right = way_along(w, b.apex);
   return come_to_edge(w, mesh, third, rotate_to(b.corners, third), b.sides, s > 0 ? 1 : -1);
 }
 
@@ -184,7 +205,7 @@ static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* step
     const uint k = c.x == z ? 0u : c.y == z ? 1u : 2u;
     const uint4 r = rotate_to(c, k);
     const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);
-    if (right < 0 && left > 0) return come_to_edge(w, mesh, k, r, sides, 0);
+    if (right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, 0);
     if (right == 0 && left > 0) return come_to_vertex(w, mesh, r.y, element(sides, previous_corner(k)));
     if (right < 0 && left == 0) return come_to_vertex(w, mesh, r.z, element(sides, next_corner(k)));
     const uint ref = mesh.edge_faces[element(sides, next_corner(k)) ^ 1u];
