@@ -82,11 +82,12 @@ struct Geometry {
   std::size_t most_items = 0;
 };
 
-/// Bytes of a buffer, from its first on, and where they are to go.
+/// Bytes of a buffer, from `offset` on, and where they are to go.
 struct HostRead {
   cl_mem from;
   void* to;
   std::size_t bytes;
+  std::size_t offset = 0;
 };
 
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
@@ -103,7 +104,7 @@ struct CallHook {
 
 using Log = std::function<void(int level, const char* message)>;
 
-class Download;
+class TransferChunks;
 
 /// What has been built in a context for a device, by name and kind of mesh.
 struct Programs {
@@ -234,15 +235,22 @@ class Runtime {
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a write: the host memory must not change before wait(written).
   void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
+  /// As write_bytes, but straight from there.
+  void write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a read: the host memory holds nothing before wait(read).
   void read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read);
   void wait(const cl::Event& event);
   /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
   /// writes that are not write_later() do, and what follows an error.
   void share_context();
+  /// From now on, large transfers from and to the caller's memory go through chunks of pinned memory, which is made by
+  /// the first of them (transfer_chunks.hpp), where the device's threads are not the host's.
+  void use_transfer_chunks();
+  /// Gives the chunks back, until the next large transfer.
+  void release_transfer_chunks();
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
-  /// All of them, and waits once. Whatever happens, none goes on afterwards.
+  /// All of them, none of which is empty, and waits once. Whatever happens, none goes on afterwards.
   void read_all(const std::vector<HostRead>& reads);
   void flush();
   /// The host's memory of a new buffer, mapped; null if the driver has none.
@@ -319,6 +327,10 @@ class Runtime {
   void self_test();
   void waited();
   cl_int ask_until_done(cl_event event);
+  TransferChunks* chunks_for(std::size_t bytes);
+  unsigned threads_for(std::size_t bytes) const;
+  template <class F>
+  void settled(F&& transfer);
   Kernel& find_kernel(const char* program, const char* kernel);
   const cl::Program& find_program(const char* program);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
@@ -358,8 +370,10 @@ class Runtime {
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
   bool times_steps_ = true;
-  bool emulate_mul_hi_ = false;         ///< the device's own is wrong
-  std::unique_ptr<Download> download_;  ///< if the context is shared: then it asks, and does not wait in the driver
+  bool emulate_mul_hi_ = false;  ///< the device's own is wrong
+  bool shares_context_ = false;  ///< then it asks, and does not wait in the driver
+  bool wants_chunks_ = false;
+  std::unique_ptr<TransferChunks> chunks_;  ///< there if the context is shared, or a large transfer has been made
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).
