@@ -33,6 +33,25 @@ bool loads_code_by_width(const DeviceInfo& info) {
 }
 std::atomic<int> loaded_by_width{0};  // runtimes
 
+// Threads that copy so many bytes to or from chunks. Workers that share a context are threads enough.
+unsigned threads_for(const Runtime& runtime, std::size_t bytes, bool shares_context) {
+  if (shares_context) return 1;
+  const std::size_t worth = 1 + bytes / runtime.tuning().copied_by_thread;
+  const unsigned most = std::min(runtime.tuning().copy_threads, std::max(std::thread::hardware_concurrency(), 1u));
+  return static_cast<unsigned>(std::min<std::size_t>(worth, most));
+}
+
+// Makes a transfer through chunks. After an error nothing of it is left in the queue.
+template <class F>
+void settled(Runtime& runtime, F&& transfer) {
+  try {
+    transfer();
+  } catch (...) {
+    runtime.try_finish();
+    throw;
+  }
+}
+
 }  // namespace
 
 Runtime::Runtime(const cl::Device& device, CallHook hook) : Runtime(cl::Context(), device, std::move(hook), {}) {}
@@ -146,22 +165,11 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   return kernels_.emplace(key, std::move(k)).first->second;
 }
 
-// Makes a transfer through chunks. After an error nothing of it is left in the queue.
-template <class F>
-void Runtime::settled(F&& transfer) {
-  try {
-    transfer();
-  } catch (...) {
-    try_finish();
-    throw;
-  }
-}
-
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   TransferChunks* chunks = shares_context_ ? nullptr : chunks_for(bytes);
   if (!chunks) return write_at_once(to, offset, from, bytes);
-  settled(
-      [&] { write_through(*chunks, threads_for(bytes), to, offset, static_cast<const unsigned char*>(from), bytes); });
+  const unsigned threads = threads_for(*this, bytes, shares_context_);
+  settled(*this, [&] { write_through(*chunks, threads, to, offset, static_cast<const unsigned char*>(from), bytes); });
 }
 
 void Runtime::write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
@@ -246,19 +254,13 @@ TransferChunks* Runtime::chunks_for(std::size_t bytes) {
   return chunks_.get();
 }
 
-// Workers that share a context are threads enough.
-unsigned Runtime::threads_for(std::size_t bytes) const {
-  if (shares_context_) return 1;
-  const std::size_t worth = 1 + bytes / tuning().copied_by_thread;
-  const unsigned most = std::min(tuning().copy_threads, std::max(std::thread::hardware_concurrency(), 1u));
-  return static_cast<unsigned>(std::min<std::size_t>(worth, most));
-}
-
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
   ++read_backs_;
   if (TransferChunks* chunks = chunks_for(bytes))
-    settled([&] { read_through(*chunks, threads_for(bytes), {{from, to, bytes, offset}}); });
+    settled(*this, [&] {
+      read_through(*chunks, threads_for(*this, bytes, shares_context_), {{from, to, bytes, offset}});
+    });
   else
     call("clEnqueueReadBuffer", "",
          [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
@@ -269,10 +271,10 @@ void Runtime::read_all(const std::vector<HostRead>& reads) {
   if (reads.empty()) return;
   std::size_t bytes = 0;
   for (const HostRead& read : reads) bytes += read.bytes;
-  settled([&] {
+  settled(*this, [&] {
     if (TransferChunks* chunks = chunks_for(bytes)) {
       ++read_backs_;
-      read_through(*chunks, threads_for(bytes), reads);
+      read_through(*chunks, threads_for(*this, bytes, shares_context_), reads);
       return waited();
     }
     for (std::size_t i = 0; i + 1 < reads.size(); ++i)

@@ -231,23 +231,20 @@ class Runtime {
   void time_steps(bool wanted) { times_steps_ = wanted; }
   /// The same as finish(), without an exception.
   cl_int try_finish();
-  /// Writes bytes from host memory, which may be reused on return.
+  /// Writes bytes from host memory, which may be reused on return; `at_once`: straight from there.
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  void write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a write: the host memory must not change before wait(written).
   void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
-  /// As write_bytes, but straight from there.
-  void write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a read: the host memory holds nothing before wait(read).
   void read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read);
   void wait(const cl::Event& event);
   /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
   /// writes that are not write_later() do, and what follows an error.
   void share_context();
-  /// From now on, large transfers from and to the caller's memory go through chunks of pinned memory, which is made by
-  /// the first of them (transfer_chunks.hpp), where the device's threads are not the host's.
+  /// From now on, large transfers go through pinned memory, made by the first, where prepares_host_memory() says so.
   void use_transfer_chunks();
-  /// Gives the chunks back, until the next large transfer.
-  void release_transfer_chunks();
+  void release_transfer_chunks();  ///< until the next large transfer
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   /// All of them, none of which is empty, and waits once. Whatever happens, none goes on afterwards.
@@ -328,9 +325,6 @@ class Runtime {
   void waited();
   cl_int ask_until_done(cl_event event);
   TransferChunks* chunks_for(std::size_t bytes);
-  unsigned threads_for(std::size_t bytes) const;
-  template <class F>
-  void settled(F&& transfer);
   Kernel& find_kernel(const char* program, const char* kernel);
   const cl::Program& find_program(const char* program);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
@@ -370,9 +364,8 @@ class Runtime {
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
   bool times_steps_ = true;
-  bool emulate_mul_hi_ = false;  ///< the device's own is wrong
-  bool shares_context_ = false;  ///< then it asks, and does not wait in the driver
-  bool wants_chunks_ = false;
+  bool emulate_mul_hi_ = false;                         ///< the device's own is wrong
+  bool shares_context_ = false, wants_chunks_ = false;  ///< shared: it asks, and does not wait in the driver
   std::unique_ptr<TransferChunks> chunks_;  ///< there if the context is shared, or a large transfer has been made
 };
 
