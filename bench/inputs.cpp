@@ -92,7 +92,7 @@ bool selected(const Input& input, const std::string& selection) {
 }
 
 Workload make(const Input& input,
-              const std::function<std::vector<std::array<std::uint32_t, 3>>(const std::vector<Point>&)>& triangles) {
+              const std::function<Array<std::array<std::uint32_t, 3>>(const std::vector<Point>&)>& triangles) {
   if (!input.path.empty()) return read_poly(input.path);
   if (input.name == "leafs") return leafs(input.size);
   if (input.name == "airport") return airport(input.size);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <gcdt/array.hpp>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,7 @@ bool selected(const Input& input, const std::string& selection);
 /// Makes the input. `triangles` triangulates points: synthetic_cons takes its constraints from a
 /// Delaunay triangulation. Throws std::runtime_error if a map cannot be read.
 Workload make(const Input& input,
-              const std::function<std::vector<std::array<std::uint32_t, 3>>(const std::vector<Point>&)>& triangles);
+              const std::function<Array<std::array<std::uint32_t, 3>>(const std::vector<Point>&)>& triangles);
 
 /// Outlines of many small leaves drawn on a grid of pixels: many short constraints, evenly spread.
 Workload leafs(std::size_t n);

@@ -57,8 +57,7 @@ bool flip(Points points, Triangulation& mesh, std::int32_t t, int k) {
 }
 
 void damage_all(Solver& solver, const Input& input) {
-  const Workload work =
-      make(input, [](const std::vector<Point>&) { return std::vector<std::array<std::uint32_t, 3>>(); });
+  const Workload work = make(input, [](const std::vector<Point>&) { return Array<std::array<std::uint32_t, 3>>(); });
   const Triangulation good = solver.triangulate(work.points, work.constraints);
   const char* name = input.name.c_str();
   const auto check = [&](const Triangulation& mesh) { return sampled_check(work.points, mesh, samples); };

@@ -35,7 +35,7 @@ int main() {
     std::vector<std::array<double, 2>> cells;
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < width; ++column) cells.push_back({(column + 0.5) / 4, 100 - (row + 0.5) / 4});
-    const std::vector<double> values = mesh.interpolate(cells, heights, -1000);
+    const gcdt::Array<double> values = mesh.interpolate(cells, heights, -1000);
     std::FILE* picture = std::fopen("terrain.pgm", "wb");
     if (!picture) return 1;
     std::fprintf(picture, "P5\n%d %d\n255\n", width, rows);

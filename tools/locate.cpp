@@ -19,7 +19,7 @@ void write_places(const Solved& mesh, const io::Input& points, Print&& print) {
   std::vector<std::array<double, 3>> weights;
   const auto triangles = mesh.result->locate(points.vertices, &weights);
   constexpr double outside = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::vector<double>> values;
+  std::vector<Array<double>> values;
   for (std::uint32_t k = 0; k < mesh.input.attribute_count; ++k)
     values.push_back(mesh.result->interpolate(points.vertices, mesh.attribute(k), outside));
   print(fmt::format("# point triangle weight weight weight{}\n", values.empty() ? "" : " attributes"));

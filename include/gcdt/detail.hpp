@@ -2,6 +2,7 @@
 // Between the types of C++ and those of C. Not part of the interface.
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <new>
 
@@ -152,6 +153,41 @@ Handle* made(const Options& options, const gcdt_solver* solver, void (*release)(
   }
   check(status, solver);
   return handle;
+}
+
+inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Gives the arrays of `to` as many elements as the result will have at most, or nearly always, and returns what of
+/// that it will use, as far as is known; the rest, of which no page is touched, is only addresses. Nothing for few
+/// vertices, or if there is no memory for it: then room is made when the size is known.
+inline std::vector<gcdt_host_memory> room(Triangulation& to, std::size_t n, std::size_t m, const Options& options) {
+  constexpr std::size_t least = std::size_t{1} << 15;  // vertices that are worth it
+  if (n < least) return {};
+  // By what arrays have one element for, and which results have them (gcdt/arrays.def).
+  struct Elements {
+    std::size_t triangle, vertex, piece, piece_bound, source, dropped, added;
+  };
+  const Elements most = {2 * n, n, m, m + 1, m, 0, 0};
+  Elements likely = most;
+  if (options.domain != Domain::hull) likely.triangle /= 2;  // nobody knows what is outside
+  const struct {
+    bool always, with_added, with_regions;
+  } wanted = {true, false, options.regions || options.domain != Domain::hull};
+  std::vector<gcdt_host_memory> used;
+  const auto add = [&](auto& array, std::size_t elements, std::size_t elements_used) {
+    array.resize(elements);
+    used.push_back({array.data(), elements_used * sizeof array[0]});
+  };
+  try {
+#define GCDT_ARRAY(number, name, type, width, per, there, ...) \
+  if (wanted.there && most.per > 0) add(to.name, most.per, likely.per);
+#include <gcdt/arrays.def>
+  } catch (const std::exception&) {
+    return {};
+  }
+  return used;
 }
 
 using LogFunction = std::function<void(int level, const char* message)>;

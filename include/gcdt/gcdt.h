@@ -153,8 +153,8 @@ typedef struct gcdt_solver_options {
 #define GCDT_SOLVER_OPTIONS_INIT \
   { sizeof(gcdt_solver_options), NULL, NULL, NULL, NULL, NULL }
 
-/* A solver on one device, with an OpenCL context of its own. It keeps its programs and device memory between calls: a
- * repeated call of the same size allocates no device memory. `options` may be null. Blocks. */
+/* A solver on one device, with an OpenCL context of its own. It keeps its programs, device memory and, on GPUs, 8 MiB
+ * of pinned host memory for transfers; repeated calls of one size allocate none. `options` may be null. Blocks. */
 GCDT_API int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** solver);
 
 /* Null is allowed. Results may be released before or after. */
@@ -163,7 +163,8 @@ GCDT_API void gcdt_solver_release(gcdt_solver* solver);
 /* The device that the solver runs on. */
 GCDT_API int32_t gcdt_solver_device(const gcdt_solver* solver, gcdt_device_info* info);
 
-/* Gives the device memory back that the solver keeps and no result holds. */
+/* Gives the device memory back that the solver keeps and no result holds, and the host memory that it keeps for
+ * transfers. */
 GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
 
 /* ---- Input ------------------------------------------------------------------------------------------------- */
@@ -242,6 +243,12 @@ enum {
  * 0 to stop: the call then returns GCDT_ERROR_CANCELLED. The rules of gcdt_log_function hold. */
 typedef int32_t (*gcdt_progress_function)(void* user, const char* phase, double done);
 
+/* Host memory of the caller's. */
+typedef struct gcdt_host_memory {
+  void* memory; /* may be null if there are no bytes */
+  uint64_t bytes;
+} gcdt_host_memory;
+
 typedef struct gcdt_options {
   size_t struct_size;
   int32_t crossing;      /* GCDT_CROSSING_... */
@@ -262,11 +269,18 @@ typedef struct gcdt_options {
   const double* region_seeds;
   uint64_t region_seed_count;
   int32_t distinct; /* 1: vertices that differ as given must differ on the grid: else GCDT_ERROR_VERTICES_COINCIDE */
+  /* New memory to which the caller will copy the result, such as 2n triangles: the system clears each page of it when
+   * it is first written, which takes longer than the copy. While a GPU works, threads of gcdt_triangulate, which have
+   * ended when it returns, do that by writing a byte to each page. So its contents are undefined from the call on, and
+   * nobody else may use it meanwhile. The caller's; only time depends on it. Other functions and devices leave it
+   * alone. */
+  const gcdt_host_memory* host_room; /* null if there is none */
+  uint64_t host_room_count;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \
   {                                                                                                                \
     sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
-        NULL, 0, 0                                                                                                 \
+        NULL, 0, 0, NULL, 0                                                                                        \
   }
 
 /* ---- Triangulation ----------------------------------------------------------------------------------------- */

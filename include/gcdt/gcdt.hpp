@@ -39,9 +39,9 @@ inline std::size_t select_device(const std::string& spec, bool* ambiguous = null
 using Log = std::function<void(int level, const char* message)>;
 
 /// The doubles nearest to the coordinates of grid points; see gcdt_grid_coordinates.
-inline std::vector<std::array<double, 2>> grid_coordinates(const Grid& grid, Span<std::array<std::int32_t, 2>> points) {
+inline Array<std::array<double, 2>> grid_coordinates(const Grid& grid, Span<std::array<std::int32_t, 2>> points) {
   const gcdt_grid at = detail::grid(grid);
-  std::vector<std::array<double, 2>> coordinates(points.size());
+  Array<std::array<double, 2>> coordinates(points.size());
   detail::check(gcdt_grid_coordinates(&at, reinterpret_cast<const std::int32_t*>(points.data()), points.size(),
                                       reinterpret_cast<double*>(coordinates.data())));
   return coordinates;
@@ -101,7 +101,7 @@ class Result {
   /// Copies to host memory, by the names of the arrays in gcdt/arrays.def: triangles(), neighbours() and so on, and
   /// those made on demand: vertex_triangles(), hull() and edge_pieces(). Each blocks.
 #define GCDT_ARRAY(number, name, type, width, ...) \
-  std::vector<detail::Element<type, width>> name() const { return copy<detail::Element<type, width>>(number); }
+  Array<detail::Element<type, width>> name() const { return copy<detail::Element<type, width>>(number); }
 #define GCDT_DERIVED_ARRAY GCDT_ARRAY
 #include <gcdt/arrays.def>
   Statistics statistics() const { return detail::statistics(handle_.get()); }
@@ -116,19 +116,19 @@ class Result {
             c.doubled};
   }
   /// Where points are: the least triangle that holds each, border included, or -1. See gcdt_locate. Blocks.
-  std::vector<std::int32_t> locate(Points points, std::vector<std::array<double, 3>>* weights = nullptr) const {
-    std::vector<std::int32_t> triangles(points.size());
-    if (weights) weights->assign(points.size(), {});
-    detail::check(gcdt_locate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
-                              triangles.data(), weights && !weights->empty() ? weights->data()->data() : nullptr));
-    return triangles;
+  Array<std::int32_t> locate(Points points) const { return locate(points, static_cast<double*>(nullptr)); }
+  /// The same with the points' weights in their triangles, in any vector.
+  template <class Allocator>
+  Array<std::int32_t> locate(Points points, std::vector<std::array<double, 3>, Allocator>* weights) const {
+    if (weights) weights->resize(points.size());
+    return locate(points, weights && !weights->empty() ? weights->data()->data() : nullptr);
   }
   /// The values at points, linear in each triangle; `vertex_values`: one a vertex, added ones last. See
   /// gcdt_interpolate. Throws invalid_argument if they are not as many. Blocks.
-  std::vector<double> interpolate(Points points, Span<double> vertex_values, double outside) const {
+  Array<double> interpolate(Points points, Span<double> vertex_values, double outside) const {
     if (vertex_values.size() != count(GCDT_REPRESENTATIVES))
       throw Error(Status::invalid_argument, "there is not one value for each vertex");
-    std::vector<double> values(points.size());
+    Array<double> values(points.size());
     detail::check(gcdt_interpolate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
                                    vertex_values.data(), outside, values.data()));
     return values;
@@ -136,18 +136,21 @@ class Result {
 
   /// All of it. Blocks. What that takes, room for the arrays included, is in statistics.ms.call.
   Triangulation download() const {
+    Triangulation all;
+    download(all);
+    return all;
+  }
+  /// The same to arrays that are there: room is used again where it is enough, and not more than four times that.
+  void download(Triangulation& all) const {
     const auto start = std::chrono::steady_clock::now();
     const double before = statistics().ms.call;
-    Triangulation all;
     Copies copies(*this);
 #define GCDT_ARRAY(number, name, ...) copies.add(number, all.name);
 #include <gcdt/arrays.def>
     copies.run();
     all.statistics = statistics();
     all.added = grid_coordinates(all.statistics.grid, all.added_on_grid);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    all.statistics.ms.call = before + took.count();
-    return all;
+    all.statistics.ms.call = before + detail::milliseconds_since(start);
   }
 
  private:
@@ -156,8 +159,11 @@ class Result {
    public:
     explicit Copies(const Result& from) : from_(from) {}
     template <class T>
-    void add(std::int32_t array, std::vector<T>& to) {
-      to.resize(from_.count(array));
+    void add(std::int32_t array, Array<T>& to) {
+      const std::size_t count = from_.count(array);
+      if (to.capacity() / 4 > count) Array<T>().swap(to);
+      to.clear();  // so that nothing is moved
+      to.resize(count);
       arrays_.push_back(array);
       destinations_.push_back(to.data());
       capacities_.push_back(to.size());
@@ -174,12 +180,18 @@ class Result {
     std::vector<std::uint64_t> capacities_;
   };
   template <class T>
-  std::vector<T> copy(std::int32_t array) const {
-    std::vector<T> values;
+  Array<T> copy(std::int32_t array) const {
+    Array<T> values;
     Copies copies(*this);
     copies.add(array, values);
     copies.run();
     return values;
+  }
+  Array<std::int32_t> locate(Points points, double* weights) const {
+    Array<std::int32_t> triangles(points.size());
+    detail::check(gcdt_locate(handle_.get(), detail::coordinate_type(points.type()), points.data(), points.size(),
+                              triangles.data(), weights));
+    return triangles;
   }
   struct Release {
     void operator()(gcdt_result* result) const { gcdt_result_release(result); }
@@ -218,14 +230,17 @@ class Solver {
   /// On error nothing is returned and the object can be used again. Throws Error (see Status), and what the
   /// progress function throws. Blocks until the mesh is complete.
   Result solve(Points points, Constraints constraints = {}, const Options& options = {}) {
-    const gcdt_input input = detail::input(points, constraints);
-    return Result(detail::made<gcdt_result>(
-        options, handle(), gcdt_result_release,
-        [&](const gcdt_options& given, auto** result) { return gcdt_triangulate(handle(), &input, &given, result); }));
+    return solve(points, constraints, options, {});
   }
-  /// The same, copied to host memory.
+  /// The same, copied to host memory, in which room is made while the device works (gcdt_options.host_room).
   Triangulation triangulate(Points points, Constraints constraints = {}, const Options& options = {}) {
-    return solve(points, constraints, options).download();
+    const auto start = std::chrono::steady_clock::now();
+    Triangulation all;
+    const std::vector<gcdt_host_memory> room = detail::room(all, points.size(), constraints.size(), options);
+    const double room_ms = detail::milliseconds_since(start);
+    solve(points, constraints, options, room).download(all);
+    all.statistics.ms.call += room_ms;
+    return all;
   }
 
   /// A result of a mesh that is there already, with the numbers and first corners of its triangles; `constraints` run
@@ -242,10 +257,19 @@ class Solver {
         [&](const gcdt_options& given, auto** result) { return gcdt_adopt(handle(), &input, &mesh, &given, result); }));
   }
 
-  /// Gives the device memory back that is kept and that no result holds.
+  /// Gives the device memory back that is kept and that no result holds, and the host memory kept for transfers.
   void trim() { detail::check(gcdt_solver_trim(handle_.get())); }
 
  private:
+  Result solve(Points points, Constraints constraints, const Options& options,
+               const std::vector<gcdt_host_memory>& room) {
+    const gcdt_input input = detail::input(points, constraints);
+    return Result(
+        detail::made<gcdt_result>(options, handle(), gcdt_result_release, [&](gcdt_options given, auto** result) {
+          given.host_room = room.data(), given.host_room_count = room.size();
+          return gcdt_triangulate(handle(), &input, &given, result);
+        }));
+  }
   struct Release {
     void operator()(gcdt_solver* solver) const { gcdt_solver_release(solver); }
   };

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <gcdt/gcdt.h>
+#include <gcdt/array.hpp>
 
 namespace gcdt {
 
@@ -25,6 +26,8 @@ class Span {
   Span() = default;
   Span(const T* first, std::size_t count) : data_(first), size_(count) {}
   Span(const std::vector<T>& values) : Span(values.data(), values.size()) {}
+  template <class Allocator>
+  Span(const std::vector<T, Allocator>& values) : Span(values.data(), values.size()) {}
   template <std::size_t N>
   Span(const std::array<T, N>& values) : Span(values.data(), N) {}
 
@@ -56,6 +59,8 @@ class Points {
   Points(const std::vector<std::array<float, 2>>& p) : Points(Span<std::array<float, 2>>(p)) {}
   Points(const std::vector<std::array<std::int32_t, 2>>& p) : Points(Span<std::array<std::int32_t, 2>>(p)) {}
   Points(const std::vector<std::array<std::int64_t, 2>>& p) : Points(Span<std::array<std::int64_t, 2>>(p)) {}
+  template <class Number, class Allocator>
+  Points(const std::vector<std::array<Number, 2>, Allocator>& p) : Points(Span<std::array<Number, 2>>(p)) {}
   /// `count` pairs at `xy`: 2 * count numbers.
   static Points pairs(const double* xy, std::size_t count) { return Points(Type::float64, xy, count); }
   static Points pairs(const float* xy, std::size_t count) { return Points(Type::float32, xy, count); }
@@ -295,13 +300,13 @@ using Element = typename ElementOf<T, width>::Type;
 
 /// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
 struct Triangulation {
-  /// One vector for each array of gcdt/arrays.def, which says what is in it: triangles, neighbours, constrained,
-  /// representative, pieces, source_offsets, sources, dropped, added_on_grid, added_crossing, region, depth, winding
-  /// and region_seed.
-#define GCDT_ARRAY(number, name, type, width, ...) std::vector<detail::Element<type, width>> name;
+  /// One Array (gcdt/array.hpp) for each of gcdt/arrays.def, which says what is in it: triangles, neighbours,
+  /// constrained, representative, pieces, source_offsets, sources, dropped, added_on_grid, added_crossing, region,
+  /// depth, winding and region_seed.
+#define GCDT_ARRAY(number, name, type, width, ...) Array<detail::Element<type, width>> name;
 #include <gcdt/arrays.def>
   /// The vertices of added_on_grid, as the doubles nearest to that.
-  std::vector<std::array<double, 2>> added;
+  Array<std::array<double, 2>> added;
   Statistics statistics;
 };
 

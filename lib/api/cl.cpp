@@ -172,7 +172,7 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
                              cl_event* event) {
   return guarded_call(result, [&] {
     State& state = *result->state;
-    const Array from = result->array(array);
+    const DeviceArray from = result->array(array);
     require(queue, "queue is null");
     if (queue_info<cl_context>(&state, queue, CL_QUEUE_CONTEXT) != state.runtime.context()())
       throw Error(Status::wrong_context, "the queue is of another context than the solver's");

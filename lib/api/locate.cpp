@@ -12,9 +12,9 @@ constexpr std::size_t chunk = Tuning::queries_at_once;
 
 /// One chunk of queries, back on the host.
 struct Found {
-  std::vector<cl_int> triangles;
-  std::vector<cl_uint> corners;
-  std::vector<cl_long> areas;
+  Array<cl_int> triangles;
+  Array<cl_uint> corners;
+  Array<cl_long> areas;
 };
 
 /// Calls use(first, found) for each chunk.
@@ -65,8 +65,8 @@ int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* po
     const Points queries = read_queries(coordinate_type, points, count);
     require(triangles || count == 0, "triangles is null");
     // The caller's arrays are written only when nothing can fail any more.
-    std::vector<cl_int> all_triangles(queries.size());
-    std::vector<double> all_weights(weights ? 3 * queries.size() : 0);
+    Array<cl_int> all_triangles(queries.size());
+    Array<double> all_weights(weights ? 3 * queries.size() : 0);
     locate_all(*result, queries, [&](std::size_t first, const Found& found) {
       std::copy(found.triangles.begin(), found.triangles.end(),
                 all_triangles.begin() + static_cast<std::ptrdiff_t>(first));
@@ -86,7 +86,7 @@ int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const voi
     const Points queries = read_queries(coordinate_type, points, count);
     require(vertex_values || result->data.representatives.size() == 0, "vertex_values is null");
     require(values || count == 0, "values is null");
-    std::vector<double> all(queries.size());
+    Array<double> all(queries.size());
     locate_all(*result, queries, [&](std::size_t first, const Found& found) {
       for (std::size_t i = 0; i < found.triangles.size(); ++i) {
         const auto w = weights_of(found, i);

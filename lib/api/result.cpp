@@ -18,7 +18,7 @@ std::uint64_t gcdt_result::count(std::int32_t number) const {
   return array ? elements(data, *array) : 0;
 }
 
-Array gcdt_result::array(std::int32_t number) const {
+DeviceArray gcdt_result::array(std::int32_t number) const {
   const ResultArray& array = known_array(number);
   const cl_mem memory =
       array.derive ? array.derive(state->runtime, state->primitives, derived, data) : array.memory(data);
@@ -48,7 +48,7 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
     std::vector<runtime::HostRead> reads;
     std::vector<void*> zeros;
     for (std::size_t i = 0; i < count; ++i) {
-      const Array from = result->array(arrays[i]);
+      const DeviceArray from = result->array(arrays[i]);
       if (capacities[i] < from.count) throw too_small(from.count, capacities[i]);
       if (from.count == 0) continue;
       require(destinations[i], "destination is null");

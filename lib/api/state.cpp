@@ -5,6 +5,9 @@
 #include <gcdt/statuses.hpp>
 #include <string_view>
 
+#include "device/host_room.hpp"
+#include "device/transfer_chunks.hpp"
+
 using namespace gcdt;
 
 namespace gcdt::api {
@@ -86,10 +89,16 @@ Crossing read_crossing(std::int32_t crossing, const char* name) {
   throw Error(Status::invalid_argument, std::string(name) + " is none of GCDT_CROSSING_...");
 }
 
+namespace {
+
+constexpr std::size_t least_options = offsetof(gcdt_options, domain);  // of the first version
+
+}  // namespace
+
 Options read_options(const gcdt_options* given) {
   Options options;
   if (!given) return options;
-  const gcdt_options c = read_struct(given, "gcdt_options", offsetof(gcdt_options, domain));
+  const gcdt_options c = read_struct(given, "gcdt_options", least_options);
   options.crossing = read_crossing(c.crossing, "gcdt_options.crossing");
   options.check = c.check != 0;
   options.canonical = c.canonical != 0;
@@ -107,6 +116,25 @@ Options read_options(const gcdt_options* given) {
     };
   return options;
 }
+
+namespace {
+
+/// Threads that make the caller's room ready, as long as the object lives.
+runtime::HostRoom make_room(const runtime::Runtime& runtime, const gcdt_options* options, std::uint64_t vertices) {
+  if (!options) return {};
+  const gcdt_options given = read_struct(options, "gcdt_options", least_options);
+  require(given.host_room || given.host_room_count == 0, "gcdt_options.host_room is null");
+  std::vector<runtime::HostRoom::Range> ranges;
+  for (std::uint64_t i = 0; i < given.host_room_count; ++i) {
+    const auto [memory, bytes] = given.host_room[i];
+    require(memory || bytes == 0, "gcdt_options.host_room has a range that is null");
+    ranges.push_back({static_cast<unsigned char*>(memory), static_cast<std::size_t>(bytes)});
+  }
+  if (!runtime::prepares_host_memory(runtime) || vertices < Tuning::least_prepared_vertices) return {};
+  return {ranges, runtime.tuning().room_threads};
+}
+
+}  // namespace
 
 Points::Type read_type(std::int32_t coordinate_type) {
   switch (coordinate_type) {
@@ -260,6 +288,7 @@ int32_t gcdt_solver_trim(gcdt_solver* solver) {
   return guarded_call(solver, [&] {
     solver->state->settle();
     solver->state->runtime.memory().trim();
+    solver->state->runtime.release_transfer_chunks();
   });
 }
 
@@ -270,7 +299,9 @@ int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcd
     give_result(solver->state, result, [&] {
       const gcdt_input given = read_struct(input, "gcdt_input");
       const InputSource source = source_of(state.runtime, read_points(given), read_constraints(given));
-      return state.triangulate(source, read_options(options));
+      const Options wanted = read_options(options);
+      const runtime::HostRoom room = make_room(state.runtime, options, given.vertex_count);
+      return state.triangulate(source, wanted);
     });
   });
 }

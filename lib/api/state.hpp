@@ -32,7 +32,10 @@ struct State {
   /// `hook`: of tests.
   State(const cl::Context& context, const cl::Device& device, runtime::Log log, Trace trace,
         runtime::CallHook hook = {})
-      : runtime(context, device, std::move(hook), std::move(log), std::move(trace)), primitives(runtime) {}
+      : runtime(context, device, std::move(hook), std::move(log), std::move(trace)), primitives(runtime) {
+    // An application with a context may pin its memory itself: that is best left to the driver.
+    if (!context()) runtime.use_transfer_chunks();
+  }
 
   /// Waits for copies out of results that may be gone by now.
   void settle();
@@ -131,8 +134,8 @@ Trace read_trace(gcdt_trace_function call, void* user);
 /// Throws invalid_argument for an unknown number.
 const ResultArray& known_array(std::int32_t number);
 
-/// One of the arrays of a result.
-struct Array {
+/// Where one of the arrays of a result is.
+struct DeviceArray {
   cl_mem memory = nullptr;
   std::uint64_t count = 0;
   std::size_t element_bytes = 0;
@@ -152,7 +155,7 @@ struct gcdt_result {
   }
   ~gcdt_result() { --state->results; }
   /// Throws invalid_argument for an unknown number. Makes what is made on demand; within a call on the solver.
-  gcdt::api::Array array(std::int32_t number) const;
+  gcdt::api::DeviceArray array(std::int32_t number) const;
   /// Its elements; 0 for an unknown number. Makes nothing.
   std::uint64_t count(std::int32_t number) const;
 

@@ -9,9 +9,6 @@ using runtime::Buffer;
 
 namespace {
 
-// Bytes of a page: the system's pages are no smaller.
-constexpr std::size_t page = 4096;
-
 /// Elements for which an array gets room, with n vertices and m constraints. Only overlaps, which cut pieces, need
 /// more.
 std::uint64_t room_for(const ResultArray& array, const ProblemRanges& ranges) {
@@ -119,35 +116,19 @@ ForestRoom::ForestRoom(const runtime::Runtime& runtime, const ProblemRanges& ran
                        ForestResult& result) {
   if (!runtime::prepares_host_memory(runtime) || ranges.first_input.back() < Tuning::least_prepared_vertices) return;
   try {
-    thread_ = std::thread([this, &ranges, &staging, &result] { make(ranges, staging, result); });
-  } catch (const std::system_error&) {
-    // There is no thread to be had, so copy_forest() makes the room.
-  }
-}
-
-// Goes once over the arrays.
-void ForestRoom::make(const ProblemRanges& ranges, const Staging& staging, ForestResult& result) {
-  try {
+    std::vector<runtime::HostRoom::Range> touched;
     for (const ResultArray& array : result_arrays) {
       const auto slot = static_cast<std::size_t>(array.number);
       const std::uint64_t most = room_for(array, ranges);
       if (most == 0) continue;
       const std::size_t bytes = most * array.element_bytes;
       auto* memory = result.arrays[slot].make<unsigned char>(bytes);
-      const auto touched = static_cast<std::size_t>(static_cast<double>(bytes) * staging.filled[slot]);
-      for (std::size_t at = 0; at < touched; at += page) {
-        if (enough_) return;
-        *static_cast<volatile unsigned char*>(memory + at) = 0;
-      }
+      touched.push_back({memory, static_cast<std::size_t>(static_cast<double>(bytes) * staging.filled[slot])});
     }
+    room_.emplace(touched, 1);
   } catch (const std::bad_alloc&) {
     // copy_forest() asks for the memory again, and reports it.
   }
-}
-
-void ForestRoom::wait() {
-  enough_ = true;
-  if (thread_.joinable()) thread_.join();
 }
 
 void copy_forest(runtime::Runtime& runtime, const DeviceTriangulation& made, const Buffer<cl_uint>& first_triangle,

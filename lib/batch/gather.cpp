@@ -52,7 +52,7 @@ ProblemRanges ranges_of(const BatchInput& batch, const std::vector<std::uint32_t
 }
 
 DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,
-                   const ProblemRanges& ranges, runtime::UploadChunks& chunks) {
+                   const ProblemRanges& ranges, runtime::TransferChunks& chunks) {
   const std::size_t words = words_per_vertex(batch.type), vertex_bytes = words * sizeof(cl_ulong);
   const cl_uint n = ranges.first_input.back(), m = ranges.first_constraint.back();
   runtime.tracer().begin_phase("gather");
@@ -67,7 +67,7 @@ DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std
         batch.n(p) * vertex_bytes);
   };
   {
-    Upload upload(runtime, chunks, loaded.points.coordinates.handle());
+    Upload upload(chunks, loaded.points.coordinates.handle());
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (i + 1 < numbers.size()) prefetch(vertices_of(numbers[i + 1]));
       const Span<unsigned char> given = vertices_of(numbers[i]);
@@ -76,7 +76,7 @@ DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std
     upload.send();
   }
   static_assert(sizeof(Constraint) == sizeof(cl_uint2), "a constraint is copied as it is");
-  Upload upload(runtime, chunks, loaded.constraints.handle());
+  Upload upload(chunks, loaded.constraints.handle());
   InvalidProblems invalid;
   for (std::uint32_t i = 0; i < numbers.size(); ++i) {
     const std::uint32_t p = numbers[i];

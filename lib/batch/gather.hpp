@@ -13,6 +13,6 @@ ProblemRanges ranges_of(const BatchInput& batch, const std::vector<std::uint32_t
 /// Copies them there, and numbers the ends of constraints through all vertices of the run. Throws InvalidProblems if a
 /// constraint has an end that is no vertex.
 DeviceInput gather(runtime::Runtime& runtime, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,
-                   const ProblemRanges& ranges, runtime::UploadChunks& chunks);
+                   const ProblemRanges& ranges, runtime::TransferChunks& chunks);
 
 }  // namespace gcdt

@@ -188,7 +188,7 @@ void number(ForestRun& run, OrderedMesh ordered) {
 }
 
 /// The steps of solve/triangulate.cpp, for many problems.
-DeviceTriangulation run_steps(ForestRun& run, runtime::UploadChunks& chunks) {
+DeviceTriangulation run_steps(ForestRun& run, runtime::TransferChunks& chunks) {
   auto& ms = run.statistics.ms;
   run.step("order", ms.order, ordered_share, [&] {
     run.ticker.tick("order", 0);

@@ -10,11 +10,11 @@ namespace gcdt {
 /// Host memory that the runs on a runtime use one after the other: chunks for uploads, and room for offsets. It also
 /// remembers which part of the room for results (copy.hpp) the last run used.
 struct Staging {
-  runtime::UploadChunks chunks;
+  runtime::TransferChunks chunks;
   HostArray offsets;
   std::array<double, array_slots> filled;
 
-  explicit Staging(runtime::Runtime& runtime) : chunks(runtime) { filled.fill(0.75); }
+  explicit Staging(runtime::Runtime& runtime) : chunks(runtime::upload_chunks(runtime)) { filled.fill(0.75); }
 };
 
 /// Triangulates problems `numbers` of the batch in one run. They have at most max_vertices vertices together, with 3

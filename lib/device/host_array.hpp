@@ -2,20 +2,14 @@
 // Large arrays on the host that are written once.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
+#include <gcdt/array.hpp>
 #include <memory>
-#include <new>
-
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
 
 namespace gcdt {
 
-/// Bytes, not initialised. A large array asks for huge pages: the first write to each page of 4 KiB costs more time
-/// than filling it from a device.
+/// Bytes, not initialised, of elements of any type.
 struct HostArray {
   struct Free {
     void operator()(unsigned char* memory) const { std::free(memory); }
@@ -26,20 +20,9 @@ struct HostArray {
   /// Throws std::bad_alloc.
   template <class T>
   T* make(std::size_t count) {
-    constexpr std::size_t huge = std::size_t{1} << 21;
     size = count * sizeof(T);
     bytes.reset();
-#ifdef __linux__
-    if (size >= 2 * huge) {
-      void* memory = std::aligned_alloc(huge, (size + huge - 1) / huge * huge);
-      if (!memory) throw std::bad_alloc();
-      madvise(memory, size, MADV_HUGEPAGE);  // if it is refused, pages are small
-      bytes.reset(static_cast<unsigned char*>(memory));
-      return reinterpret_cast<T*>(bytes.get());
-    }
-#endif
-    bytes.reset(static_cast<unsigned char*>(std::malloc(std::max<std::size_t>(size, 1))));
-    if (!bytes) throw std::bad_alloc();
+    bytes.reset(static_cast<unsigned char*>(detail::take_memory(size)));
     return reinterpret_cast<T*>(bytes.get());
   }
 

@@ -10,6 +10,7 @@
 
 #include "device/download.hpp"
 #include "device/step.hpp"
+#include "device/upload.hpp"
 
 namespace gcdt::runtime {
 
@@ -31,6 +32,25 @@ bool loads_code_by_width(const DeviceInfo& info) {
   return info.platform == pocl_platform && (version == 4 || version == 5);
 }
 std::atomic<int> loaded_by_width{0};  // runtimes
+
+// Threads that copy so many bytes to or from chunks. Workers that share a context are threads enough.
+unsigned threads_for(const Runtime& runtime, std::size_t bytes, bool shares_context) {
+  if (shares_context) return 1;
+  const std::size_t worth = 1 + bytes / runtime.tuning().copied_by_thread;
+  const unsigned most = std::min(runtime.tuning().copy_threads, std::max(std::thread::hardware_concurrency(), 1u));
+  return static_cast<unsigned>(std::min<std::size_t>(worth, most));
+}
+
+// Makes a transfer through chunks. After an error nothing of it is left in the queue.
+template <class F>
+void settled(Runtime& runtime, F&& transfer) {
+  try {
+    transfer();
+  } catch (...) {
+    runtime.try_finish();
+    throw;
+  }
+}
 
 }  // namespace
 
@@ -146,8 +166,15 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 }
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
+  TransferChunks* chunks = shares_context_ ? nullptr : chunks_for(bytes);
+  if (!chunks) return write_at_once(to, offset, from, bytes);
+  const unsigned threads = threads_for(*this, bytes, shares_context_);
+  settled(*this, [&] { write_through(*chunks, threads, to, offset, static_cast<const unsigned char*>(from), bytes); });
+}
+
+void Runtime::write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  const bool copied = (contiguous() || download_) && bytes <= Tuning::most_copied;
+  const bool copied = (contiguous() || shares_context_) && bytes <= Tuning::most_copied;
   if (copied) {
     const auto* first = static_cast<const unsigned char*>(from);
     from = unwritten_.emplace_back(first, first + bytes).data();
@@ -168,9 +195,9 @@ void Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t 
 }
 
 void Runtime::wait(const cl::Event& event) {
-  if (download_) flush();
+  if (shares_context_) flush();
   call("clWaitForEvents", "", [&] {
-    const cl_int code = download_ ? ask_until_done(event()) : CL_SUCCESS;
+    const cl_int code = shares_context_ ? ask_until_done(event()) : CL_SUCCESS;
     return code == CL_SUCCESS ? clWaitForEvents(1, &event()) : code;  // asking alone does not synchronise memory
   });
 }
@@ -199,15 +226,41 @@ cl_int Runtime::ask_until_done(cl_event event) {
 }
 
 void Runtime::share_context() {
-  download_ = Download::make(*this);
-  if (!download_) log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its workers wait for one another");
+  chunks_ = std::make_unique<TransferChunks>(*this, 2, Tuning::download_chunk, true);
+  shares_context_ = chunks_->pinned();
+  if (shares_context_) return;
+  chunks_.reset();
+  log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its workers wait for one another");
+}
+
+void Runtime::use_transfer_chunks() { wants_chunks_ = prepares_host_memory(*this); }
+
+void Runtime::release_transfer_chunks() {
+  if (!shares_context_) chunks_.reset();
+}
+
+// Null if a transfer of so many bytes does not go through chunks.
+TransferChunks* Runtime::chunks_for(std::size_t bytes) {
+  if (shares_context_) return chunks_.get();
+  if (!wants_chunks_ || bytes < tuning().least_chunked) return nullptr;
+  if (!chunks_) {
+    chunks_ = std::make_unique<TransferChunks>(*this, tuning().transfer_chunks, tuning().transfer_chunk, true);
+    if (!chunks_->pinned()) {
+      chunks_.reset();
+      wants_chunks_ = false;
+      log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: transfers are slow");
+    }
+  }
+  return chunks_.get();
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
   ++read_backs_;
-  if (download_)
-    download_->read(from, offset, to, bytes);
+  if (TransferChunks* chunks = chunks_for(bytes))
+    settled(*this, [&] {
+      read_through(*chunks, threads_for(*this, bytes, shares_context_), {{from, to, bytes, offset}});
+    });
   else
     call("clEnqueueReadBuffer", "",
          [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
@@ -216,17 +269,21 @@ void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t 
 
 void Runtime::read_all(const std::vector<HostRead>& reads) {
   if (reads.empty()) return;
-  try {
+  std::size_t bytes = 0;
+  for (const HostRead& read : reads) bytes += read.bytes;
+  settled(*this, [&] {
+    if (TransferChunks* chunks = chunks_for(bytes)) {
+      ++read_backs_;
+      read_through(*chunks, threads_for(*this, bytes, shares_context_), reads);
+      return waited();
+    }
     for (std::size_t i = 0; i + 1 < reads.size(); ++i)
       call("clEnqueueReadBuffer", "", [&] {
-        return clEnqueueReadBuffer(queue_(), reads[i].from, CL_FALSE, 0, reads[i].bytes, reads[i].to, 0, nullptr,
-                                   nullptr);
+        return clEnqueueReadBuffer(queue_(), reads[i].from, CL_FALSE, reads[i].offset, reads[i].bytes, reads[i].to, 0,
+                                   nullptr, nullptr);
       });
-    read_bytes(reads.back().from, 0, reads.back().to, reads.back().bytes);  // the queue is in order
-  } catch (...) {
-    try_finish();
-    throw;
-  }
+    read_bytes(reads.back().from, reads.back().offset, reads.back().to, reads.back().bytes);  // the queue is in order
+  });
 }
 
 void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
@@ -305,7 +362,7 @@ void Runtime::unmap(const cl::Buffer& buffer, void* mapped) {
 }
 
 void Runtime::finish() {
-  if (download_) {
+  if (shares_context_) {
     cl::Event reached;
     call("clEnqueueMarkerWithWaitList", "",
          [&] { return clEnqueueMarkerWithWaitList(queue_(), 0, nullptr, &reached()); });

@@ -82,11 +82,12 @@ struct Geometry {
   std::size_t most_items = 0;
 };
 
-/// Bytes of a buffer, from its first on, and where they are to go.
+/// Bytes of a buffer, from `offset` on, and where they are to go.
 struct HostRead {
   cl_mem from;
   void* to;
   std::size_t bytes;
+  std::size_t offset = 0;
 };
 
 /// Watches every OpenCL call. `before` may return an error code to make the call fail unmade.
@@ -103,7 +104,7 @@ struct CallHook {
 
 using Log = std::function<void(int level, const char* message)>;
 
-class Download;
+class TransferChunks;
 
 /// What has been built in a context for a device, by name and kind of mesh.
 struct Programs {
@@ -230,8 +231,9 @@ class Runtime {
   void time_steps(bool wanted) { times_steps_ = wanted; }
   /// The same as finish(), without an exception.
   cl_int try_finish();
-  /// Writes bytes from host memory, which may be reused on return.
+  /// Writes bytes from host memory, which may be reused on return; `at_once`: straight from there.
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  void write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a write: the host memory must not change before wait(written).
   void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
   /// Queues a read: the host memory holds nothing before wait(read).
@@ -240,9 +242,12 @@ class Runtime {
   /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
   /// writes that are not write_later() do, and what follows an error.
   void share_context();
+  /// From now on, large transfers go through pinned memory, made by the first, where prepares_host_memory() says so.
+  void use_transfer_chunks();
+  void release_transfer_chunks();  ///< until the next large transfer
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
-  /// All of them, and waits once. Whatever happens, none goes on afterwards.
+  /// All of them, none of which is empty, and waits once. Whatever happens, none goes on afterwards.
   void read_all(const std::vector<HostRead>& reads);
   void flush();
   /// The host's memory of a new buffer, mapped; null if the driver has none.
@@ -319,6 +324,7 @@ class Runtime {
   void self_test();
   void waited();
   cl_int ask_until_done(cl_event event);
+  TransferChunks* chunks_for(std::size_t bytes);
   Kernel& find_kernel(const char* program, const char* kernel);
   const cl::Program& find_program(const char* program);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
@@ -358,8 +364,9 @@ class Runtime {
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
   bool times_steps_ = true;
-  bool emulate_mul_hi_ = false;         ///< the device's own is wrong
-  std::unique_ptr<Download> download_;  ///< if the context is shared: then it asks, and does not wait in the driver
+  bool emulate_mul_hi_ = false;                         ///< the device's own is wrong
+  bool shares_context_ = false, wants_chunks_ = false;  ///< shared: it asks, and does not wait in the driver
+  std::unique_ptr<TransferChunks> chunks_;  ///< there if the context is shared, or a large transfer has been made
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).

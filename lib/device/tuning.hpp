@@ -62,9 +62,22 @@ struct Tuning {
   /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;
   /// none: where the driver needs them to be of one width, as many as the widest has (opencl.cpp).
   std::optional<std::uint32_t> width;
-  /// Whether a pool's runs write through memory of the driver's own, and have the room for their results made while the
-  /// device works (upload.hpp, copy.hpp); none: where the device's threads are not the host's, on GPUs.
+  /// Whether transfers go through memory of the driver's own, and the room for results is made while the device works
+  /// (transfer_chunks.hpp, host_room.hpp); none: where the device's threads are not the host's, on GPUs.
   std::optional<bool> prepares_host_memory;
+  /// Threads that make room for a single call's result; 0: none do. Clearing a page is bound by a thread, and one
+  /// clears less while an H200 works than its result has (NOTES, "The caller's clock").
+  std::uint32_t room_threads = 2;
+  /// Chunks through which a solver's large transfers go, and bytes of each: memory that the solver keeps pinned. With
+  /// more chunks, more threads copy at once; smaller ones are not worth their start (NOTES, "The caller's clock").
+  std::uint32_t transfer_chunks = 8;
+  std::size_t transfer_chunk = std::size_t{1} << 20;
+  /// Bytes of a transfer that goes through them; smaller ones go as the driver likes, which takes them at once.
+  std::size_t least_chunked = std::size_t{1} << 20;
+  /// Threads that copy between chunks and the caller's memory at most, the caller's included: each about 10 GB/s, where
+  /// the device takes 55. Bytes that are worth one more, for which a thread is started (NOTES, "The caller's clock").
+  std::uint32_t copy_threads = 4;
+  std::size_t copied_by_thread = std::size_t{1} << 22;
   /// Workers of a pool on a device, each with one run at a time; none: by the kind of device (pool_plan.cpp).
   std::optional<std::uint32_t> workers;
   /// Milliseconds that a run of a pool takes whatever is in it; none: by the kind of device.
@@ -110,7 +123,7 @@ struct Tuning {
   static constexpr std::size_t least_share = 64, shares_per_unit = 16;
 
   // ---- Memory and transfers ---------------------------------------------------------------------
-  // (buffer_pool.cpp, runtime.cpp, upload.cpp, download.cpp)
+  // (buffer_pool.cpp, runtime.cpp, transfer_chunks.cpp, copy_crew.cpp, host_room.cpp)
 
   /// Buffers' sizes are rounded up to multiples of 1/16 of the power of two below, at least of 1024 bytes, so that
   /// inputs of about one size share buffers: costs 6 % of memory at most.
@@ -126,11 +139,11 @@ struct Tuning {
   /// How long a wait yields before it sleeps, and how long it sleeps: a thread that sleeps comes back some 70
   /// microseconds later, which a run of small problems would feel; one that yields takes a core.
   static constexpr std::chrono::microseconds patience{200}, nap{20};
-  /// Bytes of a chunk of an upload: large enough that a transfer (19 microseconds a MiB) takes longer than its start;
-  /// small enough that a chunk is still in the host's caches when it is read (NOTES, "Batches").
+  /// Bytes of a chunk of a pool's upload: large enough that a transfer (19 microseconds a MiB) takes longer than its
+  /// start; small enough that a chunk is still in the host's caches when it is read (NOTES, "Batches").
   static constexpr std::size_t gpu_upload_chunk = std::size_t{1} << 20, cpu_upload_chunk = std::size_t{1} << 18;
-  /// Bytes of a chunk of a download through pinned memory: smaller ones are not worth their start, larger ones no
-  /// faster (NOTES, "Batches"). Less than `least_streamed` bytes, counters and the like, are read at once (not
+  /// Bytes of a chunk of a pool's download: smaller ones are not worth their start, larger ones no faster (NOTES,
+  /// "Batches"). Less than `least_streamed` bytes, counters and the like, are read at once (not
   /// measured).
   static constexpr std::size_t download_chunk = std::size_t{1} << 20, least_streamed = std::size_t{1} << 16;
 
@@ -247,8 +260,8 @@ struct Tuning {
   static constexpr double least_part_of_gpu = 0.125;
   /// How often an idle worker looks for a job to steal, and how often progress is reported (not measured).
   static constexpr std::chrono::milliseconds steal_interval{5}, progress_interval{50};
-  /// A thread makes room for the results of jobs of so many vertices or more: for fewer it is not worth its start (not
-  /// measured).
+  /// A thread makes room for the results of jobs or calls of so many vertices or more: for fewer it is not worth its
+  /// start (not measured).
   static constexpr std::uint64_t least_prepared_vertices = 1u << 15;
   /// Bytes of a problem that are prefetched before it is gathered: as much as a first cache holds (NOTES, "Batches").
   static constexpr std::size_t most_prefetched = std::size_t{1} << 15;

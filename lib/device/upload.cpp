@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/upload.hpp"
 
+#include <algorithm>
 #include <cstring>
 
-namespace gcdt::runtime {
+#include "device/copy_crew.hpp"
 
-UploadChunks::UploadChunks(Runtime& runtime)
-    : bytes_(prepares_host_memory(runtime) ? Tuning::gpu_upload_chunk : Tuning::cpu_upload_chunk) {
-  if (prepares_host_memory(runtime)) mapped_.emplace(runtime, 2 * bytes_);
-  if (mapped_ && !mapped_->get()) mapped_.reset();
-  auto* memory = mapped_ ? mapped_->get() : plain_.make<unsigned char>(2 * bytes_);
-  chunks_[0].memory = memory, chunks_[1].memory = memory + bytes_;
-}
+namespace gcdt::runtime {
 
 void Upload::append(const unsigned char* from, std::size_t bytes) {
   while (bytes > 0) {
@@ -23,20 +18,32 @@ void Upload::append(const unsigned char* from, std::size_t bytes) {
 
 void Upload::send() {
   if (filled_ == 0) return;
-  UploadChunks::Chunk& chunk = chunks_.chunks_[current_];
-  if (chunks_.mapped_)
-    runtime_.write_later(to_, sent_, chunk.memory, filled_, chunk.written);
-  else
-    runtime_.write_bytes(to_, sent_, chunk.memory, filled_);
+  chunks_.write(current_, to_, sent_, filled_);
   sent_ += filled_;
   filled_ = 0;
-  current_ = 1 - current_;
+  current_ = (current_ + 1) % chunks_.count();
 }
 
-// Waits until the current chunk is free. The write that still reads it may be one of an earlier upload.
-void Upload::take() {
-  const cl::Event written = std::exchange(chunks_.chunks_[current_].written, cl::Event());
-  if (written()) runtime_.wait(written);
+// Part i goes through chunk i modulo their count. It is sent when `ahead` more have been begun, which the crew copies
+// meanwhile; there are fewer of those than chunks, so what a chunk held has been sent when its turn comes again.
+void write_through(TransferChunks& chunks, unsigned threads, cl_mem to, std::size_t offset, const unsigned char* from,
+                   std::size_t bytes) {
+  CopyCrew crew(chunks.count(), threads);
+  const std::size_t chunk = chunks.chunk_bytes(), parts = (bytes + chunk - 1) / chunk;
+  const std::size_t ahead = crew.has_helpers() ? chunks.count() / 2 : 0;
+  const auto size = [&](std::size_t part) { return std::min(chunk, bytes - part * chunk); };
+  for (std::size_t i = 0; i < parts + ahead; ++i) {
+    if (i < parts) {
+      const std::size_t turn = i % chunks.count();
+      chunks.take(turn);
+      crew.begin(turn, {chunks.memory(turn), from + i * chunk, size(i), false});
+    }
+    if (i < ahead) continue;
+    const std::size_t part = i - ahead, turn = part % chunks.count();
+    crew.wait(turn);
+    chunks.write(turn, to, offset + part * chunk, size(part));
+    chunks.flush();
+  }
 }
 
 }  // namespace gcdt::runtime

@@ -24,7 +24,7 @@ using Triple = std::array<std::int32_t, 3>;
 using Elements = std::map<std::string, std::vector<unsigned char>>;
 
 template <class T>
-std::vector<unsigned char> bytes_of(const std::vector<T>& values) {
+std::vector<unsigned char> bytes_of(const Array<T>& values) {
   std::vector<unsigned char> bytes(values.size() * sizeof(T));
   if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
   return bytes;

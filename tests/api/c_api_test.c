@@ -124,7 +124,23 @@ static void check_errors(gcdt_solver* solver) {
   options.fixed_grid = 1;
   options.grid_cell = "no number";
   CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  options.fixed_grid = 0;
   options.grid_cell = NULL;
+  options.host_room_count = 1;
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  gcdt_host_memory room = {NULL, 1};
+  options.host_room = &room;
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_INVALID_ARGUMENT);
+  options.struct_size = offsetof(gcdt_options, host_room); /* as it was before */
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_OK);
+  gcdt_result_release(result);
+  result = NULL;
+  options.struct_size = sizeof options;
+  room.bytes = 0;
+  CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_OK);
+  gcdt_result_release(result);
+  result = NULL;
+  options.fixed_grid = 1;
   options.grid_x = 1;
   CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_COORDINATE_OUTSIDE_GRID);
   CHECK(last(solver).index_count == 2 && last(solver).indices[0] == 0 && last(solver).indices[1] == 0);

@@ -12,7 +12,7 @@ namespace {
 
 /// Every array of a result through a copy into the application's memory, at an offset, with guards around it.
 template <class T>
-std::vector<T> copied(const App& app, const Result& result, std::int32_t array) {
+Array<T> copied(const App& app, const Result& result, std::int32_t array) {
   const std::size_t count = result.count(array), offset = 3;
   REQUIRE(gcdt_element_bytes(array) == sizeof(T));
   std::vector<unsigned char> guard((count + 2 * offset) * sizeof(T), 0xA5);
@@ -21,7 +21,8 @@ std::vector<T> copied(const App& app, const Result& result, std::int32_t array) 
   const auto all = app.read<unsigned char>(to, guard.size());
   for (std::size_t i = 0; i < offset * sizeof(T); ++i)
     if (all[i] != 0xA5 || all[all.size() - 1 - i] != 0xA5) FAIL("memory around the copy was written");
-  return app.read<T>(to, count, offset);
+  const std::vector<T> read = app.read<T>(to, count, offset);
+  return {read.begin(), read.end()};
 }
 
 Triangulation copied(const App& app, const Result& result) {
@@ -294,7 +295,7 @@ TEST_CASE("any order gives the same mesh as the canonical one") {
   any.canonical = false;
   Triangulation mesh = solve(solver, device_points(app, input), device_constraints(app, input), any).download();
   CHECK(fault(input.points, input.constraints, mesh) == "");
-  const auto sorted = [](std::vector<std::array<std::uint32_t, 3>> triangles) {
+  const auto sorted = [](Array<std::array<std::uint32_t, 3>> triangles) {
     for (auto& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
     std::sort(triangles.begin(), triangles.end());
     return triangles;
@@ -322,7 +323,7 @@ TEST_CASE("points in device memory are located as host arrays are, with offsets,
   for (int i = 0; i < 2000; ++i)
     queries.push_back({static_cast<std::int32_t>(random.below(400)), static_cast<std::int32_t>(random.below(400))});
   std::vector<std::array<double, 3>> weights;
-  const std::vector<std::int32_t> triangles = result.locate(queries, &weights);
+  const Array<std::int32_t> triangles = result.locate(queries, &weights);
   const std::size_t skipped = 1, count = queries.size() - skipped;
   const cl::Buffer to = app.buffer(4 * count), shares = app.buffer(12 * count);
   locate(result, {Points::Type::int32, app.buffer(queries), count, skipped}, to, shares);

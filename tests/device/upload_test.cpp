@@ -34,7 +34,7 @@ std::vector<unsigned char> bytes(std::size_t count, unsigned seed) {
 
 /// Uploads of several lengths one right after the other, in pieces of all sizes; then what each brought.
 void check_uploads(Runtime& runtime) {
-  UploadChunks chunks(runtime);
+  TransferChunks chunks = upload_chunks(runtime);
   const std::size_t chunk = chunks.chunk_bytes();
   const std::size_t lengths[] = {1, chunk - 1, chunk, chunk + 1, 3 * chunk, 7 * chunk / 2 + 3, 5};
   std::vector<std::vector<unsigned char>> given;
@@ -42,7 +42,7 @@ void check_uploads(Runtime& runtime) {
   for (const std::size_t length : lengths) {
     given.push_back(bytes(length, static_cast<unsigned>(given.size())));
     buffers.push_back(runtime.allocate<cl_uchar>("uploaded", length));
-    Upload upload(runtime, chunks, buffers.back().handle());
+    Upload upload(chunks, buffers.back().handle());
     std::mt19937 random(7);
     std::vector<unsigned char> piece;  // gone when the upload is under way
     for (std::size_t at = 0; at < length;) {
@@ -83,13 +83,13 @@ TEST_CASE("uploads bring every byte to its place") {
 
 TEST_CASE("elements are not cut in two where a chunk ends") {
   Runtime runtime = mapping_runtime();
-  UploadChunks chunks(runtime);
+  TransferChunks chunks = upload_chunks(runtime);
   struct Element {
     cl_uint words[3];
   };
   const std::size_t count = chunks.chunk_bytes() / sizeof(Element) * 3 + 5;
   const auto buffer = runtime.allocate<Element>("elements", count);
-  Upload upload(runtime, chunks, buffer.handle());
+  Upload upload(chunks, buffer.handle());
   cl_uint number = 0;
   for (std::size_t left = count; left > 0;) {
     const auto [to, room] = upload.room<Element>(left);

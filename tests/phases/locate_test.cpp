@@ -74,7 +74,7 @@ TEST_CASE("every query is in the least triangle that holds it, and its weights g
       const Triangulation mesh = result.download();
       const Grid32 queries = make_queries(points, mesh, side, random);
       std::vector<std::array<double, 3>> weights;
-      const std::vector<std::int32_t> triangles = result.locate(queries, &weights);
+      const Array<std::int32_t> triangles = result.locate(queries, &weights);
       std::size_t outside = 0, misplaced = 0, wrong = 0;
       for (std::size_t i = 0; i < queries.size(); ++i) {
         misplaced += triangles[i] != found_in(points, mesh, queries[i]);
@@ -140,7 +140,7 @@ TEST_CASE("linear values are interpolated as they are, and with jumps by triangl
   std::vector<double> heights;
   for (const auto& [x, y] : points) heights.push_back(3.0 * x - 2.0 * y + 1);
   const Grid32 queries = make_queries(points, result.download(), 1024, random);
-  const std::vector<double> values = result.interpolate(queries, heights, -9999);
+  const Array<double> values = result.interpolate(queries, heights, -9999);
   const auto triangles = result.locate(queries);
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const double expected = triangles[i] < 0 ? -9999 : 3.0 * queries[i][0] - 2.0 * queries[i][1] + 1;
@@ -189,7 +189,7 @@ TEST_CASE("the hull is all vertices on the boundary, counter-clockwise from the 
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (int k = 0; k < 3; ++k)
         if (mesh.neighbours[t][k] < 0) next[mesh.triangles[t][(k + 1) % 3]] = mesh.triangles[t][(k + 2) % 3];
-    const std::vector<std::uint32_t> hull = result.hull();
+    const Array<std::uint32_t> hull = result.hull();
     REQUIRE(hull.size() == next.size());
     for (std::size_t i = 0; i < hull.size(); ++i) CHECK(next[hull[i]] == hull[(i + 1) % hull.size()]);
     const auto place = on_grid(work.points, mesh.statistics.grid);

@@ -23,7 +23,7 @@ std::string fault_of(const Graph& graph, const std::vector<std::array<std::int32
   Options options = splitting();
   options.crossing = Crossing::reject;
   Triangulation mesh = solver().triangulate(made.points, made.constraints, options);
-  mesh.added_on_grid = added;
+  mesh.added_on_grid.assign(added.begin(), added.end());
   if (edges)
     for (const auto& piece : pieces(graph, mesh)) edges->insert(piece.first);
   return fault(graph, mesh);

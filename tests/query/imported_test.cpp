@@ -41,7 +41,9 @@ Triangulation shuffled(const Triangulation& mesh, Random& random) {
   }
   for (Constraint& piece : result.pieces)
     if (random.below(2)) std::swap(piece[0], piece[1]);
-  shuffle(result.pieces, random);
+  std::vector<Constraint> pieces(result.pieces.begin(), result.pieces.end());
+  shuffle(pieces, random);
+  result.pieces.assign(pieces.begin(), pieces.end());
   return result;
 }
 

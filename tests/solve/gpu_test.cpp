@@ -116,7 +116,7 @@ TEST_CASE("a device treated as a GPU gives the same triangles in any order, and 
   Options any_order;
   any_order.canonical = false;
   auto triangles = gpu.triangulate(problem.points, problem.constraints, any_order).triangles;
-  const auto sorted = [](std::vector<std::array<std::uint32_t, 3>> all) {
+  const auto sorted = [](Array<std::array<std::uint32_t, 3>> all) {
     for (auto& t : all) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
     std::sort(all.begin(), all.end());
     return all;

@@ -77,7 +77,7 @@ TEST_CASE("a quarter turn and a mirror give the same mesh but for unconstrained 
     const Edges expected = classify(points, triangulated(work).triangles, constrained);
     CHECK(triangulated(work).triangles.size() == triangle_count(points));
     const auto edges_after = [&](auto map) {
-      Triangles triangles = triangulated(moved(work, map)).triangles;  // numbers are the same, so classify in place
+      const auto triangles = triangulated(moved(work, map)).triangles;  // numbers are the same, so classify in place
       return classify(points, triangles, constrained);
     };
     for (const Edges& edges : {edges_after([](Point p) {
@@ -90,7 +90,7 @@ TEST_CASE("a quarter turn and a mirror give the same mesh but for unconstrained 
       CHECK(edges.tied.size() == expected.tied.size());
     }
     // A mirror turns every triangle round; swapping two corners turns it back.
-    Triangles mirrored = triangulated(moved(work, [](Point p) { return Point{-p[0], p[1]}; })).triangles;
+    auto mirrored = triangulated(moved(work, [](Point p) { return Point{-p[0], p[1]}; })).triangles;
     for (auto& t : mirrored) std::swap(t[1], t[2]);
     CHECK(classify(points, mirrored, constrained).decided == expected.decided);
   }

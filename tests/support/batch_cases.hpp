@@ -42,7 +42,7 @@ inline std::vector<std::pair<std::int32_t, const char*>> arrays() {
 
 /// Empty if the run has no such array.
 template <class T>
-std::vector<T> array_of(const ForestResult& forest, std::size_t place, std::int32_t number, const std::vector<T>&) {
+Array<T> array_of(const ForestResult& forest, std::size_t place, std::int32_t number, const Array<T>&) {
   const auto slot = static_cast<std::size_t>(number);
   const auto& begins = forest.begins.at(slot);
   if (begins.empty()) return {};

@@ -193,7 +193,8 @@ struct Edges {
 /// Every edge of `triangles`; `constrained` are the pieces. A CDT of one input has one set `decided`,
 /// and by the tie rule one set `tied`; another CDT of it shares the first only.
 template <class Pieces>
-Edges classify(const std::vector<GridPoint>& points, const Triangles& triangles, const Pieces& constrained) {
+Edges classify(const std::vector<GridPoint>& points, Span<std::array<std::uint32_t, 3>> triangles,
+               const Pieces& constrained) {
   std::map<Edge, std::vector<GridPoint>> opposite;
   for (const auto& t : triangles)
     for (int k = 0; k < 3; ++k) opposite[edge(points[t[(k + 1) % 3]], points[t[(k + 2) % 3]])].push_back(points[t[k]]);

@@ -25,8 +25,8 @@ class Hash {
     std::memcpy(&bits, &value, sizeof bits);
     add(bits);
   }
-  template <class T>
-  void add(const std::vector<T>& values) {
+  template <class T, class Allocator>
+  void add(const std::vector<T, Allocator>& values) {
     add(static_cast<std::uint64_t>(values.size()));
     for (const T& value : values) add(value);
   }

@@ -68,10 +68,10 @@ class Strokes {
 
 /// The width of thin strokes: a tenth of the median edge, so that dense parts are not blotted out by
 /// strokes that would suit sparse ones, within bounds that can still be seen and still be called thin.
-double thin_stroke(const Canvas& canvas, const std::vector<Edge>& some, const std::vector<Edge>& others) {
+double thin_stroke(const Canvas& canvas, Span<Edge> some, Span<Edge> others) {
   std::vector<double> squares;
-  for (const auto* edges : {&some, &others})
-    for (const Edge& e : *edges) {
+  for (const Span<Edge> edges : {some, others})
+    for (const Edge& e : edges) {
       const auto &a = canvas.places[e[0]], &b = canvas.places[e[1]];
       const double x = a[0] - b[0], y = a[1] - b[1];
       squares.push_back(x * x + y * y);
@@ -118,7 +118,7 @@ void write_svg(OutputFile& file, const Result& result) {
   if (!result.mesh.region.empty()) fill_regions(file, canvas, result.mesh);
   file.print("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
   draw_edges(file, canvas, std::move(unconstrained), "#577", thin);
-  draw_edges(file, canvas, result.mesh.pieces, "#103", bold);
+  draw_edges(file, canvas, {result.mesh.pieces.begin(), result.mesh.pieces.end()}, "#103", bold);
   if (result.mesh.triangles.empty()) draw_dots(file, canvas, 2 * bold);
   file.print("</g>\n</svg>\n");
 }
