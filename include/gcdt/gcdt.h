@@ -153,7 +153,7 @@ typedef struct gcdt_solver_options {
 #define GCDT_SOLVER_OPTIONS_INIT \
   { sizeof(gcdt_solver_options), NULL, NULL, NULL, NULL, NULL }
 
-/* A solver on one device, with an OpenCL context of its own. It keeps its programs, device memory and, on GPUs, 8 MiB
+/* A solver on one device, with an OpenCL context of its own. It keeps its programs, device memory and, on GPUs, 32 MiB
  * of pinned host memory for transfers; repeated calls of one size allocate none. `options` may be null. Blocks. */
 GCDT_API int32_t gcdt_solver_create(const gcdt_solver_options* options, gcdt_solver** solver);
 

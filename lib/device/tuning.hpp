@@ -67,16 +67,16 @@ struct Tuning {
   std::optional<bool> prepares_host_memory;
   /// Threads that make room for a single call's result; 0: none do. Clearing a page is bound by a thread, and one
   /// clears less while an H200 works than its result has (NOTES, "The caller's clock").
-  std::uint32_t room_threads = 2;
+  std::uint32_t room_threads = 3;
   /// Chunks through which a solver's large transfers go, and bytes of each: memory that the solver keeps pinned. With
   /// more chunks, more threads copy at once; smaller ones are not worth their start (NOTES, "The caller's clock").
-  std::uint32_t transfer_chunks = 8;
-  std::size_t transfer_chunk = std::size_t{1} << 20;
+  std::uint32_t transfer_chunks = 16;
+  std::size_t transfer_chunk = std::size_t{1} << 21;
   /// Bytes of a transfer that goes through them; smaller ones go as the driver likes, which takes them at once.
   std::size_t least_chunked = std::size_t{1} << 20;
   /// Threads that copy between chunks and the caller's memory at most, the caller's included: each about 10 GB/s, where
   /// the device takes 55. Bytes that are worth one more, for which a thread is started (NOTES, "The caller's clock").
-  std::uint32_t copy_threads = 4;
+  std::uint32_t copy_threads = 6;
   std::size_t copied_by_thread = std::size_t{1} << 22;
   /// Workers of a pool on a device, each with one run at a time; none: by the kind of device (pool_plan.cpp).
   std::optional<std::uint32_t> workers;
