@@ -33,19 +33,29 @@ constexpr int most_cgal_runs = 3;
 constexpr int unmeasured_runs = 2;
 
 constexpr char usage[] =
-    "gcdt_bench_batch [--mixed] [--problems N] [--runs R] [--no-cgal] [--scaling | SET...]\n"
+    "gcdt_bench_batch [--mixed | --crossing K [--policy P]] [--problems N] [--runs R] [--no-cgal] [--scaling | "
+    "SET...]\n"
     "  SET        devices, as for gcdt batch: all, gpu, cpu, 0,1 ...; the first set is the base of `ratio`\n"
     "  --scaling  the first GPU; 2, 4 ... of them; all; one with the CPUs beside it; all devices. Without GPUs: auto\n"
     "  --no-cgal  without the peer, which takes a minute for 100000 problems\n"
     "  --mixed    one problem of 1,000,000 vertices beside N of 20, instead of N sketches of 10 to 1000\n"
-    "  N: 100000, or 10000 with --mixed; R: timed calls a set, 5\n";
+    "  --crossing constraints of K of the sketches cross; `ratio` is to the batch without these, timed by turns\n"
+    "  --policy   what becomes of them: reject, drop, split\n"
+    "  N: 100000, 10000 with --mixed, 5000 with --crossing; R: timed calls a set, 5\n";
 
 struct Arguments {
   bool mixed = false, scaling = false, cgal = true;
-  std::size_t problems = 0;
+  std::size_t problems = 0, crossing = 0;
+  Crossing policy = Crossing::reject;
   int runs = 5;
   std::vector<std::string> sets;
 };
+
+bool read_policy(const std::string& name, Crossing& policy) {
+  if (name == "drop") policy = Crossing::drop;
+  if (name == "split") policy = Crossing::split;
+  return name == "reject" || name == "drop" || name == "split";
+}
 
 bool parse(int argc, char** argv, Arguments& arguments) {
   for (int i = 1; i < argc; ++i) {
@@ -56,6 +66,11 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.scaling = true;
     } else if (given == "--no-cgal") {
       arguments.cgal = false;
+    } else if (given == "--crossing" && i + 1 < argc) {
+      arguments.crossing = std::strtoull(argv[++i], nullptr, 10);
+      if (arguments.crossing == 0) return false;
+    } else if (given == "--policy" && i + 1 < argc) {
+      if (!read_policy(argv[++i], arguments.policy)) return false;
     } else if (given == "--problems" && i + 1 < argc) {
       arguments.problems = std::strtoull(argv[++i], nullptr, 10);
       if (arguments.problems == 0) return false;
@@ -67,8 +82,9 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       return false;
     }
   }
-  if (arguments.problems == 0) arguments.problems = arguments.mixed ? 10000 : 100000;
-  return arguments.runs > 0 && (arguments.sets.empty() || !arguments.scaling);
+  if (arguments.problems == 0) arguments.problems = arguments.mixed ? 10000 : arguments.crossing > 0 ? 5000 : 100000;
+  return arguments.runs > 0 && (arguments.sets.empty() || !arguments.scaling) &&
+         arguments.crossing <= (arguments.mixed ? 0 : arguments.problems);
 }
 
 /// Numbers of devices as a set.
@@ -209,6 +225,53 @@ bool time_set(const std::string& set, const SketchBatch& batch, const Arguments&
   return found.empty();
 }
 
+/// The first fault among the crossed sketches; empty if there is none.
+std::string crossed_fault(const Arguments& arguments, const BatchResult& result) {
+  for (std::size_t p = 0; p < arguments.problems; ++p) {
+    const bool refused = arguments.policy == Crossing::reject && is_crossed(p, arguments.problems, arguments.crossing);
+    const auto error = result.error(p);
+    if (error.has_value() != refused || (refused && error->status() != Status::constraints_cross))
+      return "problem " + std::to_string(p) + (error ? std::string(": ") + error->what() : " is not refused");
+  }
+  return {};
+}
+
+/// Times sketches of which some cross, and the same batch without these, by turns, and prints their row.
+bool time_crossing(const std::string& set, const Arguments& arguments) {
+  const SketchBatch batch = crossed_sketches(arguments.problems, arguments.crossing, false),
+                    rest = crossed_sketches(arguments.problems, arguments.crossing, true);
+  const BatchView view = {batch.vertices, batch.vertex_offsets, batch.constraints, batch.constraint_offsets},
+                  rest_view = {rest.vertices, rest.vertex_offsets, rest.constraints, rest.constraint_offsets};
+  Options options;
+  options.crossing = arguments.policy;
+  Pool pool(set);
+  std::string found;
+  std::vector<double> times, rest_times;
+  for (int i = 0; i < unmeasured_runs + arguments.runs; ++i) {
+    std::optional<BatchResult> result, rest_result;
+    const double ms = milliseconds([&] { result.emplace(pool.triangulate(view, options)); });
+    const double rest_ms = milliseconds([&] { rest_result.emplace(pool.triangulate(rest_view, options)); });
+    if (i == 0) found = crossed_fault(arguments, *result);
+    if (i == 0 && rest_result->statistics().failed > 0) found = "a sketch without crossings has an error";
+    if (i < unmeasured_runs) continue;
+    times.push_back(ms);
+    rest_times.push_back(rest_ms);
+  }
+  const char* policies[] = {"reject", "drop", "split"};
+  Object row;
+  row.add("set", set.empty() ? "auto" : set).add("workload", "crossed_sketches");
+  row.add("policy", policies[static_cast<int>(arguments.policy)]);
+  row.add("problems", static_cast<unsigned long long>(arguments.problems));
+  row.add("crossing", static_cast<unsigned long long>(arguments.crossing));
+  row.add("call_ms", median(times)).add("least_ms", *std::min_element(times.begin(), times.end()));
+  row.add("rest_ms", median(rest_times)).add("least_rest_ms", *std::min_element(rest_times.begin(), rest_times.end()));
+  row.add("ratio", median(times) / median(rest_times));
+  row.add("verified", found.empty()).add("fault", found).add("date", date());
+  std::printf("%s\n", row.text().c_str());
+  std::fflush(stdout);
+  return found.empty();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -217,6 +280,11 @@ int main(int argc, char** argv) {
   try {
     if (arguments.scaling) arguments.sets = scaling_sets();
     if (arguments.sets.empty()) arguments.sets = {""};
+    if (arguments.crossing > 0) {
+      bool right = true;
+      for (const std::string& set : arguments.sets) right = time_crossing(set, arguments) && right;
+      return right ? 0 : 1;
+    }
     const SketchBatch batch =
         arguments.mixed ? one_large(large_vertices, arguments.problems) : sketches(arguments.problems);
     const CgalTimes peer = arguments.cgal ? time_cgal(batch, arguments.runs) : CgalTimes();

@@ -47,6 +47,26 @@ class Sketch {
     line(count_ - 1, first);
   }
 
+  /// Four vertices around all others, and the lines between opposite ones.
+  void diagonals() {
+    std::array<double, 2> low = {0, 0}, high = {0, 0};
+    for (std::size_t v = batch_.vertex_offsets.back(); v < batch_.vertices.size(); ++v)
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        low[axis] = std::min(low[axis], batch_.vertices[v][axis]);
+        high[axis] = std::max(high[axis], batch_.vertices[v][axis]);
+      }
+    const std::uint32_t first = count_;
+    for (const double x : {low[0] - 1, high[0] + 1})
+      for (const double y : {low[1] - 1, high[1] + 1}) vertex(nearest(x * 100), nearest(y * 100));
+    line(first, first + 3);
+    line(first + 1, first + 2);
+  }
+
+  void leave_out() {
+    batch_.vertices.resize(batch_.vertex_offsets.back());
+    batch_.constraints.resize(batch_.constraint_offsets.back());
+  }
+
   void end() {
     batch_.vertex_offsets.push_back(batch_.vertices.size());
     batch_.constraint_offsets.push_back(batch_.constraints.size());
@@ -91,7 +111,9 @@ void graph(Sketch& sketch, std::uint32_t n, Random& random) {
 
 }  // namespace
 
-SketchBatch sketches(std::size_t problems, std::uint64_t seed) {
+SketchBatch sketches(std::size_t problems, std::uint64_t seed) { return crossed_sketches(problems, 0, false, seed); }
+
+SketchBatch crossed_sketches(std::size_t problems, std::size_t crossing, bool left_out, std::uint64_t seed) {
   // Thirteen sizes, each 10^(1/6) times the one before.
   constexpr std::uint32_t sizes[] = {10, 15, 22, 32, 46, 68, 100, 147, 215, 316, 464, 681, 1000};
   SketchBatch batch;
@@ -103,6 +125,13 @@ SketchBatch sketches(std::size_t problems, std::uint64_t seed) {
       graph(sketch, n, random);
     else
       plate(sketch, n, p % 3 == 1, random);
+    if (is_crossed(p, problems, crossing)) {
+      if (left_out) {
+        sketch.leave_out();
+        continue;
+      }
+      sketch.diagonals();
+    }
     sketch.end();
   }
   return batch;

@@ -22,6 +22,14 @@ struct SketchBatch {
 /// are equal. The same bits on every machine.
 SketchBatch sketches(std::size_t problems, std::uint64_t seed = 20000);
 
+/// The same, but `crossing` of them, evenly spread, get the diagonals of a rectangle around all their vertices as
+/// constraints, which cross; or are left out.
+SketchBatch crossed_sketches(std::size_t problems, std::size_t crossing, bool left_out, std::uint64_t seed = 20000);
+/// Whether problem p of so many is one of those `crossing` ones.
+inline bool is_crossed(std::size_t p, std::size_t problems, std::size_t crossing) {
+  return (p + 1) * crossing / problems > p * crossing / problems;
+}
+
 /// One problem of `large` vertices, uniform in the unit square, without constraints, and after it `problems` random
 /// planar graphs of 20 vertices as in sketches(). The same bits on every machine.
 SketchBatch one_large(std::size_t large, std::size_t problems, std::uint64_t seed = 21000);

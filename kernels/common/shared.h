@@ -105,7 +105,7 @@ typedef struct Counters {
   u32 new_edges;
   u32 crossed_faces, crossed_edges;  // lengths of their lists (constrain.cl)
   u32 owned_left, owned_right;       // vertices of all chains
-  u32 hits;                          // vertices inside constraints (clean.cl)
+  u32 hits;                          // vertices inside constraints (clean.cl, enforce.cl)
   u32 unfinished;                    // parts of constraints whose walk failed, for want of fans or for good (clean.cl)
   u32 zero_length;                   // constraints without a length (enforce.cl)
   u32 pairs_of_two[4];               // by intersection_case() (constrain.cl)

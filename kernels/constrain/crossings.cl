@@ -6,7 +6,8 @@
 // in a face or inside an edge, and both pieces pass through every face whose closure holds X, or run
 // along one of its edges. So all pairs of pieces in one face are tested, and a pair counts in the face
 // that holds X; if X lies on an edge, in the face of the smaller number: exactly once. Where few faces are large and
-// each is crossed by many pieces, testing every piece with every other one is less work (lib/phases/crossings.cpp).
+// each is crossed by many pieces, testing every piece with every other one of its problem is less work
+// (lib/phases/crossings.cpp).
 #include "constrain/snap.h"
 #include "constrain/walk.h"
 
@@ -49,14 +50,43 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_MESH_P
   }
 }
 
-// One work-item per face. Adds to the 64-bit total the pairs of records of the face. Sums do not depend on order.
-kernel void crossings_work(uint faces, global const uint* counts, volatile global Counters* counters) {
-  u64 mine = 0;
+// The end of the pieces of c's problem: pieces are sorted by their lower ranks, hence by problem. Ends: the range
+// halves.
+static uint end_of_problem(global const int2* points, uint n, uint pieces, global const uint2* ends, uint c) {
+#ifdef GCDT_FOREST
+  const uint own = problem_of(points, n, ends[c].x);
+  uint low = c + 1u, high = pieces;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if (problem_of(points, n, ends[middle].x) == own)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return low;
+#else
+  return pieces;
+#endif
+}
+
+// One work-item per face, and per piece. Adds to counters->pairs the pairs of records of the faces, to flips the pairs
+// of pieces of a problem, and to hits the pieces with more than `longest` after them. Sums do not depend on order.
+kernel void crossings_work(uint faces, uint pieces, uint longest, uint n, global const int2* points,
+                           global const uint2* ends, global const uint* counts, volatile global Counters* counters) {
+  u64 of_faces = 0, of_problems = 0;
+  uint long_rows = 0;
   FOR_EACH(t, faces) {
     const u64 k = counts[t];
-    mine += k * (k - (k > 0 ? 1u : 0u)) / 2u;
+    of_faces += k * (k - (k > 0 ? 1u : 0u)) / 2u;
   }
-  add_wide(&counters->pairs_low, &counters->pairs_high, mine);
+  FOR_EACH(c, pieces) {
+    const uint row = end_of_problem(points, n, pieces, ends, c) - c - 1u;
+    of_problems += row;
+    long_rows += row > longest ? 1u : 0u;
+  }
+  add_wide(&counters->pairs_low, &counters->pairs_high, of_faces);
+  add_wide(&counters->flips_low, &counters->flips_high, of_problems);
+  if (long_rows > 0u) atomic_add(&counters->hits, long_rows);
 }
 
 // Sign of the side of the line p -> q on which the crossing X lies that divides a1-b1 as s : r, s + r > 0:
@@ -109,15 +139,17 @@ kernel void crossings_pairs(uint emit, uint first, uint last, uint faces, GCDT_M
   }
 }
 
-// The same for all pairs of pieces, whatever faces they pass: one work-item per piece, tested against those after it.
-kernel void crossings_all(uint emit, uint first, uint last, uint pieces, global const int2* points,
+// The same for all pairs of pieces of a problem, whatever faces they pass: one work-item per piece, tested against
+// those after it.
+kernel void crossings_all(uint emit, uint first, uint last, uint pieces, uint n, global const int2* points,
                           global const uint2* ends, global uint* counts, global uint2* pairs,
                           volatile global Counters* counters) {
   FOR_EACH(c, pieces) {
     if (emit && (counts[c] == counts[c + 1u] || counts[c] >= last || counts[c + 1u] <= first)) continue;
     const Vertex a = vertex_at(points, ends[c].x), b = vertex_at(points, ends[c].y);
+    const uint end = end_of_problem(points, n, pieces, ends, c);
     uint found = 0;
-    for (uint d = c + 1u; d < pieces; ++d) {
+    for (uint d = c + 1u; d < end; ++d) {
       i64 s, r;
       if (!gcdt_segments_cross(a, b, vertex_at(points, ends[d].x), vertex_at(points, ends[d].y), &s, &r)) continue;
       if (emit && counts[c] + found >= first && counts[c] + found < last)
@@ -128,5 +160,33 @@ kernel void crossings_all(uint emit, uint first, uint last, uint pieces, global 
       counts[c] = found;
       add_wide(&counters->pairs_low, &counters->pairs_high, found);
     }
+  }
+}
+
+// One work-item per pair of pieces that cross. Writes how many pairs of constraints they are parts of to its own word,
+// and adds it to the 64-bit total.
+kernel void crossings_count_sources(uint count, global const uint* source_offsets, global const uint2* pairs,
+                                    global uint* counts, volatile global Counters* counters) {
+  u64 all = 0;
+  FOR_EACH(i, count) {
+    const uint2 pair = pairs[i];
+    const u64 own = (u64)(source_offsets[pair.x + 1u] - source_offsets[pair.x]) *
+                    (source_offsets[pair.y + 1u] - source_offsets[pair.y]);
+    counts[i] = (uint)own;
+    all += own;
+  }
+  add_wide(&counters->pairs_low, &counters->pairs_high, all);
+}
+
+// One work-item per pair of pieces that cross, `begins` being the scan of these counts. Writes the pairs of
+// constraints, smaller number first, to their own places.
+kernel void crossings_sources(uint count, global const uint* source_offsets, global const uint* sources,
+                              global const uint2* pairs, global const uint* begins, global uint2* named) {
+  FOR_EACH(i, count) {
+    const uint2 pair = pairs[i];
+    uint at = begins[i];
+    for (uint j = source_offsets[pair.x]; j < source_offsets[pair.x + 1u]; ++j)
+      for (uint k = source_offsets[pair.y]; k < source_offsets[pair.y + 1u]; ++k)
+        named[at++] = (uint2)(min(sources[j], sources[k]), max(sources[j], sources[k]));
   }
 }

@@ -7,6 +7,7 @@
 // Else the faces that it crosses up to the next vertex on it are made anew: two chains of vertices, left and right of
 // it, each triangulated by distance (L7), and the new edges are flipped. No further edge becomes illegal: an edge
 // around the crossed faces was constrained Delaunay, and a further constraint only hides vertices from one another.
+// A constraint that crosses an edge of one before it is left out, and the mesh is as if it were not there.
 //
 // A forest with one level (order_problems.cpp): vertices are ranks, and those of a problem are consecutive, and so are
 // their faces. No word has two writers: all of a problem's are its work-item's, which reads no others.
@@ -16,10 +17,12 @@
 #include "flip/flip.h"
 #include "sort/sort_by_one_item.h"
 
-// A constraint that cannot be enforced.
+// Numbers of no vertex. A walk did not find what must be there.
 #define ENFORCE_FAILED GCDT_NONE
+// A constraint that crosses another one's edge.
+#define ENFORCE_CROSSES (GCDT_NONE - 1u)
 // One that had better begin at its other end: its first vertex has more faces than ENFORCE_STAR.
-#define ENFORCE_TURN (GCDT_NONE - 1u)
+#define ENFORCE_TURN (GCDT_NONE - 2u)
 #define ENFORCE_STAR 64u
 
 // What the work-item of a problem has.
@@ -30,7 +33,7 @@ typedef struct Problem {
   global uint4* crossed;     // (face, the edge through which it was entered, vertex << 1 | right, side along the chain)
   global uint4* stack;       // (vertex, side to the one below, distance low, high)
   u32 capacity;              // of `crossed` and `stack`: its faces
-  u32 zero_length, existing, owned, pairs, flips;
+  u32 zero_length, hits, existing, owned, pairs, flips;
 } Problem;
 
 static inline Vertex vertex_of(const private Problem* p, uint v) { return load_vertex(p->mesh.points, p->mesh.n, v); }
@@ -127,9 +130,10 @@ static inline void mark_existing(private Problem* p, uint e) {
 
 // ---- One constraint -----------------------------------------------------------------------------------
 
-// Makes an edge from a towards b, through corner k of face t, across from which a piece of the constraint leaves it.
-// Returns the vertex at its other end, or ENFORCE_FAILED: it crosses a constraint. Ends: each face lies further along.
-static uint cross(private Problem* p, uint a, uint b, uint t, uint k) {
+// Makes an edge from a towards b, through corner k of face t, across from which a piece of the constraint leaves it;
+// but only if the edge reaches b, unless `part`. Returns the vertex at its other end, or what went wrong, and then has
+// changed nothing. Ends: each face lies further along.
+static uint cross(private Problem* p, uint a, uint b, uint t, uint k, bool part) {
   const Mesh mesh = p->mesh;
   const Vertex va = vertex_of(p, a), vb = vertex_of(p, b);
   const uint4 first = rotate_to(mesh.face_data[GCDT_CORNERS(t)], k), side = rotate_to(mesh.face_data[GCDT_SIDES(t)], k);
@@ -138,7 +142,8 @@ static uint cross(private Problem* p, uint a, uint b, uint t, uint k) {
   p->crossed[0] = (uint4)(t, GCDT_NONE, 0u, 0u);
   for (;;) {
     const uint e = GCDT_SIDE_EDGE(code), ref = mesh.edge_faces[code ^ 1u];
-    if ((p->marks[e] & GCDT_MARK_CONSTRAINED) || ref == GCDT_NONE || count + 2u >= p->capacity) return ENFORCE_FAILED;
+    if (p->marks[e] & GCDT_MARK_CONSTRAINED) return ENFORCE_CROSSES;
+    if (ref == GCDT_NONE || count + 2u >= p->capacity) return ENFORCE_FAILED;
     // In the face behind, (z, left, right), the side of z decides.
     const uint u = GCDT_REF_FACE(ref), j = GCDT_REF_CORNER(ref);
     const uint4 c = rotate_to(mesh.face_data[GCDT_CORNERS(u)], j), s = rotate_to(mesh.face_data[GCDT_SIDES(u)], j);
@@ -151,6 +156,7 @@ static uint cross(private Problem* p, uint a, uint b, uint t, uint k) {
     }
     code = o > 0 ? s.y : s.z;
   }
+  if (end != b && !part) return end;
   p->pairs += count + 1u;
   if (count == 1u) {  // across one edge lies a strictly convex quadrilateral
     const uint e = p->crossed[1].y;
@@ -178,10 +184,10 @@ static uint cross(private Problem* p, uint a, uint b, uint t, uint k) {
   return end;
 }
 
-// Makes the constraint from a towards b edges up to the first vertex on it, which is returned, or ENFORCE_FAILED; or
-// ENFORCE_TURN, if a has more than `most` faces and b is not among the first. Ends: it goes once around a, twice at
-// most, whose star is closed.
-static uint enforce(private Problem* p, uint a, uint b, uint most) {
+// Makes the constraint from a towards b edges up to the first vertex on it, but only if that is b, unless `part`.
+// Returns that vertex, or what went wrong; or ENFORCE_TURN, if a has more than `most` faces and b is not among the
+// first. Ends: it goes once around a, twice at most, whose star is closed.
+static uint enforce_piece(private Problem* p, uint a, uint b, uint most, bool part) {
   const Mesh mesh = p->mesh;
   const uint begin = p->vertex_face[a];
   uint t = begin, faces = 0;
@@ -202,13 +208,37 @@ static uint enforce(private Problem* p, uint a, uint b, uint most) {
     const uint x = element(c, next_corner(k));
     const i64 right = gcdt_orient2d(va, vb, vertex_of(p, x));
     if (right <= 0 && gcdt_orient2d(va, vb, vertex_of(p, element(c, previous_corner(k)))) > 0) {
-      if (right < 0) return cross(p, a, b, t, k);
-      mark_existing(p, GCDT_SIDE_EDGE(element(s, previous_corner(k))));
+      if (right < 0) return cross(p, a, b, t, k, part);
+      if (part) mark_existing(p, GCDT_SIDE_EDGE(element(s, previous_corner(k))));
       return x;
     }
     t = GCDT_REF_FACE(mesh.edge_faces[element(s, next_corner(k)) ^ 1u]);
   } while (t != begin);
   return ENFORCE_FAILED;
+}
+
+// Makes the constraint from a to b edges and returns how many, 0 if it has no length; or what went wrong, and then has
+// changed nothing. One with a vertex on it is looked at to its end first, where of its pieces only that is made which
+// was reached last. Ends: twice, it turns once, and each piece lies further along.
+static uint enforce(private Problem* p, uint a, uint b) {
+  uint pieces = 0;
+  for (uint part = 0; part < 2u && (part == 0u || pieces > 1u); ++part) {
+    uint from = a, to = b, most = ENFORCE_STAR;
+    pieces = 0;
+    while (from != to) {
+      const uint next = enforce_piece(p, from, to, most, part == 1u);
+      if (next == ENFORCE_FAILED || next == ENFORCE_CROSSES) return next;
+      if (next == ENFORCE_TURN) {
+        const uint end = from;
+        from = to, to = end;
+        most = GCDT_NONE;
+      } else {
+        from = next;
+        ++pieces;
+      }
+    }
+  }
+  return pieces;
 }
 
 static inline void know_face(private Problem* p, uint t) {
@@ -224,46 +254,45 @@ static void know_faces(private Problem* p, uint problem, uint begin, uint end) {
   for (uint t = new_face(p->mesh, begin, 0u); t < new_face(p->mesh, end, 0u); ++t) know_face(p, t);
 }
 
-// One work-item per problem. Enforces its constraints, in the Delaunay mesh of its vertices. Writes words of its
-// problem; pieces_of[c]: of how many edges constraint c is made, 0 if it has no length. Ends: see the functions. After:
-// the mesh is constrained Delaunay; or GCDT_FAILED_CROSSING: some problem's constraints cross, and the mesh is void.
-kernel void enforce_problems(uint problems, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
+// One work-item per problem. Enforces its constraints, in the Delaunay mesh of its vertices, but for those that cross
+// an earlier one; and if they do and not `all`, but for those that follow. Writes words of its problem; pieces_of[c]:
+// of how many edges constraint c is made, 0 if it is left out or has no length; crosses[c]: 1 if it crosses an earlier
+// one that was enforced, else 0. Ends: see the functions. After: the mesh is constrained Delaunay;
+// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void.
+kernel void enforce_problems(uint problems, uint all, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
                              global const uint2* constraints, global const uint* input_vertex, global uint* edge_marks,
                              global uint* vertex_face, global uint4* crossed, global uint4* stack,
-                             global uint* pieces_of, volatile global Counters* counters) {
+                             global uint* pieces_of, global uint* crosses, volatile global Counters* counters) {
   Problem p;
   p.mesh = make_mesh(n, points, face_data, edge_faces);
   p.marks = edge_marks;
   p.vertex_face = vertex_face;
-  p.zero_length = p.existing = p.owned = p.pairs = p.flips = 0u;
-  bool failed = false;
+  p.zero_length = p.hits = p.existing = p.owned = p.pairs = p.flips = 0u;
+  uint failed = 0;
   FOR_EACH_DEALT(i, problems) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     // Faces: two of each vertex, and the root.
     p.crossed = crossed + gcdt_forest_faces(begin, i);
     p.stack = stack + gcdt_forest_faces(begin, i);
     p.capacity = gcdt_forest_faces(end - begin, 1u);
+    bool stopped = false;
     if (first_constraint[i] != first_constraint[i + 1u]) know_faces(&p, i, begin, end);
-    for (uint c = first_constraint[i]; c < first_constraint[i + 1u] && !failed; ++c) {
-      uint a = input_vertex[constraints[c].x], b = input_vertex[constraints[c].y], most = ENFORCE_STAR, pieces = 0;
-      while (a != b && a != ENFORCE_FAILED) {  // ends: it turns once, and each piece lies further along
-        const uint next = enforce(&p, a, b, most);
-        if (next == ENFORCE_TURN) {
-          const uint end = a;
-          a = b, b = end;
-          most = GCDT_NONE;
-        } else {
-          a = next;
-          ++pieces;
-        }
-      }
-      failed = a == ENFORCE_FAILED;
-      if (pieces == 0u) ++p.zero_length;
-      pieces_of[c] = pieces;
+    for (uint c = first_constraint[i]; c < first_constraint[i + 1u]; ++c) {
+      const uint a = input_vertex[constraints[c].x], b = input_vertex[constraints[c].y];
+      const uint pieces = stopped ? 0u : enforce(&p, a, b);
+      const bool one_crosses = pieces == ENFORCE_CROSSES, lost = pieces == ENFORCE_FAILED;
+      if (one_crosses) failed |= GCDT_FAILED_CROSSING;
+      if (lost) failed |= GCDT_FAILED_WALK;
+      if (pieces == 0u && !stopped) ++p.zero_length;
+      pieces_of[c] = one_crosses || lost ? 0u : pieces;
+      p.hits += pieces_of[c] > 1u ? pieces_of[c] - 1u : 0u;
+      crosses[c] = one_crosses ? 1u : 0u;
+      stopped = stopped || lost || (one_crosses && !all);
     }
   }
-  if (failed) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
+  if (failed) atomic_or(&counters->failed, failed);
   atomic_add(&counters->zero_length, p.zero_length);
+  atomic_add(&counters->hits, p.hits);
   atomic_add(&counters->existing_edges, p.existing);
   atomic_add(&counters->owned_left, p.owned);
   add_wide(&counters->pairs_low, &counters->pairs_high, p.pairs);

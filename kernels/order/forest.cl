@@ -126,6 +126,30 @@ kernel void forest_first_ranks(uint problems, uint n, global const uint* first_i
   FOR_EACH(p, problems + 1u) words[gcdt_first_rank_word(n, p)] = before[first_input[p]];
 }
 
+// ---- Crossings --------------------------------------------------------------------------------------
+
+// One work-item per piece, sorted by problem.
+// Reads: moves[p]: how many pieces and sources before those of problem p leave, x GCDT_NONE if its own do; the pieces.
+// Writes: what stays, so many places lower; `parts` are 0 unless `walked`.
+// Places of pieces that stay, and of their sources, are distinct.
+// After this kernel the pieces that stay are there, but for the end of the last one's sources.
+kernel void forest_keep_pieces(uint count, uint walked, uint n, global const int2* points, global const uint2* moves,
+                               global const uint2* ends, global const uint* source_offsets, global const uint* sources,
+                               global const uint* weights, global const uint2* parts, global uint2* to_ends,
+                               global uint* to_offsets, global uint* to_sources, global uint* to_weights,
+                               global uint2* to_parts) {
+  FOR_EACH(i, count) {
+    const uint2 e = ends[i], move = moves[problem_of(points, n, e.x)];
+    if (move.x == GCDT_NONE) continue;
+    const uint first = source_offsets[i], end = source_offsets[i + 1u], at = i - move.x;
+    to_ends[at] = e;
+    to_offsets[at] = first - move.y;
+    for (uint s = first; s < end; ++s) to_sources[s - move.y] = sources[s];
+    to_weights[at] = weights[i];
+    to_parts[at] = walked ? parts[i] : (uint2)(0u);
+  }
+}
+
 // ---- Output -----------------------------------------------------------------------------------------
 
 // One work-item per problem, and one for the end.

@@ -228,7 +228,7 @@ int32_t gcdt_cl_locate(gcdt_result* result, int32_t coordinate_type, cl_mem poin
       const InputPoints queries = {
           part, coordinates_type(type),
           from_start<cl_ulong>(state.runtime, "queries", points, words * (point_offset + first), words * part)};
-      const Located found = result->derived.locate(state.runtime, state.primitives, result->data, queries);
+      const Located found = result->derived.locate(state.runtime, state.primitives, result->data, queries, first);
       state.runtime.copy_out(found.triangles, triangles, part, static_cast<std::size_t>(first));
       if (!weights) continue;
       const auto shares = state.runtime.allocate<cl_float>("weights of queries", std::size_t{3} * part);

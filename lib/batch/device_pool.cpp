@@ -271,12 +271,11 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
   report.milliseconds += ms;
 }
 
-// Runs the problems. If some have errors of their own, or are to be run one by one, it takes those out and runs the
-// rest again. That ends because there are fewer each time.
+// Runs the problems. If the input of some is invalid, it takes those out and runs the rest again. That ends because
+// there are fewer each time.
 DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers,
                                   const Options& options) {
   Made made;
-  std::vector<std::uint32_t> crossing;
   while (!numbers.empty()) {
     try {
       made.result = triangulate_forest(*worker.runtime, *worker.primitives, batch, numbers, options, *worker.staging);
@@ -288,17 +287,15 @@ DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::
         made.errors.emplace_back(numbers[place], error);
         out[place] = true;
       }
-      for (const std::uint32_t place : invalid.crossing) {
-        crossing.push_back(numbers[place]);
-        out[place] = true;
-      }
       std::size_t kept = 0;
       for (std::size_t i = 0; i < numbers.size(); ++i)
         if (!out[i]) numbers[kept++] = numbers[i];
       numbers.resize(kept);
     }
   }
-  for (const std::uint32_t p : crossing) {
+  for (const auto& [place, error] : made.result.refused) made.errors.emplace_back(numbers[place], error);
+  for (const std::uint32_t place : made.result.to_split) {
+    const std::uint32_t p = numbers[place];
     try {
       made.result.add(triangulate_single(*worker.runtime, *worker.primitives, batch, p, options));
     } catch (const Error& error) {

@@ -30,9 +30,11 @@ struct ForestRun : Run {
   const BatchInput& batch;
   const std::vector<std::uint32_t>& numbers;  ///< of the problems in the batch
   ProblemRanges& ranges;
-  std::vector<Grid> grids;                      ///< of each problem
-  std::vector<RoundedTogether> together;        ///< of each problem; empty if no problem has any
-  Buffer<cl_uint> first_triangle, first_piece;  ///< of each problem
+  std::vector<Grid> grids;                               ///< of each problem
+  std::vector<RoundedTogether> together;                 ///< of each problem; empty if no problem has any
+  Buffer<cl_uint> first_triangle, first_piece;           ///< of each problem
+  std::vector<std::pair<std::uint32_t, Error>> refused;  ///< as in ForestResult
+  std::vector<std::uint32_t> to_split;                   ///< as in ForestResult
 };
 
 void take(ForestRun& run, ForestOrder made) {
@@ -45,87 +47,6 @@ void take(ForestRun& run, ForestOrder made) {
   run.take(std::move(made.ordered));
 }
 
-// Each problem that has crossing constraints gets an error of its own. The pairs are sorted, so those of a problem
-// follow one another.
-[[noreturn]] void reject(const ForestRun& run, const std::vector<Constraint>& crossings) {
-  InvalidProblems invalid;
-  const auto& first = run.ranges.first_constraint;
-  for (std::size_t begin = 0, end = 0; begin < crossings.size(); begin = end) {
-    const auto after = std::upper_bound(first.begin(), first.end(), crossings[begin][0]);
-    const auto p = static_cast<std::uint32_t>(after - first.begin() - 1);
-    std::vector<Constraint> own;
-    for (; end < crossings.size() && crossings[end][0] < first[p + 1]; ++end)
-      own.push_back({crossings[end][0] - first[p], crossings[end][1] - first[p]});
-    const Constraint* given = run.batch.constraints + run.batch.constraint_offsets[run.numbers[p]];
-    invalid.errors.emplace_back(
-        p, crossings_error(
-               own, [&](std::uint32_t c) { return given[c]; }, run.grids[p].kind == Grid::Kind::rounded));
-  }
-  throw invalid;
-}
-
-// Splitting adds vertices, numbers them through the whole mesh and orders them by their places on one grid. A forest
-// has many grids, so problems that cross are run one by one.
-[[noreturn]] void name_crossing_problems(ForestRun& run) {
-  Splitter splitter(run.runtime, run.primitives, run.constraints, static_cast<std::uint32_t>(run.n));
-  const auto& marked = splitter.mark_crossing(run.walked(), run.pieces, run.counters);
-  if (splitter.marked() == 0) fail_without_crossings({});
-  const auto& begins = run.ranges.first_constraint;
-  std::vector<cl_uint> crosses(begins.back());
-  run.runtime.read(marked, crosses.data(), crosses.size());
-  InvalidProblems invalid;
-  for (std::uint32_t p = 0; p < run.ranges.count(); ++p) {
-    const auto first = crosses.begin() + begins[p], end = crosses.begin() + begins[p + 1];
-    if (std::find(first, end, 1u) != end) invalid.crossing.push_back(p);
-  }
-  throw invalid;
-}
-
-// Each problem's constraints by one work-item. Returns false if constraints of some problem cross; the mesh is void
-// then.
-bool enforce_each(ForestRun& run) {
-  EnforceResult r = enforce_problems(run.runtime, run.primitives, run.vertices, run.mesh,
-                                     run.ranges.first_constraint_buffer, run.constraints, run.counters);
-  if (r.crossing) return false;
-  Statistics& s = run.statistics;
-  s.constraints_zero = r.zero_length;
-  s.cases.constraint_hits = r.hits;
-  s.cases.existing_edges = r.existing_edges;
-  s.cases.pieces_walked = r.pieces.count - r.existing_edges;
-  s.cases.chain_vertices = r.chain_vertices;
-  s.crossed_pairs = r.crossed_pairs;
-  s.flips += r.flips;
-  run.pieces = std::move(r.pieces);
-  return true;
-}
-
-void enforce_all(ForestRun& run) {
-  run.clean(run.constraints, run.n);
-  run.ticker.tick("constrain", 0.3);
-  const ConstrainResult enforced = run.enforce();
-  if (!enforced.failed) return;
-  if (enforced.mesh_changed) run.insert();
-  if (run.options.crossing == Crossing::split) name_crossing_problems(run);
-  const std::vector<Constraint> crossings = find_crossings(run, enforced);
-  if (run.options.crossing != Crossing::drop) reject(run, crossings);
-  drop_crossings(run, crossings);
-}
-
-void constrain(ForestRun& run) {
-  run.pieces = {};
-  if (run.m == 0) return run.no_pieces();
-  run.ticker.tick("constrain", 0);
-  if (run.plan.constraints == Plan::By::each && !enforce_each(run)) {  // all at once finds what crosses
-    PlannedSizes sizes = sizes_of(run.vertices);
-    sizes.crossing = true;
-    run.plan = make_plan(run.runtime, sizes);
-    run.insert();
-  }
-  if (run.plan.constraints == Plan::By::all) enforce_all(run);
-  run.pieces.walked = {};
-  run.count_turns();
-}
-
 /// Where the things of each problem begin. A thing has `stride` words, and the first one is a vertex.
 template <class T>
 Buffer<cl_uint> begins(ForestRun& run, const char* name, cl_uint count, cl_uint stride, const Buffer<T>& things) {
@@ -134,6 +55,153 @@ Buffer<cl_uint> begins(ForestRun& run, const char* name, cl_uint count, cl_uint 
   run.runtime.launch("forest", "forest_begins", over(std::size_t{problems} + 1), problems, count, stride,
                      run.vertices.n(), run.vertices.points, things, found);
   return found;
+}
+
+// The problems that have a constraint c with marks[c] != 0.
+std::vector<std::uint32_t> problems_of(const ForestRun& run, const std::vector<cl_uint>& marks) {
+  const auto& begins = run.ranges.first_constraint;
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t p = 0; p < run.ranges.count(); ++p) {
+    const auto end = marks.begin() + begins[p + 1];
+    if (std::find(marks.begin() + begins[p], end, 1u) != end) found.push_back(p);
+  }
+  return found;
+}
+
+// One word for each constraint: 1 for those of the problems.
+std::vector<cl_uint> constraints_of(const ForestRun& run, const std::vector<std::uint32_t>& problems) {
+  const auto& begins = run.ranges.first_constraint;
+  std::vector<cl_uint> words(begins.back(), 0);
+  for (const std::uint32_t p : problems) std::fill(words.begin() + begins[p], words.begin() + begins[p + 1], 1);
+  return words;
+}
+
+// Each problem that has crossing constraints gets an error of its own. The pairs are sorted, so those of a problem
+// follow one another. Returns the problems.
+std::vector<std::uint32_t> refuse(ForestRun& run, const std::vector<Constraint>& crossings) {
+  std::vector<std::uint32_t> problems;
+  const auto& first = run.ranges.first_constraint;
+  for (std::size_t begin = 0, end = 0; begin < crossings.size(); begin = end) {
+    const auto after = std::upper_bound(first.begin(), first.end(), crossings[begin][0]);
+    const auto p = static_cast<std::uint32_t>(after - first.begin() - 1);
+    std::vector<Constraint> own;
+    for (; end < crossings.size() && crossings[end][0] < first[p + 1]; ++end)
+      own.push_back({crossings[end][0] - first[p], crossings[end][1] - first[p]});
+    const Constraint* given = run.batch.constraints + run.batch.constraint_offsets[run.numbers[p]];
+    problems.push_back(p);
+    run.refused.emplace_back(
+        p, crossings_error(
+               own, [&](std::uint32_t c) { return given[c]; }, run.grids[p].kind == Grid::Kind::rounded));
+  }
+  return problems;
+}
+
+// Splitting adds vertices, numbers them through the whole mesh and orders them by their places on one grid. A forest
+// has many grids, so problems that cross are split one by one.
+std::vector<std::uint32_t> leave_to_split(ForestRun& run, const ConstrainResult& failed) {
+  Splitter splitter(run.runtime, run.primitives, run.constraints, static_cast<std::uint32_t>(run.n));
+  const auto& marked = splitter.mark_crossing(run.walked(), run.pieces, run.counters);
+  if (splitter.marked() == 0) fail_without_crossings(failed);
+  std::vector<cl_uint> crosses(run.ranges.first_constraint.back());
+  run.runtime.read(marked, crosses.data(), crosses.size());
+  return run.to_split = problems_of(run, crosses);
+}
+
+// The problems that cross have all of their constraints but those from the first on that crosses another (or, under
+// Crossing::drop, but those that do). So every problem is constrained Delaunay, and any such mesh shows what crosses.
+void follow_crossing_policy(ForestRun& run, const std::vector<cl_uint>& crosses) {
+  if (run.options.crossing == Crossing::drop) {
+    std::vector<std::uint32_t> dropped;
+    for (std::uint32_t c = 0; c < crosses.size(); ++c)
+      if (crosses[c] != 0) dropped.push_back(c);
+    return name_dropped(run, dropped);
+  }
+  const std::vector<std::uint32_t> problems = problems_of(run, crosses);
+  if (run.options.crossing == Crossing::split) {
+    run.to_split = problems;
+    return;
+  }
+  run.history = freeze_all(run.runtime, run.vertices, run.mesh);
+  run.clean(run.constraints, run.n, constraints_of(run, problems));
+  if (refuse(run, find_crossings(run, {})) != problems) fail_without_crossings({});
+}
+
+// Each problem's constraints by one work-item.
+void enforce_each(ForestRun& run) {
+  EnforceResult r =
+      enforce_problems(run.runtime, run.primitives, run.vertices, run.mesh, run.ranges.first_constraint_buffer,
+                       run.constraints, run.options.crossing == Crossing::drop, run.counters);
+  Statistics& s = run.statistics;
+  s.constraints_zero = r.zero_length;
+  s.cases.constraint_hits = r.hits;
+  s.cases.existing_edges = r.existing_edges;
+  s.cases.pieces_walked = r.pieces.count - r.existing_edges;
+  s.cases.chain_vertices = r.chain_vertices;
+  s.crossed_pairs = r.crossed_pairs;
+  s.flips += r.flips;
+  if (!r.crosses.empty()) follow_crossing_policy(run, r.crosses);
+  run.pieces = std::move(r.pieces);
+}
+
+// The run's pieces but those of the problems. `walked`: the mesh is the one in which they were cleaned.
+Pieces pieces_without(ForestRun& run, const std::vector<std::uint32_t>& problems, bool walked) {
+  runtime::Runtime& runtime = run.runtime;
+  Pieces& all = run.pieces;
+  const std::size_t ends = std::size_t{run.ranges.count()} + 1;
+  const auto first_piece = begins(run, "first pieces", all.count, 2, all.ends);
+  const auto first_source = runtime.allocate<cl_uint>("first sources", ends);
+  runtime.launch("forest", "forest_problem_at", over(ends), static_cast<cl_uint>(ends), first_piece, all.source_offsets,
+                 first_source);
+  std::vector<cl_uint> piece(ends), source(ends);
+  runtime.read(first_piece, piece.data(), ends);
+  runtime.read(first_source, source.data(), ends);
+  std::vector<cl_uint2> moves(ends);
+  cl_uint pieces_out = 0, sources_out = 0;
+  for (std::uint32_t p = 0, next = 0; p + 1 < ends; ++p) {
+    const bool out = next < problems.size() && problems[next] == p;
+    moves[p] = {{out ? GCDT_NONE : pieces_out, sources_out}};
+    if (!out) continue;
+    pieces_out += piece[p + 1] - piece[p], sources_out += source[p + 1] - source[p];
+    ++next;
+  }
+  Pieces kept;
+  kept.count = all.count - pieces_out, kept.source_count = all.source_count - sources_out;
+  kept.ends = runtime.allocate<cl_uint2>("pieces", kept.count);
+  kept.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t{kept.count} + 1);
+  kept.sources = runtime.allocate<cl_uint>("sources of pieces", kept.source_count);
+  kept.walked.weights = runtime.allocate<cl_uint>("weights of pieces", kept.count);
+  kept.walked.parts = runtime.allocate<cl_uint2>("parts of whole pieces", kept.count);
+  kept.walked.faces = std::move(all.walked.faces);
+  runtime.launch("forest", "forest_keep_pieces", over(all.count), cl_uint{all.count}, cl_uint{walked}, run.vertices.n(),
+                 run.vertices.points, runtime.upload("moves of pieces", moves), all.ends, all.source_offsets,
+                 all.sources, all.walked.weights, all.walked.parts, kept.ends, kept.source_offsets, kept.sources,
+                 kept.walked.weights, kept.walked.parts);
+  runtime.fill<cl_uint>(kept.source_offsets, kept.source_count, 1, kept.count);
+  return kept;
+}
+
+// All constraints at once; if some cross, all again but those that are dropped, or those of problems that cross.
+void enforce_all(ForestRun& run) {
+  run.clean(run.constraints, run.n);
+  run.ticker.tick("constrain", 0.3);
+  const ConstrainResult enforced = run.enforce();
+  if (!enforced.failed) return;
+  if (enforced.mesh_changed) run.insert();
+  if (run.options.crossing == Crossing::drop) return drop_crossings(run, find_crossings(run, enforced));
+  const std::vector<std::uint32_t> problems = run.options.crossing == Crossing::split
+                                                  ? leave_to_split(run, enforced)
+                                                  : refuse(run, find_crossings(run, enforced));
+  run.pieces = pieces_without(run, problems, !enforced.mesh_changed);
+  enforce_rest(run);
+}
+
+void constrain(ForestRun& run) {
+  run.pieces = {};
+  if (run.m == 0) return run.no_pieces();
+  run.ticker.tick("constrain", 0);
+  run.plan.constraints == Plan::By::each ? enforce_each(run) : enforce_all(run);
+  run.pieces.walked = {};
+  run.count_turns();
 }
 
 OrderedMesh put_in_order(ForestRun& run) {
@@ -231,6 +299,8 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
   result.problems = std::move(numbers);
   result.grids = std::move(run.grids);
   result.together = std::move(run.together);
+  result.refused = std::move(run.refused);
+  result.to_split = std::move(run.to_split);
   result.statistics = made.statistics;
   return result;
 }

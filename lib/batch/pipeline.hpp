@@ -18,8 +18,9 @@ struct Staging {
 };
 
 /// Triangulates problems `numbers` of the batch in one run. They have at most max_vertices vertices together, with 3
-/// more for each problem. Throws InvalidProblems, which counts in `numbers`, if a problem has an error of its own or
-/// crosses under Crossing::split, and Error if something is wrong with the run.
+/// more for each problem. Those that cross do not stop it: the result says which are refused or to be split. Throws
+/// InvalidProblems, which counts in `numbers`, if the input of some is invalid, and Error if something is wrong with
+/// the run.
 ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitives, const BatchInput& batch,
                                 std::vector<std::uint32_t> numbers, const Options& options, Staging& staging);
 

@@ -32,18 +32,21 @@ struct ProblemRanges {
   std::uint32_t count() const { return static_cast<std::uint32_t>(first_input.size() - 1); }
 };
 
-/// Problems of a run that cannot be in a forest, by their numbers in the run. They are found before any result is made,
-/// and the others may be right.
+/// Problems of a run with invalid input, by their numbers in the run, with their errors. They are found before any
+/// result is made, and the others may be right.
 struct InvalidProblems {
-  std::vector<std::pair<std::uint32_t, Error>> errors;  ///< of invalid problems
-  std::vector<std::uint32_t> crossing;  ///< problems that cross under Crossing::split, ascending: see single.hpp
+  std::vector<std::pair<std::uint32_t, Error>> errors;
 };
 
-/// What one run made of some problems of a batch. Every problem's arrays are what it would have by itself.
+/// What one run made of some problems of a batch. Every problem's arrays are what it would have by itself, but of those
+/// that are refused or to be split: there they mean nothing.
 struct ForestResult {
   std::vector<std::uint32_t> problems;    ///< their numbers in the batch; those of `singles` last
   std::vector<Grid> grids;                ///< of each
   std::vector<RoundedTogether> together;  ///< of each; empty: none of any
+  // Problems whose constraints cross, by place, ascending.
+  std::vector<std::pair<std::uint32_t, Error>> refused;  ///< under Crossing::reject
+  std::vector<std::uint32_t> to_split;                   ///< under Crossing::split, by single.hpp
   // By number.
   std::array<HostArray, array_slots> arrays;
   std::array<std::vector<std::uint64_t>, array_slots> begins;  ///< elements; P + 1, or none if there is no such array
@@ -55,8 +58,10 @@ struct ForestResult {
     singles.push_back(std::move(one));
   }
   std::uint64_t triangles() const {
-    const auto& ends = begins[GCDT_TRIANGLES];
-    std::uint64_t count = ends.empty() ? 0 : ends.back();
+    const auto& first = begins[GCDT_TRIANGLES];
+    std::uint64_t count = first.empty() ? 0 : first.back();
+    for (const auto& [place, error] : refused) count -= first[place + 1] - first[place];
+    for (const std::uint32_t place : to_split) count -= first[place + 1] - first[place];
     for (const ForestResult& one : singles) count += one.triangles();
     return count;
   }

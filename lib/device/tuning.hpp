@@ -103,8 +103,8 @@ struct Tuning {
   /// Vertices of a problem whose constraints one work-item enforces, while they are in its cache: each begins with a
   /// look around its first vertex, whatever the degree (NOTES, "CPUs").
   static constexpr std::uint32_t most_enforced_by_one = 1u << 14;
-  /// Pieces of which all are compared with all for crossings, by one loop each: saves the records of faces, costs their
-  /// square (not measured). Of lanes: their loops may end early.
+  /// Pieces of a problem of which all are compared with all for crossings, by one loop each: saves the records of
+  /// faces, costs their square (not measured). Of lanes: their loops may end early.
   static constexpr std::uint32_t most_of_all_pairs = 1u << 16, most_of_all_pairs_of_lanes = 1u << 11;
 
   // ---- Launches (runtime.cpp) -------------------------------------------------------------------

@@ -61,14 +61,13 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.sweep_share = tuning.sweep_share;
   plan.grown_shares = units * Tuning::grown_shares_per_unit;
 
-  const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one && !sizes.crossing;
+  const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one;
   plan.constraints = each ? By::each : By::all;
   plan.along_curve = tuning.walk_along_curve.value_or(threads);
   plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
   plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   plan.crossings_per_part = tuning.crossings_per_part;
-  // Pieces of different problems must not meet: their grids are different.
-  plan.all_pairs = many ? 0 : lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
+  plan.all_pairs = lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
 
   plan.output = each ? By::each : by_one(sizes.vertices);
   plan.number = by_one(sizes.inputs);

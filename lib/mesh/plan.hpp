@@ -25,7 +25,6 @@ struct PlannedSizes {
   std::uint32_t inputs = 0;    ///< vertices as given
   std::uint32_t vertices = 0;  ///< distinct ones on the grid; before they are known, as many as are given
   std::uint32_t largest = 0;   ///< inputs of the largest of several problems
-  bool crossing = false;       ///< constraints of some problem were found to cross
 };
 
 struct Plan {
@@ -61,7 +60,7 @@ struct Plan {
   bool along_curve = false;  ///< constraints are walked in the order of the curve
   std::uint32_t least_parts = 0, most_parts = 0;  ///< of constraints, beyond one each
   std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
-  std::uint32_t all_pairs = 0;                    ///< pieces up to which all pairs may be tested for crossings
+  std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.
   By output = By::all;        ///< triangles in canonical order: all, one, or each

@@ -30,8 +30,8 @@ CrossingPieces::CrossingPieces(runtime::Runtime& runtime, Primitives& primitives
   count_ = cl_uint(found);
 }
 
-// Records by face, unless testing all pairs of pieces takes fewer tests. The mesh may have been made again since pieces
-// were cleaned, with other numbers, so where their walks began is not asked.
+// Records by face, unless testing all pairs of pieces of each problem takes fewer tests. The mesh may have been made
+// again since pieces were cleaned, with other numbers, so where their walks began is not asked.
 void CrossingPieces::find_records() {
   const cl_uint faces = walked_.mesh.faces();
   const PieceParts parts = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
@@ -46,10 +46,12 @@ void CrossingPieces::find_records() {
                     begins.pieces, begins.faces, starts_, filled, records, counters_.buffer());
   };
   collect(0, filled);
-  runtime_.launch("crossings", "crossings_work", over(faces), faces, starts_, counters_.buffer());
-  if (counters_.read().failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
-  const std::uint64_t by_faces = wide(counters_.last().pairs_low, counters_.last().pairs_high);
-  all_ = pieces_.count <= walked_.plan.all_pairs && std::uint64_t(pieces_.count) * (pieces_.count - 1) / 2 < by_faces;
+  runtime_.launch("crossings", "crossings_work", over(std::max(faces, pieces_.count)), faces, pieces_.count,
+                  walked_.plan.all_pairs, walked_.mesh.n, walked_.vertices.points, pieces_.ends, starts_,
+                  counters_.buffer());
+  const device::Counters& c = counters_.read();
+  if (c.failed) throw Error(Status::check_failed, "crossings: a walk along a constraint left the mesh");
+  all_ = c.hits == 0 && wide(c.flips_low, c.flips_high) < wide(c.pairs_low, c.pairs_high);
   rows_ = pieces_.count;
   if (all_) return;
   rows_ = primitives_.scan_total(starts_, faces);
@@ -60,7 +62,7 @@ void CrossingPieces::find_records() {
 void CrossingPieces::test(cl_uint emit, cl_uint first, cl_uint last, const runtime::Buffer<cl_uint2>& pairs) {
   const Mesh& mesh = walked_.mesh;
   if (all_)
-    runtime_.launch("crossings", "crossings_all", over(rows_), emit, first, last, pieces_.count,
+    runtime_.launch("crossings", "crossings_all", over(rows_), emit, first, last, pieces_.count, mesh.n,
                     walked_.vertices.points, pieces_.ends, counts_, pairs, counters_.buffer());
   else
     runtime_.launch("crossings", "crossings_pairs", over(rows_), emit, first, last, mesh.faces(), mesh.n,
@@ -70,19 +72,26 @@ void CrossingPieces::test(cl_uint emit, cl_uint first, cl_uint last, const runti
 
 std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& primitives, const WalkedMesh& walked,
                                        const Pieces& pieces, PhaseCounters& counters) {
+  static_assert(sizeof(Constraint) == sizeof(cl_uint2), "pairs of constraints are copied as they are");
   CrossingPieces found(runtime, primitives, walked, pieces, counters);
-  auto pairs = runtime.allocate<cl_uint2>("crossing pieces", found.count());
-  if (found.count() > 0) found.list(0, found.count(), pairs);
-  std::vector<cl_uint2> crossing(found.count());
-  runtime.read(pairs, crossing.data(), crossing.size());
-  std::vector<cl_uint> offsets(std::size_t(pieces.count) + 1), sources(pieces.source_count);
-  runtime.read(pieces.source_offsets, offsets.data(), offsets.size());
-  runtime.read(pieces.sources, sources.data(), sources.size());
-  std::vector<Constraint> all;
-  for (const cl_uint2& pair : crossing)
-    for (cl_uint i = offsets[pair.s[0]]; i < offsets[pair.s[0] + 1]; ++i)
-      for (cl_uint j = offsets[pair.s[1]]; j < offsets[pair.s[1] + 1]; ++j)
-        all.push_back({std::min(sources[i], sources[j]), std::max(sources[i], sources[j])});
+  const cl_uint count = found.count();
+  if (count == 0) return {};
+  auto pairs = runtime.allocate<cl_uint2>("crossing pieces", count);
+  found.list(0, count, pairs);
+  auto begins = runtime.allocate<cl_uint>("crossing constraints of pieces", std::size_t(count) + 1);
+  counters.zero();
+  runtime.launch("crossings", "crossings_count_sources", over(count), count, pieces.source_offsets, pairs, begins,
+                 counters.buffer());
+  const std::uint64_t named = wide(counters.read().pairs_low, counters.last().pairs_high);
+  if (named > 0xFFFFFFFFull)
+    throw Error(Status::out_of_memory,
+                "crossings: " + std::to_string(named) + " pairs of constraints cross, too many to list");
+  primitives.exclusive_scan(begins, begins, count);
+  auto constraints = runtime.allocate<cl_uint2>("crossing constraints", named);
+  runtime.launch("crossings", "crossings_sources", over(count), count, pieces.source_offsets, pieces.sources, pairs,
+                 begins, constraints);
+  std::vector<Constraint> all(named);
+  runtime.read_bytes(constraints.handle(), 0, all.data(), named * sizeof(Constraint));
   // Two straight constraints meet in one point, so each pair occurs once.
   std::sort(all.begin(), all.end());
   return all;

@@ -42,7 +42,7 @@ class CrossingPieces {
   const WalkedMesh& walked_;
   const Pieces& pieces_;
   PhaseCounters& counters_;
-  bool all_ = false;  ///< every piece is tested with every other one
+  bool all_ = false;  ///< every piece is tested with every other one of its problem
   cl_uint rows_ = 0, count_ = 0;
   runtime::Buffer<cl_uint> starts_, records_, counts_;
 };

@@ -10,30 +10,37 @@ using runtime::over_large;
 
 EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, Mesh& mesh,
                                const runtime::Buffer<cl_uint>& first_constraint,
-                               const runtime::Buffer<cl_uint2>& constraints, PhaseCounters& counters) {
+                               const runtime::Buffer<cl_uint2>& constraints, bool past_crossings,
+                               PhaseCounters& counters) {
   const cl_uint problems = vertices.roots, given = cl_uint(constraints.size());
   counters.zero();
   EnforceResult result;
   auto vertex_face = runtime.allocate<cl_uint>("faces of vertices", mesh.n);
   auto offsets = runtime.allocate<cl_uint>("pieces of constraints", std::size_t{given} + 1);
+  auto crosses = runtime.allocate<cl_uint>("crossing constraints", given);
   {
     auto crossed = runtime.allocate<cl_uint4>("crossed faces", mesh.faces());
     auto stack = runtime.allocate<cl_uint4>("stacks of chains", mesh.faces());
-    runtime.launch("enforce", "enforce_problems", over_large(problems), problems, mesh.n, vertices.points,
-                   mesh.face_data, mesh.edge_faces, first_constraint, constraints, vertices.input_vertex,
-                   mesh.edge_marks, vertex_face, crossed, stack, offsets, counters.buffer());
+    runtime.launch("enforce", "enforce_problems", over_large(problems), problems, cl_uint{past_crossings}, mesh.n,
+                   vertices.points, mesh.face_data, mesh.edge_faces, first_constraint, constraints,
+                   vertices.input_vertex, mesh.edge_marks, vertex_face, crossed, stack, offsets, crosses,
+                   counters.buffer());
   }
   const device::Counters c = counters.read();
-  result.crossing = c.failed != 0;
-  if (result.crossing) return result;
+  if (c.failed & GCDT_FAILED_WALK)
+    throw Error(Status::check_failed, "enforce: a walk along a constraint left the mesh");
+  if (c.failed & GCDT_FAILED_CROSSING) {
+    result.crosses.resize(given);
+    runtime.read(crosses, result.crosses.data(), given);
+  }
   result.zero_length = c.zero_length;
+  result.hits = c.hits;
   result.existing_edges = c.existing_edges;
   result.chain_vertices = c.owned_left;
   result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
   result.flips = wide(c.flips_low, c.flips_high);
 
   const cl_uint count = primitives.scan_total(offsets, given);
-  result.hits = count - (given - c.zero_length);
   auto keys = runtime.allocate<cl_ulong>("keys of pieces", count);
   auto sources = runtime.allocate<cl_uint>("sources of pieces", count);
   {

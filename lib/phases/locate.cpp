@@ -36,7 +36,7 @@ device::Decimals finest_decimals(const Vertices& vertices) {
   return fine;
 }
 
-Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& points) {
+Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& points, std::uint64_t first) {
   Queries queries = {points.n, runtime.allocate<cl_ulong>("keys of queries", points.n),
                      runtime.allocate<cl_uint>("numbers of queries", points.n)};
   const cl_uint by_decimals = vertices.decimals.has_value();
@@ -47,9 +47,10 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
                  scale, decimals, queries.keys, queries.numbers, not_finite);
   const cl_uint bad = runtime.read_one(not_finite);
   if (bad != GCDT_NONE)
-    throw Error(Status::coordinate_not_finite,
-                std::string(bad % 2 ? "y" : "x") + " of query " + std::to_string(bad / 2) + " is not a finite number",
-                {bad / 2, bad % 2});
+    throw Error(
+        Status::coordinate_not_finite,
+        std::string(bad % 2 ? "y" : "x") + " of query " + std::to_string(first + bad / 2) + " is not a finite number",
+        {first + bad / 2, bad % 2});
   return queries;
 }
 
@@ -90,12 +91,13 @@ Buffer<cl_int> least_triangles_by_input(Runtime& runtime, const Vertices& vertic
   return triangles;
 }
 
-Located locate(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& points) {
+Located locate(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& points,
+               std::uint64_t first) {
   Located located = {runtime.allocate<cl_int>("triangles of queries", points.n),
                      runtime.allocate<cl_uint>("corners of queries", std::size_t{3} * points.n),
                      runtime.allocate<cl_long>("areas of queries", std::size_t{3} * points.n)};
   if (points.n == 0) return located;
-  Queries queries = place(runtime, mesh.vertices, points);
+  Queries queries = place(runtime, mesh.vertices, points, first);
   if (mesh.all.triangles == 0) {
     runtime.fill<cl_int>(located.triangles, -1, points.n);
     runtime.fill<cl_uint>(located.corners, 0, std::size_t{3} * points.n);

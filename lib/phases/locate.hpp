@@ -35,7 +35,9 @@ runtime::Buffer<cl_int> least_triangles_by_input(runtime::Runtime& runtime, cons
                                                  const runtime::Buffer<cl_uint>& least);
 
 /// Rounds queries to the grid as vertices are, and locates them; a query off the grid is outside. Throws
-/// coordinate_not_finite, indices {query, axis}, and round_limit. Needs about 100 bytes a query; blocks.
-Located locate(runtime::Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& queries);
+/// coordinate_not_finite, indices {query, axis}, where the first query has the number `first`, and round_limit. Needs
+/// about 100 bytes a query; blocks.
+Located locate(runtime::Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& queries,
+               std::uint64_t first = 0);
 
 }  // namespace gcdt

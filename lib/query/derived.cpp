@@ -86,13 +86,13 @@ const Buffer<cl_int>& Derived::edge_pieces(Runtime& runtime, const DeviceTriangu
 }
 
 Located Derived::locate(Runtime& runtime, Primitives& primitives, const DeviceTriangulation& result,
-                        const InputPoints& queries) {
+                        const InputPoints& queries, std::uint64_t first) {
   find_least(runtime, result);
   const bool selected = result.kept.allocated();
   if (selected && !starts_.allocated()) starts_ = least_triangles(runtime, result.vertices, result.hull, true);
   const SearchMesh mesh = {result.vertices, hull_mesh(result),           true,  selected ? &result.kept : nullptr,
                            result.mesh,     selected ? starts_ : least_, least_};
-  return gcdt::locate(runtime, primitives, mesh, queries);
+  return gcdt::locate(runtime, primitives, mesh, queries, first);
 }
 
 }  // namespace gcdt

@@ -17,7 +17,7 @@ class Derived {
   const runtime::Buffer<cl_int>& edge_pieces(runtime::Runtime& runtime, const DeviceTriangulation& result);
   /// Of the queries; see locate.hpp.
   Located locate(runtime::Runtime& runtime, Primitives& primitives, const DeviceTriangulation& result,
-                 const InputPoints& queries);
+                 const InputPoints& queries, std::uint64_t first = 0);
 
  private:
   void find_least(runtime::Runtime& runtime, const DeviceTriangulation& result);

@@ -69,12 +69,19 @@ std::vector<Constraint> find_crossings(Run& run, const ConstrainResult& failed) 
 
 void drop_crossings(Run& run, const std::vector<Constraint>& crossings) {
   const std::vector<std::uint32_t> dropped = drop_crossing(crossings);
-  run.statistics.constraints_dropped = dropped.size();
-  run.result.dropped = run.runtime.allocate<cl_uint>("dropped constraints", dropped.size());
-  run.runtime.write(run.result.dropped, dropped.data(), dropped.size());
+  name_dropped(run, dropped);
   std::vector<cl_uint> wanted(run.m, 1);
   for (const std::uint32_t d : dropped) wanted[d] = 0;
   run.clean(run.constraints, run.n, wanted);
+  enforce_rest(run);
+}
+
+void name_dropped(Run& run, const std::vector<std::uint32_t>& dropped) {
+  run.statistics.constraints_dropped = dropped.size();
+  run.result.dropped = run.runtime.upload("dropped constraints", dropped);
+}
+
+void enforce_rest(Run& run) {
   run.runtime.fill<cl_uint>(run.mesh.edge_marks, 0, run.mesh.edges());
   const ConstrainResult second = run.enforce();
   if (second.failed)

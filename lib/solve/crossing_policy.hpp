@@ -18,6 +18,13 @@ std::vector<Constraint> find_crossings(Run& run, const ConstrainResult& failed);
 /// Drops each constraint that crosses an earlier one that is kept, and enforces the rest.
 void drop_crossings(Run& run, const std::vector<Constraint>& crossings);
 
+/// Tells the result which constraints are dropped, ascending.
+void name_dropped(Run& run, const std::vector<std::uint32_t>& dropped);
+
+/// Enforces the run's pieces again, now that none cross, in the mesh as it was before enforcement failed. Throws
+/// check_failed if some cross.
+void enforce_rest(Run& run);
+
 [[noreturn]] void fail_without_crossings(const ConstrainResult& failed);
 
 }  // namespace gcdt

@@ -79,16 +79,6 @@ TEST_CASE("distinct vertices are counted where given ones are not") {
   CHECK(make_plan(threads, {}, {1, 3000, 2000}).check == By::one);
 }
 
-TEST_CASE("where constraints of some problem cross, all are enforced together") {
-  PlannedSizes sizes = many(100, 10000, 100);
-  REQUIRE(make_plan(threads, {}, sizes).constraints == By::each);
-  sizes.crossing = true;
-  const Plan plan = make_plan(threads, {}, sizes);
-  CHECK(plan.constraints == By::all);
-  CHECK(plan.output == By::all);
-  CHECK(plan.problems == By::each);
-}
-
 TEST_CASE("limits by device") {
   const Tuning usual;
   for (const PlannedDevice& device : {gpu, threads, lanes, accelerator}) {
@@ -107,7 +97,7 @@ TEST_CASE("limits by device") {
     // A launch of many problems is as long as one of 2^24 vertices, or has a group for each.
     CHECK(make_plan(device, usual, many(10, 100, 10)).problems_of_launch ==
           (few ? device.groups : std::max<std::uint32_t>(device.groups, (1u << 24) / 10)));
-    CHECK(make_plan(device, usual, many(10, 100, 10)).all_pairs == 0);
+    CHECK(make_plan(device, usual, many(10, 100, 10)).all_pairs == (few ? 2048 : 65536));
   }
   Tuning none;
   none.part_pool = 0;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "agreement.hpp"
+#include "device/tuning.hpp"
 #include "polygons.hpp"
 
 using namespace gcdt;
@@ -116,6 +117,39 @@ TEST_CASE("queries on a decimal grid are the decimals that they read as; those n
   } catch (const Error& error) {
     CHECK(error.status() == Status::coordinate_not_finite);
     CHECK(error.indices() == std::vector<std::uint64_t>{1, 1});
+  }
+}
+
+TEST_CASE("more queries than are on the device at once have numbers of their own, in errors, too") {
+  const std::vector<std::array<double, 2>> points = {{0, 0}, {4, 0}, {0, 4}, {4, 4}, {1, 2}};
+  const Result result = solver().solve(points);
+  const std::size_t count = Tuning::queries_at_once + 5;
+  std::vector<std::array<double, 2>> queries(count);
+  for (std::size_t i = 0; i < count; ++i) queries[i] = {double(i % 11) / 2, double(i % 7) / 2};
+  std::vector<std::array<double, 3>> weights;
+  const auto triangles = result.locate(queries, &weights);
+  const auto values = result.interpolate(queries, std::vector<double>{0, 4, 4, 8, 3}, -1);
+  CHECK(result.locate(queries) == triangles);
+  for (const std::size_t first : {std::size_t{0}, count - 77}) {
+    CAPTURE(first);
+    const std::vector<std::array<double, 2>> some(queries.begin() + std::ptrdiff_t(first),
+                                                  queries.begin() + std::ptrdiff_t(first + 77));
+    std::vector<std::array<double, 3>> own_weights;
+    const auto own = result.locate(some, &own_weights);
+    CHECK(std::vector<std::int32_t>(triangles.begin() + std::ptrdiff_t(first),
+                                    triangles.begin() + std::ptrdiff_t(first + 77)) == own);
+    for (std::size_t i = 0; i < 77; ++i) {
+      CHECK(weights[first + i] == own_weights[i]);
+      CHECK(values[first + i] == (own[i] < 0 ? -1 : doctest::Approx(some[i][0] + some[i][1])));
+    }
+  }
+  queries[count - 2][1] = std::numeric_limits<double>::quiet_NaN();
+  try {
+    result.locate(queries);
+    FAIL_CHECK("nothing was thrown");
+  } catch (const Error& error) {
+    CHECK(error.indices() == std::vector<std::uint64_t>{count - 2, 1});
+    CHECK(std::string(error.what()) == "y of query " + std::to_string(count - 2) + " is not a finite number");
   }
 }
 
