@@ -24,14 +24,14 @@ Fans make_fans(runtime::Runtime& runtime, Primitives& primitives, const Vertices
   runtime.launch("fans", "fans_count", over(faces), faces, n, mesh.face_data, fans.begins, offsets);
   primitives.exclusive_scan(offsets, offsets, faces);
   auto corners = runtime.allocate<cl_uint>("corners of elements", count);
-  auto links = runtime.allocate<cl_uint2>("links", count), doubled = runtime.allocate<cl_uint2>("doubled links", count);
+  auto links = runtime.allocate<cl_uint2>("links", count);
   runtime.launch("fans", "fans_link", over(faces), faces, n, mesh.face_data, mesh.edge_faces, fans.begins, offsets,
                  corners, links, fans.faces, counters.buffer());
   runtime.launch("fans", "fans_cut", over(count), count, mesh.face_data, fans.begins, corners, fans.faces, links);
-  // Ends: no fan is longer than all of them.
+  // The first elements are not needed any more: links and faces take turns. Ends: no fan is longer than all of them.
   for (std::uint64_t reach = 1; reach < count; reach *= 2) {
-    runtime.launch("fans", "fans_double", over(count), count, links, doubled);
-    std::swap(links, doubled);
+    runtime.launch("fans", "fans_double", over(count), count, links, fans.faces);
+    std::swap(links, fans.faces);
   }
   runtime.launch("fans", "fans_place", over(count), count, mesh.face_data, fans.begins, corners, links, fans.faces,
                  counters.buffer());

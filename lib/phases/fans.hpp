@@ -19,7 +19,7 @@ Fans no_fans(runtime::Runtime& runtime);
 
 /// The fans of all vertices with GCDT_FAN_LEAST faces and more. Their elements are at most 2.3 n: edges between such
 /// vertices and others form a planar bipartite graph, so there are at most two a vertex, and the few among themselves
-/// three each. Takes 12 bytes a vertex and 28 an element. Blocks. Sets counters' failure bits if faces around a vertex
+/// three each. Takes 12 bytes a vertex and 20 an element. Blocks. Sets counters' failure bits if faces around a vertex
 /// form no ring.
 Fans make_fans(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, const Mesh& mesh,
                PhaseCounters& counters);

@@ -43,12 +43,12 @@ std::uint64_t hexagons(const Sizes& s) { return std::min(s.crossed_faces, s.cros
 // Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
 std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
 
-// Fans (phases/fans.hpp): beginnings, elements of faces, and 28 bytes for each of at most 2.3 n elements. Beside them
+// Fans (phases/fans.hpp): beginnings, elements of faces, and 20 bytes for each of at most 2.3 n elements. Beside them
 // the history, and of constraints, which are no pieces yet, input, ends and number, crossed faces, lines and what parts
 // have (beginnings, pieces, faces twice, hits).
 std::uint64_t fan_step(const Sizes& s) {
   const std::uint64_t elements = 23 * s.n / 10;
-  return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 28 * elements +
+  return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 20 * elements +
          (8 + 12 + 4 + 16 + 24) * s.m;
 }
 

@@ -36,6 +36,22 @@ Input wheel(std::int64_t rim) {
   return input;
 }
 
+/// Points on a circle around a hub, most of them in a sixth of it, and constraints from the hub to a third of them: the
+/// middle of a fan is far from the middle of its angles. `turned`: by how many eighths.
+Input uneven_wheel(std::int64_t rim, int turned) {
+  Input input{"uneven wheel " + std::to_string(turned), {{1 << 20, 1 << 20}}, {}};
+  const double pi = 3.14159265358979;
+  for (std::int64_t i = 0; i < rim; ++i) {
+    const double whole = static_cast<double>(i) / static_cast<double>(rim);
+    const double at = whole < 0.7 ? whole / 0.7 / 6 : 1.0 / 6 + (whole - 0.7) / 0.3 * 5 / 6;
+    const double angle = 2 * pi * at + pi / 4 * turned;
+    input.points.push_back({(1 << 20) + static_cast<std::int64_t>(1e6 * std::cos(angle)),
+                            (1 << 20) + static_cast<std::int64_t>(1e6 * std::sin(angle))});
+    if (i % 3 == 0) input.constraints.push_back({0, static_cast<std::uint32_t>(i + 1)});
+  }
+  return input;
+}
+
 /// A row between two hubs, which are on the hull and have a constraint between them: across the row, or through a
 /// vertex of it. Constraints from one hub to the row beside.
 Input row(std::int64_t length, bool through_vertex) {
@@ -48,7 +64,11 @@ Input row(std::int64_t length, bool through_vertex) {
   return input;
 }
 
-std::vector<Input> inputs() { return {wheel(1200), row(1000, false), row(1000, true)}; }
+std::vector<Input> inputs() {
+  std::vector<Input> all = {wheel(1200), row(1000, false), row(1000, true)};
+  for (int turned = 0; turned < 8; ++turned) all.push_back(uneven_wheel(700, turned));
+  return all;
+}
 
 /// The input's constraints among its vertices as a mesh has numbered them.
 std::vector<Constraint> renumbered(const Input& input, const std::vector<Point>& points) {
