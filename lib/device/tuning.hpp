@@ -28,9 +28,9 @@ struct Tuning {
   /// a million vertices are 7 % faster where they are random, and 45 % slower on a grid.)
   std::uint32_t coarsest_level = 256;
   /// How much less deep than evenly spread vertices of a level those have to be that come early because they are
-  /// isolated, in depths of the quadtree (phases/levels.hpp): 2 is the least at which a table of levels, 8 bytes a
-  /// vertex and a sort, is not made for uniform vertices (NOTES, "Isolated vertices").
-  int isolation_margin = 2;
+  /// isolated, in depths of the quadtree (phases/levels.hpp): with less, islands of a map come too early; with more,
+  /// chains stay (NOTES, "Isolated vertices").
+  int isolation_margin = 4;
   /// There are dense rows where so many times as many vertices are deep as of evenly spread ones, and so many more: a
   /// thin ring of random vertices has 26 times as many, and no chains of flips; few vertices make short chains.
   std::uint32_t times_evenly = 64, least_row = 256;

@@ -120,7 +120,7 @@ TEST_CASE("few vertices less deep than a row are of the coarsest level, and thei
     REQUIRE(chosen.levels.n == counts.ranks);
     const std::uint32_t allowed = by_rank.begin[1] / Tuning::share_isolated;
     // Down to depth 1, which is too full, or as far below the median, 16, as the coarsest level is above the finest.
-    CHECK(chosen.by_depth.below[0] == (few <= allowed ? 16 + 1 - (by_rank.count - 1) - 2 : 1));
+    CHECK(chosen.by_depth.below[0] == (few <= allowed ? 16 + 1 - (by_rank.count - 1) - Tuning().isolation_margin : 1));
     for (std::uint32_t j = 0; j + 1 < by_rank.count; ++j) {
       CHECK(chosen.levels.begin[j + 1] >= by_rank.begin[j + 1]);
       CHECK(chosen.levels.begin[j + 1] <= by_rank.begin[j + 1] + by_rank.begin[j + 1] / Tuning::share_isolated);
