@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fan of a vertex: the faces around it, counter-clockwise, in one array. Finding the one that a direction points
 // into takes bisection then, not a turn around the vertex, which can have as many faces as there are vertices; and a
-// launch lasts as long as its longest walk. Vertices of many faces have fans, and
-// only once a walk has taken too long (kernels/constrain/fans.cl, lib/phases/fans.hpp). OpenCL C and
-// C++17 the least number, OpenCL C all else.
+// launch lasts as long as its longest walk. Vertices of many faces have fans, and only once a walk has taken too long
+// (kernels/constrain/fans.cl, lib/phases/fans.hpp). OpenCL C and C++17 the least number, OpenCL C all else.
 #ifndef GCDT_FAN_H
 #define GCDT_FAN_H
 
@@ -34,7 +33,7 @@ static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] >
 // The face of vertex v's fan, which there is, whose closure holds a point next to v towards b; of two, the one left of
 // the line. Directions are compared by their angles counter-clockwise from the first corner y of the fan: that of b is
 // above 180 degrees if y lies left of v -> b, below if right, and 0 or 180 if y lies on the line: 0 where the next
-// corner lies left. A corner is beyond b in this order
+// corner lies left. A corner is beyond b in this order,
 //   y left:   if it is left, too, and clockwise of y
 //   y right:  unless it is y, or right or on the line, and counter-clockwise of y
 //   y on it:  unless it is y, or right or on the line, with 180 degrees
