@@ -51,10 +51,13 @@ struct Arguments {
   std::vector<std::string> sets;
 };
 
+constexpr const char* policies[] = {"reject", "drop", "split"};  // as Crossing
+
 bool read_policy(const std::string& name, Crossing& policy) {
-  if (name == "drop") policy = Crossing::drop;
-  if (name == "split") policy = Crossing::split;
-  return name == "reject" || name == "drop" || name == "split";
+  const auto* found = std::find(std::begin(policies), std::end(policies), name);
+  if (found == std::end(policies)) return false;
+  policy = static_cast<Crossing>(found - std::begin(policies));
+  return true;
 }
 
 bool parse(int argc, char** argv, Arguments& arguments) {
@@ -257,7 +260,6 @@ bool time_crossing(const std::string& set, const Arguments& arguments) {
     times.push_back(ms);
     rest_times.push_back(rest_ms);
   }
-  const char* policies[] = {"reject", "drop", "split"};
   Object row;
   row.add("set", set.empty() ? "auto" : set).add("workload", "crossed_sketches");
   row.add("policy", policies[static_cast<int>(arguments.policy)]);

@@ -67,8 +67,9 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
   uint steps = 0, hit = 0;
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
-    const uint before = task == CLEAN_ALL ? 0u : offsets[part + 1u] - offsets[part];
-    if (part < parts && (task == CLEAN_ALL || (task == CLEAN_REST ? searched[part] == GCDT_NONE : before > 0u))) {
+    const uint before = task == GCDT_CLEAN_ALL ? 0u : offsets[part + 1u] - offsets[part];
+    if (part < parts &&
+        (task == GCDT_CLEAN_ALL || (task == GCDT_CLEAN_REST ? searched[part] == GCDT_NONE : before > 0u))) {
       const uint c = part_piece[part];
       Walk w;
       uint event =
@@ -76,7 +77,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
         if (event == WALK_HIT) {
-          if (task == CLEAN_WRITE) hits[offsets[part] + found] = w.hit;
+          if (task == GCDT_CLEAN_WRITE) hits[offsets[part] + found] = w.hit;
           ++found;
           event = walk_turn(&w, walked, w.hit, &steps);
         } else {
@@ -85,8 +86,8 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
         }
       }
       if (event == WALK_END) {
-        if (task != CLEAN_WRITE && edges > 0u) atomic_add(crossed + list[c], edges);
-      } else if (task == CLEAN_ALL) {
+        if (task != GCDT_CLEAN_WRITE && edges > 0u) atomic_add(crossed + list[c], edges);
+      } else if (task == GCDT_CLEAN_ALL) {
         part_face[part] = GCDT_NONE;
         found = 0u;
         atomic_inc(&counters->unfinished);
@@ -97,11 +98,11 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
     } else {
       found = before;
     }
-    if (task != CLEAN_WRITE) counts[part] = found;
+    if (task != GCDT_CLEAN_WRITE) counts[part] = found;
   }
-  add_for_group(&sum, &counters->steps_low, &counters->steps_high, task == CLEAN_WRITE ? 0u : steps);
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, task == GCDT_CLEAN_WRITE ? 0u : steps);
   hit = sum_of_group(&sum, hit);
-  if (get_local_id(0) == 0 && task != CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
+  if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
 }
 
 static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,

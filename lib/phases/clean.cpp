@@ -111,7 +111,7 @@ Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const Kept& kept, const P
   found.crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
   found.offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   found.hits = runtime_.allocate<cl_uint>("vertices on constraints", 0);
-  launch_walk(CLEAN_ALL, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
+  launch_walk(GCDT_CLEAN_ALL, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
   primitives_.exclusive_scan(found.offsets, found.offsets, parts.capacity);
   if (counters.read().unfinished > 0) walk_rest(walked, kept, parts, found, counters);
   if (counters.last().failed) throw Error(Status::check_failed, "clean: a walk along a constraint left the mesh");
@@ -128,7 +128,7 @@ void Cleaner::walk_rest(const WalkedMesh& walked, const Kept& kept, const PieceP
   runtime_.copy(searched, found.begins.faces, parts.capacity);
   find_missing_faces(runtime_, walked, kept.ends, kept.count, parts, found.begins, counters);
   auto counts = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
-  launch_walk(CLEAN_REST, walked, kept, parts, found, searched, counts, counters);
+  launch_walk(GCDT_CLEAN_REST, walked, kept, parts, found, searched, counts, counters);
   primitives_.exclusive_scan(counts, counts, parts.capacity);
   found.offsets = std::move(counts);
   counters.read();
@@ -139,7 +139,7 @@ void Cleaner::write_hits(const WalkedMesh& walked, const Kept& kept, const Piece
   const cl_uint hits = counters.last().hits;
   if (hits == 0) return;
   found.hits = runtime_.allocate<cl_uint>("vertices on constraints", hits);
-  launch_walk(CLEAN_WRITE, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
+  launch_walk(GCDT_CLEAN_WRITE, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
 }
 
 CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {

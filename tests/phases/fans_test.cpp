@@ -112,6 +112,10 @@ struct Walked : MeshOnDevice {
     if (flipped) history = freeze_all(runtime, vertices, mesh);
     counters.zero();
   }
+  CleanResult clean(Primitives& primitives) {
+    const auto staged = stage(runtime, constraints);
+    return Cleaner(runtime, primitives, vertices, staged, n()).clean(walked(), {}, counters);
+  }
   std::vector<Constraint> constraints;
 };
 
@@ -156,9 +160,7 @@ TEST_CASE("fans are the faces around vertices with many, in their order, from a 
 TEST_CASE("constraints that begin at a vertex with many faces, or pass through it, are split where vertices are") {
   on_all([](runtime::Runtime& runtime, const Input& input, bool flipped, Walked& walked) {
     Primitives primitives(runtime);
-    const auto staged = stage(runtime, walked.constraints);
-    Cleaner cleaner(runtime, primitives, walked.vertices, staged, walked.n());
-    const CleanResult clean = cleaner.clean(walked.walked(), {}, walked.counters);
+    const CleanResult clean = walked.clean(primitives);
     if (flipped) CHECK(walked.history.fans.made);  // else the hub may be a late vertex, with few faces
     const std::set<Constraint> expected = expected_pieces(walked.points, walked.constraints);
     CHECK(read_pieces(runtime, clean.pieces) == expected);
@@ -179,9 +181,7 @@ TEST_CASE("a walk does not turn past all faces of a vertex") {
     Walked walked(*device.runtime, input, true);
     walked.plan.least_parts = walked.plan.most_parts = 0;  // whole constraints
     Primitives primitives(*device.runtime);
-    const auto staged = stage(*device.runtime, walked.constraints);
-    Cleaner cleaner(*device.runtime, primitives, walked.vertices, staged, walked.n());
-    cleaner.clean(walked.walked(), {}, walked.counters);
+    walked.clean(primitives);
     const device::Counters& c = walked.counters.last();
     const std::uint64_t steps = wide(c.steps_low, c.steps_high), walks = input.constraints.size();
     CHECK(steps > walks);
@@ -203,10 +203,7 @@ TEST_CASE("inputs whose vertices have few faces make no fans") {
     for (std::uint32_t i = 0; i < 40; ++i) input.constraints.push_back({i, i + 2000});
     Walked walked(runtime, input, false);
     Primitives primitives(runtime);
-    const auto staged = stage(runtime, walked.constraints);
-    Cleaner cleaner(runtime, primitives, walked.vertices, staged, walked.n());
-    CHECK(read_pieces(runtime, cleaner.clean(walked.walked(), {}, walked.counters).pieces) ==
-          expected_pieces(walked.points, walked.constraints));
+    CHECK(read_pieces(runtime, walked.clean(primitives).pieces) == expected_pieces(walked.points, walked.constraints));
     CHECK(!walked.history.fans.made);
   }
 }
