@@ -25,11 +25,7 @@ typedef struct Appender {
 // but through appenders in the same launch.
 GCDT_GIVEN_LOCAL Appender make_appender(local uint* items, local uint* gathered, global uint* list,
                                         volatile global uint* length) {
-  Appender a;
-  a.items = items;
-  a.gathered = gathered;
-  a.list = list;
-  a.length = length;
+  const Appender a = {.items = items, .gathered = gathered, .list = list, .length = length};
   if (get_local_id(0) == 0) gathered[0] = 0u;
   barrier(CLK_LOCAL_MEM_FENCE);
   return a;

@@ -49,13 +49,8 @@ typedef struct History {
   uint begin, uint end, global uint4 *top, global uint *vertex_face, global uint4 *nodes, global uint *shape
 
 static inline History make_history(GCDT_HISTORY_PARAMETERS) {
-  History h;
-  h.begin = begin;
-  h.end = end;
-  h.top = top;
-  h.vertex_face = vertex_face;
-  h.nodes = nodes;
-  h.shape = shape;
+  const History h = {
+      .begin = begin, .end = end, .top = top, .vertex_face = vertex_face, .nodes = nodes, .shape = shape};
   return h;
 }
 

@@ -18,12 +18,8 @@ typedef struct Mesh {
 #define GCDT_MESH_PARAMETERS uint n, global const int2 *points, global uint4 *face_data, global uint *edge_faces
 
 static inline Mesh make_mesh(GCDT_MESH_PARAMETERS) {
-  Mesh mesh;
-  mesh.n = n;
-  mesh.roots = root_count(points, n);
-  mesh.points = points;
-  mesh.face_data = face_data;
-  mesh.edge_faces = edge_faces;
+  const Mesh mesh = {
+      .n = n, .roots = root_count(points, n), .points = points, .face_data = face_data, .edge_faces = edge_faces};
   return mesh;
 }
 

@@ -189,11 +189,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
                           volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  Chunks chunks;
-  chunks.heads = heads;
-  chunks.entries = entries;
-  chunks.pool = capacity;
-  chunks.capacity = chunk_capacity;
+  const Chunks chunks = {.heads = heads, .entries = entries, .pool = capacity, .capacity = chunk_capacity};
   const uint parts = begins[pieces];
   uint all_left = 0, all_right = 0;
   FOR_EACH(part, capacity) {
@@ -277,11 +273,7 @@ kernel void constrain_chain(uint pieces, uint taken, uint capacity, uint n, glob
                             global const uint* starts, global const ChunkHead* heads, global const uint2* entries,
                             global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
                             global uint* chain_side, volatile global Counters* counters) {
-  Chains chains;
-  chains.vertex = chain_vertex;
-  chains.piece = chain_piece;
-  chains.distance = chain_distances;
-  chains.side = chain_side;
+  const Chains chains = {.vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .side = chain_side};
   const uint parts = begins[pieces];
   FOR_EACH(i, GCDT_CHUNK_LENGTH * (parts + taken)) {
     const uint j = i % GCDT_CHUNK_LENGTH, own = i / GCDT_CHUNK_LENGTH,

@@ -21,10 +21,7 @@ typedef struct Fans {
 #define GCDT_FAN_PARAMETERS uint fans_made, global const uint *fan_begins, global const uint2 *fan_faces
 
 static inline Fans make_fans(GCDT_FAN_PARAMETERS) {
-  Fans f;
-  f.made = fans_made;
-  f.begins = fan_begins;
-  f.faces = fan_faces;
+  const Fans f = {.made = fans_made, .begins = fan_begins, .faces = fan_faces};
   return f;
 }
 

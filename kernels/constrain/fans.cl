@@ -11,9 +11,7 @@ typedef struct Elements {
 } Elements;
 
 static inline Elements make_elements(global const uint* begins, global const uint* offsets) {
-  Elements e;
-  e.begins = begins;
-  e.offsets = offsets;
+  const Elements e = {.begins = begins, .offsets = offsets};
   return e;
 }
 

@@ -138,12 +138,11 @@ kernel void retriangulate_chains(uint length, uint right_begin, uint pieces, con
                                  global const uint* crossed_edges, global uint4* face_data, global uint* edge_faces,
                                  global uint* edge_marks, global uint* roots, volatile global Counters* counters) {
   local uint taken[2];
-  Chains chains;
-  chains.vertex = chain_vertex;
-  chains.distance = chain_distances;
-  chains.piece = chain_piece;
-  chains.right_begin = right_begin;
-  chains.pieces = pieces;
+  const Chains chains = {.vertex = chain_vertex,
+                         .distance = chain_distances,
+                         .piece = chain_piece,
+                         .right_begin = right_begin,
+                         .pieces = pieces};
   FOR_EACH_TILE(tile, length) {
     const uint i = tile + get_local_id(0);
     uint p = 0, q = 0, t = GCDT_NONE, parent = GCDT_NONE;

@@ -27,17 +27,12 @@ typedef struct Queue {
 } Queue;
 
 GCDT_GIVEN_LOCAL Queue make_list_queue(volatile global uint* marks, Appender list) {
-  Queue q;
-  q.marks = marks;
-  q.listed = true;
-  q.list = list;
+  const Queue q = {.marks = marks, .listed = true, .list = list};
   return q;
 }
 
 static inline Queue make_mark_queue(volatile global uint* marks) {
-  Queue q;
-  q.marks = marks;
-  q.listed = false;
+  const Queue q = {.marks = marks, .listed = false};
   return q;
 }
 
@@ -321,11 +316,10 @@ kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_
   DECLARE_APPENDER(gathered);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  OwnLists own;
-  own.list = list;
-  own.illegal = illegal;
-  own.tests = &counters->list_test[round % 3u];
-  own.found = &counters->list_flip[round & 1u];
+  const OwnLists own = {.list = list,
+                        .illegal = illegal,
+                        .tests = &counters->list_test[round % 3u],
+                        .found = &counters->list_flip[round & 1u]};
   uint flips = 0;
   const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);

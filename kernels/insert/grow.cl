@@ -23,12 +23,11 @@ typedef struct Owner {
 
 static inline Owner make_owner(uint stamp, uint bits, global uint* edge_marks, global uint* queue,
                                volatile global uint* queued) {
-  Owner o;
-  o.claim = make_claim(stamp, bits);
-  o.ticket = (stamp << bits) | (uint)get_global_id(0);
-  o.marks = edge_marks;
-  o.queue = queue;
-  o.queued = queued;
+  const Owner o = {.claim = make_claim(stamp, bits),
+                   .ticket = (stamp << bits) | (uint)get_global_id(0),
+                   .marks = edge_marks,
+                   .queue = queue,
+                   .queued = queued};
   return o;
 }
 

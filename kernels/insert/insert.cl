@@ -20,11 +20,7 @@ typedef struct Round {
 } Round;
 
 static inline Round make_round(uint number, uint stamp, uint bits, uint first) {
-  Round r;
-  r.number = number;
-  r.stamp = stamp;
-  r.bits = bits;
-  r.first = first;
+  const Round r = {.number = number, .stamp = stamp, .bits = bits, .first = first};
   return r;
 }
 

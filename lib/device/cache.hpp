@@ -13,13 +13,13 @@
 
 namespace gcdt::cache {
 
-/// SHA-256 of `bytes`, 64 hexadecimal digits.
+/// FNV-1a of `bytes`, 128 bits as 32 hexadecimal digits.
 std::string digest(const std::string& bytes);
 
 /// The folder; empty if the cache is off or no place is known.
 std::filesystem::path folder();
 
-/// A file name for what `parts` determine; other parts, other name.
+/// A file name for what `parts` determine. Other parts give another name, but for equal digests.
 std::string entry(const char* kind, const std::vector<std::string>& parts);
 
 /// The content stored under `entry`, if it is there and whole. A damaged file is deleted.
