@@ -9,6 +9,10 @@
 // Faces of a vertex that has a fan, at least; and those that a walk passes, at most, before it asks for fans.
 #define GCDT_FAN_LEAST 256u
 
+// Of the element with which a fan begins: another one leads to it. Elements are at most 2.3 n (lib/phases/fans.hpp),
+// below this.
+#define GCDT_RING_CLOSED 0x80000000u
+
 #ifdef __OPENCL_VERSION__
 #include "common/mesh.h"
 
@@ -36,15 +40,15 @@ static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] >
 //   y on it:  unless it is y, or right or on the line, with 180 degrees
 // Corners of one fan point into distinct directions, less than 180 degrees from one to the next. Ends: the range
 // halves.
-static uint face_of_fan(Fans f, Mesh mesh, uint v, Vertex at, Vertex b, private uint* steps) {
+static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Vertex at, Vertex b, private uint* steps) {
   const uint begin = f.begins[v];
   uint low = begin, high = f.begins[v + 1u];
-  const Vertex y = load_vertex(mesh.points, mesh.n, f.faces[begin].y);
+  const Vertex y = load_vertex(points, n, f.faces[begin].y);
   const int first = gcdt_sign64(gcdt_orient2d(at, b, y));
-  if (first == 0 && gcdt_orient2d(at, b, load_vertex(mesh.points, mesh.n, f.faces[begin + 1u].y)) > 0) high = low + 1u;
+  if (first == 0 && gcdt_orient2d(at, b, load_vertex(points, n, f.faces[begin + 1u].y)) > 0) high = low + 1u;
   while (high - low > 1u) {
     const uint middle = low + (high - low) / 2u;
-    const Vertex corner = load_vertex(mesh.points, mesh.n, f.faces[middle].y);
+    const Vertex corner = load_vertex(points, n, f.faces[middle].y);
     const int side = gcdt_sign64(gcdt_orient2d(at, b, corner)), turn = gcdt_sign64(gcdt_orient2d(at, y, corner));
     const bool beyond = first > 0 ? side > 0 && turn < 0 : first < 0 ? side > 0 || turn < 0 : side > 0;
     ++*steps;

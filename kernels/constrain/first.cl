@@ -8,7 +8,7 @@
 // The face of v's fan that the germ's line to `other` begins in, if its closure holds the germ, too; else GCDT_NONE.
 static uint germ_beside(Fans fans, Mesh mesh, Germ g, uint v, Vertex at, Vertex other, private uint* steps) {
   if (!has_fan(fans, v)) return GCDT_NONE;
-  const uint face = face_of_fan(fans, mesh, v, at, other, steps);
+  const uint face = face_of_fan(fans, mesh.points, mesh.n, v, at, other, steps);
   if (g.k == 0u) return face;
   const uint4 c = mesh.face_data[GCDT_CORNERS(face)];
   const Vertex x = load_vertex(mesh.points, mesh.n, c.x), y = load_vertex(mesh.points, mesh.n, c.y),

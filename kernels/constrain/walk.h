@@ -198,7 +198,7 @@ static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
 static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* steps) {
   const Mesh mesh = walked.mesh;
   if (has_fan(walked.fans, z))
-    w->face = face_of_fan(walked.fans, mesh, z, load_vertex(mesh.points, mesh.n, z), w->vb, steps);
+    w->face = face_of_fan(walked.fans, mesh.points, mesh.n, z, load_vertex(mesh.points, mesh.n, z), w->vb, steps);
   for (uint step = 0; step < walked.patience; ++step) {
     ++*steps;
     const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];

@@ -12,11 +12,6 @@
 #include "order/decimals.h"
 #include "query/locate.h"
 
-// A corner is the number of an input vertex (`by_input`) or of a vertex.
-GCDT_INLINE uint vertex_of(global const uint* input_vertex, uint by_input, uint corner) {
-  return by_input ? input_vertex[corner] : corner;
-}
-
 // Three points of triangle t.
 typedef struct Corners {
   Vertex at[3];
@@ -114,11 +109,11 @@ kernel void locate_start(const uint count, global const Levels* levels, global c
   }
 }
 
-// A number below 3 without a pattern.
-GCDT_INLINE uint first_edge(uint query, uint step) {
+// A number without a pattern.
+GCDT_INLINE uint hash_of(uint query, uint step) {
   uint x = (query ^ (step * 0x9E3779B1u)) * 0x85EBCA6Bu;
   x ^= x >> 15;
-  return (x * 0xC2B2AE35u >> 16) % 3u;
+  return x * 0xC2B2AE35u >> 16;
 }
 
 // The first edge from `first` on that has the query beyond it; 3: none. Not a loop: a driver that ends loops after some
@@ -130,24 +125,64 @@ GCDT_INLINE uint edge_to_cross(Corners c, uint first, Vertex query) {
   return area_across(c, third, query) < 0 ? third : 3u;
 }
 
+// The triangle of vertex v's fan that the query's direction from v, `at`, points into. On the convex hull the fan is
+// open, and its directions span at most 180 degrees: the last of its triangles that has the query left of its ray, or
+// on it; if the query is outside of the fan, the first or the last triangle. Ends: the range halves.
+static uint triangle_towards(Fans fans, uint v, Vertex query, global const uint* corners, global const int* neighbours,
+                             uint by_input, global const uint* input_vertex, global const int2* points, uint n) {
+  const Vertex at = vertex_at(points, v);
+  const uint begin = fans.begins[v], first = fans.faces[begin].x;
+  uint k = 0u;
+  while (k < 2u && vertex_of(input_vertex, by_input, corners[3u * first + k]) != v) ++k;
+  uint steps = 0u;
+  if (neighbours[3u * first + previous_corner(k)] >= 0) return face_of_fan(fans, points, n, v, at, query, &steps);
+  uint low = begin, high = fans.begins[v + 1u];
+  while (high - low > 1u) {
+    const uint middle = low + (high - low) / 2u;
+    if (gcdt_orient2d_finite(at, vertex_at(points, fans.faces[middle].y), query) >= 0)
+      low = middle;
+    else
+      high = middle;
+  }
+  return fans.faces[low].x;
+}
+
 // One work-item per query, in sorted order.
-// Reads keys and the mesh. Writes places[i], and *pending by atomic_or.
+// Reads keys, the mesh and its fans. Writes places[i], and *pending by atomic_or.
 // Word i has one reader and writer.
-// After this kernel the query has arrived, is known to be outside, or is GCDT_LOCATE_STEPS triangles further
-// and *pending is 1. The loop ends after that many steps.
-kernel void locate_walk(const uint count, const uint round, global const uint* corners, global const int* neighbours,
-                        const uint by_input, global const uint* input_vertex, global const int2* points,
-                        global const ulong* keys, global uint* places, volatile global uint* pending) {
+// After this kernel the query has arrived, is known to be outside, or is `most` steps further and *pending is 1. The
+// loop ends after that many steps.
+//
+// At a vertex that has a fan a step turns around it as far as the query's direction, by bisection: the same triangles
+// that a walk over edges at that vertex goes through, since it turns by less than 180 degrees. So in a Delaunay
+// triangulation these walks end, too. Every second such step, by the hash, goes over one edge all the same: in a
+// constrained triangulation walks must not be without a choice (above).
+kernel void locate_walk(const uint count, const uint begun, const uint most, global const uint* corners,
+                        global const int* neighbours, const uint by_input, global const uint* input_vertex,
+                        const uint n, global const int2* points, GCDT_FAN_PARAMETERS, global const ulong* keys,
+                        global uint* places, volatile global uint* pending) {
+  const Fans fans = make_fans(fans_made, fan_begins, fan_faces);
   FOR_EACH(i, count) {
     uint t = places[i];
     if (t == GCDT_NONE || (t & GCDT_ARRIVED)) continue;
     const Vertex query = query_of(keys[i]);
-    for (uint step = 0; step < GCDT_LOCATE_STEPS; ++step) {
+    for (uint step = 0; step < most; ++step) {
       const Corners c = corners_of(corners, t, input_vertex, by_input, points);
-      const uint k = edge_to_cross(c, first_edge(i, round * GCDT_LOCATE_STEPS + step), query);
+      const uint hash = hash_of(i, begun + step), k = edge_to_cross(c, hash % 3u, query);
       if (k == 3u) {
         t |= GCDT_ARRIVED;
         break;
+      }
+      if (fans.made && (hash & 0x100u)) {
+        uint v = vertex_of(input_vertex, by_input, corners[3u * t + next_corner(k)]);
+        if (!has_fan(fans, v)) v = vertex_of(input_vertex, by_input, corners[3u * t + previous_corner(k)]);
+        const uint there =
+            has_fan(fans, v) ? triangle_towards(fans, v, query, corners, neighbours, by_input, input_vertex, points, n)
+                             : t;
+        if (there != t) {
+          t = there;
+          continue;
+        }
       }
       const int across = neighbours[3u * t + k];
       t = (uint)across;  // -1, beyond an edge of the convex hull, is GCDT_NONE

@@ -4,6 +4,7 @@
 #define GCDT_LOCATE_H
 
 #include "common/levels.h"
+#include "constrain/fan.h"
 
 // The key of a query that is not on the grid: above every Morton code.
 #define GCDT_OFF_GRID ((u64)1 << GCDT_MORTON_BITS)
@@ -13,7 +14,16 @@
 // once that holds the query; GCDT_NONE: outside.
 #define GCDT_ARRIVED 0x80000000u
 
-// Triangles that a walk goes through in one launch at most.
+// Triangles that a walk goes through in one launch at most; in the first one fewer, after which fans are made.
 #define GCDT_LOCATE_STEPS 1024u
+#define GCDT_LOCATE_FIRST_STEPS GCDT_FAN_LEAST
+
+#ifdef __OPENCL_VERSION__
+// A corner is the number of an input vertex (`by_input`) or of a vertex.
+GCDT_INLINE uint vertex_of(global const uint* input_vertex, uint by_input, uint corner) {
+  return by_input ? input_vertex[corner] : corner;
+}
+
+#endif
 
 #endif

@@ -162,7 +162,8 @@ struct Selection {
     auto seeds = runtime.filled<cl_uint>("seeds of regions", regions, GCDT_NONE);
     if (points.empty()) return seeds;
     if (!starts.allocated()) starts = least_triangles(runtime, vertices, mesh, false);
-    const SearchMesh searched = {vertices, mesh, false, nullptr, mesh, starts, starts};
+    Fans fans;
+    const SearchMesh searched = {vertices, mesh, false, nullptr, mesh, starts, starts, fans};
     const Located located = locate(runtime, primitives, searched, stage(runtime, Points(points)));
     runtime.launch("domain", "mark_seeds", over(points.size()), static_cast<cl_uint>(points.size()), located.triangles,
                    region, seeds);

@@ -4,6 +4,7 @@
 
 #include "mesh/phase.hpp"
 #include "mesh/primitives.hpp"
+#include "phases/output.hpp"
 
 namespace gcdt {
 
@@ -23,5 +24,10 @@ Fans no_fans(runtime::Runtime& runtime);
 /// form no ring.
 Fans make_fans(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, const Mesh& mesh,
                PhaseCounters& counters);
+
+/// The same in a finished mesh that covers the convex hull; corners are numbers of input vertices (`by_input`) or of
+/// vertices. Fans of vertices on the hull are open: they begin with the face that none comes before.
+Fans make_result_fans(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices,
+                      const OrderedMesh& mesh, bool by_input, PhaseCounters& counters);
 
 }  // namespace gcdt

@@ -54,23 +54,36 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
   return queries;
 }
 
+void find_fans(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh) {
+  PhaseCounters counters(runtime);
+  counters.zero();
+  Fans fans = make_result_fans(runtime, primitives, mesh.vertices, mesh.all, mesh.by_input, counters);
+  if (counters.read().failed) throw Error(Status::check_failed, "locate: triangles around a vertex form no fan");
+  mesh.fans = std::move(fans);
+  primitives.release();
+}
+
 /// The triangle that each query has arrived in, in sorted order.
-Buffer<cl_uint> walk(Runtime& runtime, const SearchMesh& mesh, const Queries& queries) {
+Buffer<cl_uint> walk(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const Queries& queries) {
   auto places = runtime.allocate<cl_uint>("places of queries", queries.count);
   auto pending = runtime.allocate<cl_uint>("queries on their way", 1);
   runtime.launch("locate", "locate_start", over(queries.count), queries.count, mesh.vertices.levels_buffer,
                  mesh.vertices.points, queries.keys, mesh.starts, places);
+  if (!mesh.fans.begins.allocated()) mesh.fans = no_fans(runtime);
   // A straight way has at most as many triangles as there are; a walk that also turns back is given sixteen
   // times that.
   const std::uint64_t limit = 16 + 16ull * mesh.all.triangles / GCDT_LOCATE_STEPS;
-  for (cl_uint round = 0;; ++round) {
-    if (round == limit) throw Error(Status::round_limit, "locate: queries have not arrived after the limit of rounds");
+  cl_uint begun = 0, most = GCDT_LOCATE_FIRST_STEPS;
+  for (std::uint64_t round = 0; round < limit; ++round, begun += most, most = GCDT_LOCATE_STEPS) {
     runtime.fill<cl_uint>(pending, 0, 1);
-    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, round, mesh.all.corners,
-                   mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex, mesh.vertices.points,
-                   queries.keys, places, pending);
+    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, begun, most, mesh.all.corners,
+                   mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex, mesh.vertices.n(),
+                   mesh.vertices.points, cl_uint{mesh.fans.made}, mesh.fans.begins, mesh.fans.faces, queries.keys,
+                   places, pending);
     if (runtime.read_one(pending) == 0) return places;
+    if (!mesh.fans.made) find_fans(runtime, primitives, mesh);
   }
+  throw Error(Status::round_limit, "locate: queries have not arrived after the limit of rounds");
 }
 
 }  // namespace
@@ -106,7 +119,7 @@ Located locate(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh,
   }
   primitives.sort(queries.keys, queries.numbers, queries.count, GCDT_QUERY_KEY_BITS);
   primitives.release();
-  const Buffer<cl_uint> places = walk(runtime, mesh, queries);
+  const Buffer<cl_uint> places = walk(runtime, primitives, mesh, queries);
   const Buffer<cl_int> none = runtime.allocate<cl_int>("no selection", 0);
   runtime.launch("locate", "locate_finish", over(queries.count), queries.count, queries.keys, queries.numbers, places,
                  mesh.all.corners, mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex,

@@ -2,6 +2,7 @@
 // Point location on the device (kernels/query/locate.cl).
 #pragma once
 
+#include "phases/fans.hpp"
 #include "phases/order.hpp"
 #include "phases/output.hpp"
 
@@ -16,6 +17,7 @@ struct SearchMesh {
   const OrderedMesh& result;               ///< `all` itself if all are kept
   const runtime::Buffer<cl_uint>& starts;  ///< least triangle of `all` at each vertex (least_triangles)
   const runtime::Buffer<cl_uint>& least;   ///< the same of `result`
+  Fans& fans;                              ///< of `all`, made when a query's way is long
 };
 
 /// For each query: the least kept triangle that holds it, border included, or -1; the corners of that triangle; and for
@@ -36,7 +38,8 @@ runtime::Buffer<cl_int> least_triangles_by_input(runtime::Runtime& runtime, cons
 
 /// Rounds queries to the grid as vertices are, and locates them; a query off the grid is outside. Throws
 /// coordinate_not_finite, indices {query, axis}, where the first query has the number `first`, and round_limit. Needs
-/// about 100 bytes a query; blocks.
+/// about 100 bytes a query; blocks. Where a query is on its way for long, vertices with many triangles get fans, which
+/// later calls find in `mesh`.
 Located locate(runtime::Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const InputPoints& queries,
                std::uint64_t first = 0);
 

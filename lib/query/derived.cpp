@@ -90,8 +90,8 @@ Located Derived::locate(Runtime& runtime, Primitives& primitives, const DeviceTr
   find_least(runtime, result);
   const bool selected = result.kept.allocated();
   if (selected && !starts_.allocated()) starts_ = least_triangles(runtime, result.vertices, result.hull, true);
-  const SearchMesh mesh = {result.vertices, hull_mesh(result),           true,  selected ? &result.kept : nullptr,
-                           result.mesh,     selected ? starts_ : least_, least_};
+  const SearchMesh mesh = {result.vertices, hull_mesh(result),           true,   selected ? &result.kept : nullptr,
+                           result.mesh,     selected ? starts_ : least_, least_, fans_};
   return gcdt::locate(runtime, primitives, mesh, queries, first);
 }
 

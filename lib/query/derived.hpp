@@ -24,6 +24,7 @@ class Derived {
 
   runtime::Buffer<cl_uint> hull_, starts_, least_;  // starts_ only where a domain has left triangles out
   runtime::Buffer<cl_int> vertex_triangles_, edge_pieces_;
+  Fans fans_;  // for point location
 };
 
 /// The ends of pieces of a result, which are input numbers, as vertices.

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fans of all vertices with many faces (kernels/constrain/fan.h), of whatever mesh the program that includes this
+// reads. What follows a face around a vertex is known face by face; its place in the fan is found by list ranking: each
+// corner of such a vertex is an element, which points to the next one counter-clockwise, and in each round to the one
+// twice as far (Wyllie 1979). OpenCL C only.
+//
+// The program defines
+//   FACES_PARAMETERS, FACES          the arrays of its mesh as parameters and as arguments
+//   corners_of_face(FACES, t)        the corners of face t, numbers of vertices, or above them
+//   next_around(FACES, t, k, ...)    the next face counter-clockwise around corner k of face t, and its corner there,
+//   as
+//                                    4 * face + corner; GCDT_NONE if there is none, of which it may say in the counters
+//                                    that it is a failure
+//   begin_of_fan(FACES, t, k, c, n, at) the least of these is where the fan begins: element `at` itself, also with
+//                                    GCDT_RING_CLOSED, or GCDT_NONE if it may not begin with it
+#ifndef GCDT_FANS_H
+#define GCDT_FANS_H
+
+#include "constrain/fan.h"
+
+// Elements are numbered by face and corner: those of face t are offsets[t] ...
+typedef struct Elements {
+  global const uint* begins;   // of fans
+  global const uint* offsets;  // of faces
+} Elements;
+
+static inline bool is_centre(global const uint* begins, uint n, uint v) { return v < n && begins[v + 1u] > begins[v]; }
+
+// Of corner k of face t, whose corners are c; or where it would be.
+static inline uint element_of(Elements e, uint n, uint t, uint4 c, uint k) {
+  return e.offsets[t] + (k > 0u && is_centre(e.begins, n, c.x) ? 1u : 0u) +
+         (k > 1u && is_centre(e.begins, n, c.y) ? 1u : 0u);
+}
+
+// One work-item per face. Counts the faces of each vertex. No race: atomic additions, whose order cannot matter.
+kernel void fans_degrees(uint faces, uint n, FACES_PARAMETERS, volatile global uint* degrees) {
+  FOR_EACH(t, faces) {
+    const uint4 c = corners_of_face(FACES, t);
+    for (uint k = 0; k < 3u; ++k)
+      if (element(c, k) < n) atomic_inc(degrees + element(c, k));
+  }
+}
+
+// One work-item per vertex. Keeps the number of faces where it is at least GCDT_FAN_LEAST. No race: its own word.
+kernel void fans_choose(uint n, global uint* degrees) {
+  FOR_EACH(v, n) {
+    if (degrees[v] < GCDT_FAN_LEAST) degrees[v] = 0u;
+  }
+}
+
+// One work-item per face. Writes how many elements it has. No race: its own word.
+kernel void fans_count(uint faces, uint n, FACES_PARAMETERS, global const uint* begins, global uint* counts) {
+  FOR_EACH(t, faces) {
+    const uint4 c = corners_of_face(FACES, t);
+    counts[t] = (is_centre(begins, n, c.x) ? 1u : 0u) + (is_centre(begins, n, c.y) ? 1u : 0u) +
+                (is_centre(begins, n, c.z) ? 1u : 0u);
+  }
+}
+
+// One work-item per face. Writes its elements: their face and corner, and the element of the next face
+// counter-clockwise around the same vertex; and at the begin of each fan, by atomic_min, with which element it begins.
+// No other race: elements have one face each.
+kernel void fans_link(uint faces, uint n, FACES_PARAMETERS, global const uint* begins, global const uint* offsets,
+                      global uint* corners, global uint2* links, volatile global uint* fan_faces,
+                      volatile global Counters* counters) {
+  const Elements e = {.begins = begins, .offsets = offsets};
+  FOR_EACH(t, faces) {
+    if (offsets[t + 1u] == offsets[t]) continue;
+    const uint4 c = corners_of_face(FACES, t);
+    uint at = offsets[t];
+    for (uint k = 0; k < 3u; ++k) {
+      const uint v = element(c, k);
+      if (!is_centre(begins, n, v)) continue;
+      corners[at] = 4u * t + k;
+      const uint next = next_around(FACES, t, k, counters), other = next >> 2;
+      links[at] = next == GCDT_NONE ? (uint2)(at, 0u)
+                                    : (uint2)(element_of(e, n, other, corners_of_face(FACES, other), next & 3u), 1u);
+      const uint begin = begin_of_fan(FACES, t, k, c, n, at);
+      if (begin != GCDT_NONE) atomic_min(fan_faces + 2u * begins[v], begin);
+      ++at;
+    }
+  }
+}
+
+static inline uint centre_of(FACES_PARAMETERS, uint corner) {
+  return element(corners_of_face(FACES, corner >> 2), corner & 3u);
+}
+
+// One work-item per element. Makes the one before the first of its fan the last: it points to itself. No race: its own
+// word.
+kernel void fans_cut(uint count, FACES_PARAMETERS, global const uint* begins, global const uint* corners,
+                     global const uint2* fan_faces, global uint2* links) {
+  FOR_EACH(i, count) {
+    if (links[i].x == (fan_faces[begins[centre_of(FACES, corners[i])]].x & ~GCDT_RING_CLOSED))
+      links[i] = (uint2)(i, 0u);
+  }
+}
+
+// One work-item per element. Points twice as far as before: links say to which, and how far that is. No race: reads one
+// buffer and writes its own word of the other.
+kernel void fans_double(uint count, global const uint2* links, global uint2* doubled) {
+  FOR_EACH(i, count) {
+    const uint2 near = links[i], far = links[near.x];
+    doubled[i] = (uint2)(far.x, near.y + far.y);
+  }
+}
+
+// One work-item per element, which knows how many come after it in its fan. Writes it to its place. No race: in a valid
+// mesh places are distinct; in another one the failure bit says so, or the walks do.
+kernel void fans_place(uint count, FACES_PARAMETERS, global const uint* begins, global const uint* corners,
+                       global const uint2* links, global uint2* fan_faces, volatile global Counters* counters) {
+  FOR_EACH(i, count) {
+    const uint t = corners[i] >> 2, k = corners[i] & 3u;
+    const uint4 c = corners_of_face(FACES, t);
+    const uint v = element(c, k), degree = begins[v + 1u] - begins[v], after = links[i].y;
+    if (after < degree)
+      fan_faces[begins[v] + (degree - 1u - after)] = (uint2)(t, element(c, next_corner(k)));
+    else
+      atomic_or(&counters->failed, GCDT_FAILED_WALK);
+  }
+}
+
+#endif
