@@ -8,6 +8,8 @@
 
 // Faces of a vertex that has a fan, at least; and those that a walk passes, at most, before it asks for fans.
 #define GCDT_FAN_LEAST 256u
+// The least number of faces that a work-item passes before it asks for fans, after many searches that did.
+#define GCDT_LEAST_PATIENCE 16u
 
 // Of the element with which a fan begins: another one leads to it. Elements are at most 2.3 n (lib/phases/fans.hpp),
 // below this.

@@ -66,7 +66,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.along_curve = tuning.walk_along_curve.value_or(threads);
   plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
   plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
-  plan.crossings_per_part = tuning.crossings_per_part;
+  plan.crossings_per_part = threads ? Tuning::cpu_crossings_per_part : tuning.crossings_per_part;
   plan.all_pairs = lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
 
   plan.output = each ? By::each : by_one(sizes.vertices);
