@@ -66,8 +66,10 @@ struct Polygons {
   std::vector<std::uint64_t> vertex_offsets;
   std::vector<Constraint> constraints;
 
-  Polygons(Points coordinates, Span<std::uint64_t> rings, Span<std::uint64_t> polygons)
-      : constraints(ring_constraints(coordinates, rings, polygons)) {
+  /// Directions are found for the nonzero rule alone, by exact areas, which takes as long as the rest.
+  Polygons(Points coordinates, Span<std::uint64_t> rings, Span<std::uint64_t> polygons, Domain domain)
+      : constraints(
+            ring_constraints(coordinates, rings, domain == Domain::nonzero ? polygons : Span<std::uint64_t>())) {
     for (const std::uint64_t ring : polygons) vertex_offsets.push_back(rings[ring]);
     for (std::size_t p = 0; p + 1 < vertex_offsets.size(); ++p)
       for (std::uint64_t v = vertex_offsets[p]; v < vertex_offsets[p + 1]; ++v)
@@ -110,7 +112,7 @@ nb::tuple triangulate_polygons(const std::shared_ptr<SharedPool>& shared, const 
   Array<std::array<double, 2>> added;
   {
     nb::gil_scoped_release release;
-    const Polygons batch(given, rings, polygons);
+    const Polygons batch(given, rings, polygons, wanted.domain);
     if (given.size() > 0xffffffffu) throw Error(Status::too_many_vertices, "there are more coordinates than 2^32");
     kept = std::make_unique<BatchResult>(
         triangulate(*shared, {given, batch.vertex_offsets, batch.constraints, batch.vertex_offsets}, wanted));

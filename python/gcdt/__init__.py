@@ -24,7 +24,8 @@ from ._errors import (
     NoDevice,
     OutOfMemory,
 )
-from ._gcdt import required_bytes, version as _version
+from ._gcdt import required_bytes
+from ._gcdt import version as _version
 from ._mesh import Mesh
 from ._polygons import PolygonTriangles, from_shapely, ring_constraints, triangulate_geometries, triangulate_polygons
 from ._pool import Batch, Pool, Problem

@@ -24,9 +24,8 @@ def coordinates(values: ArrayLike, name: str = "vertices") -> NDArray[Any]:
     if array.ndim != 2 or array.shape[1] != 2:
         raise make("invalid_argument", f"{name} must have the shape (n, 2), not {array.shape}")
     if array.dtype not in _COORDINATES:
-        if not np.issubdtype(array.dtype, np.number) or np.issubdtype(array.dtype, np.complexfloating):
-            if array.dtype != object and array.dtype != bool:
-                raise make("invalid_argument", f"{name} must be numbers, not {array.dtype}")
+        if array.dtype.kind not in "fiubO":
+            raise make("invalid_argument", f"{name} must be numbers, not {array.dtype}")
         try:
             array = array.astype(np.float64)
         except (TypeError, ValueError) as error:

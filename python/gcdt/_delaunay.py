@@ -100,9 +100,10 @@ class Delaunay:
         made = np.empty((self.nsimplex, 3, 2))
         determinant = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = np.stack(
-                [edges[:, 1, 1], -edges[:, 0, 1], -edges[:, 1, 0], edges[:, 0, 0]], axis=1
-            ) / determinant[:, None]
+            inverse = (
+                np.stack([edges[:, 1, 1], -edges[:, 0, 1], -edges[:, 1, 0], edges[:, 0, 0]], axis=1)
+                / determinant[:, None]
+            )
         made[:, :2] = inverse.reshape(-1, 2, 2)
         made[:, 2] = c
         made[determinant == 0] = np.nan

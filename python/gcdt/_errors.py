@@ -80,10 +80,10 @@ _CLASSES: dict[str, type[Error]] = {
 }
 
 
-def make(
-    status: str, message: str, indices: Sequence[int] = (), pair_count: int = 0, opencl_code: int = 0
-) -> Error:
+def make(status: str, message: str, indices: Sequence[int] = (), pair_count: int = 0, opencl_code: int = 0) -> Error:
     """The exception for a status of the library."""
+    if status == "no_device" and message.startswith("no OpenCL device found"):
+        message += "; or, for the CPU: pip install 'gcdt[cpu]'"
     error = _CLASSES.get(status, DeviceError)(message)
     error.status, error.indices = status, tuple(indices)
     error.pair_count, error.opencl_code = pair_count, opencl_code

@@ -63,8 +63,12 @@ class Mesh:
     statistics: dict[str, Any]
 
     def __init__(
-        self, made: tuple[Any, dict[str, Any], dict[str, Any]], vertices: NDArray[Any],
-        constraints: NDArray[np.uint32], options: Any, solver: Any,
+        self,
+        made: tuple[Any, dict[str, Any], dict[str, Any]],
+        vertices: NDArray[Any],
+        constraints: NDArray[np.uint32],
+        options: Any,
+        solver: Any,
     ) -> None:
         """Not for callers: see `gcdt.triangulate_pslg` and `gcdt.adopt`."""
         self._result, arrays, self.statistics = made

@@ -42,9 +42,7 @@ class Problem:
         return [*super().__dir__(), *_ARRAYS]
 
 
-_ARRAYS = tuple(
-    name for name in _gcdt.arrays if name not in ("vertex_triangles", "hull", "edge_pieces")
-)
+_ARRAYS = tuple(name for name in _gcdt.arrays if name not in ("vertex_triangles", "hull", "edge_pieces"))
 
 
 class Batch(Sequence[Problem]):
@@ -140,7 +138,12 @@ class Pool:
                 f"vertex_offsets has {len(bounds)} elements, constraint_offsets {len(line_bounds)}",
             )
         wanted = options(
-            crossing=crossing, domain=domain, label_regions=label_regions, grid=grid, check=check, distinct=distinct,
+            crossing=crossing,
+            domain=domain,
+            label_regions=label_regions,
+            grid=grid,
+            check=check,
+            distinct=distinct,
             progress=progress,
         )
         return Batch(self._native.triangulate(points, bounds, lines, line_bounds, wanted))

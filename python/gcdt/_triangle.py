@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _arrays
 from ._errors import NeedsRefinement, make
 from ._mesh import Mesh
 from ._pslg import triangulate_pslg

@@ -91,9 +91,7 @@ class DeviceMesh:
         copied.add_event(event)
         return copied
 
-    def locate(
-        self, points: cl_array.Array, *, weights: bool = False, wait_for: Sequence[cl.Event] = ()
-    ) -> Any:
+    def locate(self, points: cl_array.Array, *, weights: bool = False, wait_for: Sequence[cl.Event] = ()) -> Any:
         """As `gcdt.Mesh.locate`, from device memory to device memory; weights are float32."""
         queue = points.queue
         count = points.shape[0]
@@ -156,7 +154,11 @@ def triangulate(
         _range(vertices, "vertices") if math.prod(vertices.shape) else none,
         _range(constraints, "constraints") if constraints is not None and constraints.size else none,
         options(
-            crossing=crossing, domain=domain, label_regions=label_regions, check=check, canonical=canonical,
+            crossing=crossing,
+            domain=domain,
+            label_regions=label_regions,
+            check=check,
+            canonical=canonical,
             progress=progress,
         ),
         waits,

@@ -37,8 +37,11 @@ def test_the_bytes_are_those_of_host_arrays(queue, solver, rng_points):
     assert (mesh.copy("hull", queue).get() == expected.hull).all()
     assert mesh.statistics["triangles"] == len(expected.triangles)
     # The same without a copy, in a kernel.
-    program = cl.Program(queue.context, """
-        kernel void add(global const uint* a, global uint* sum) { atomic_add(sum, a[get_global_id(0)]); }""").build()
+    program = cl.Program(
+        queue.context,
+        """
+        kernel void add(global const uint* a, global uint* sum) { atomic_add(sum, a[get_global_id(0)]); }""",
+    ).build()
     total = cl_array.zeros(queue, 1, np.uint32)
     buffer = mesh.buffer("triangles")
     program.add(queue, (expected.triangles.size,), None, buffer, total.data)

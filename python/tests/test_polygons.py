@@ -17,7 +17,7 @@ def many(count, seed=0):
     for i in range(count):
         centre, corners = rng.uniform(0, 100, 2), int(rng.integers(3, 30))
         angles = np.sort(rng.uniform(0, 2 * np.pi, corners))
-        angles[: 3] = [0.1, 2.2, 4.3]  # so that the centre is inside
+        angles[:3] = [0.1, 2.2, 4.3]  # so that the centre is inside
         angles.sort()
         ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * rng.uniform(1, 2, corners)[:, None]
         polygon = Polygon(centre + ring)

@@ -2,8 +2,6 @@
 """The native call: arrays in and out, errors, questions, threads, interrupts."""
 
 import gc
-import os
-import signal
 import subprocess
 import sys
 import threading

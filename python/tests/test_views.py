@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
-import gcdt  # noqa: E402
+import gcdt
 
 
 @pytest.fixture
