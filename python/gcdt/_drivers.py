@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The OpenCL driver of `pip install 'gcdt[cpu]'`, beside those of the system.
+"""OpenCL drivers for the CPU that pip has installed, beside those of the system.
 
 An OpenCL loader reads the drivers' names from the .icd files of one folder, when it is first called, and never again.
-The package pocl-binary-distribution brings a driver, but no file there. So before the first call the loader is given
-another folder, with the system's files and one for that driver, for as long as it reads.
+Packages of PyPI bring drivers, but no file there. So before the first call the loader is given another folder, with the
+system's files and one for each of those drivers, for as long as it reads.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ import os
 import shutil
 import tempfile
 import threading
+import warnings
 from pathlib import Path
 
 from . import _gcdt
 
-# Variables by which users choose the drivers themselves: the loaders' (OCL_ICD_VENDORS: both that there are).
+# Variables by which users choose the drivers themselves.
 _CHOSEN = ("OCL_ICD_VENDORS", "OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES")
 _SYSTEM = Path("/etc/OpenCL/vendors")
 
@@ -25,18 +26,29 @@ _lock = threading.Lock()
 _ready = False
 
 
-def cpu_driver() -> Path | None:
-    """The library of PyPI's PoCL, if it is installed for this interpreter."""
+def _file_of(package: str, pattern: str) -> Path | None:
+    """The file of an installed package with such a name."""
     try:
-        files = importlib.metadata.files("pocl-binary-distribution") or []
+        files = importlib.metadata.files(package) or []
     except importlib.metadata.PackageNotFoundError:
         return None
     for file in files:
-        if file.name.startswith("libpocl") and ".so" in file.name:
+        if file.match(pattern):
             path = Path(str(file.locate())).resolve()
             if path.exists():
                 return path
     return None
+
+
+def installed() -> list[Path]:
+    """The drivers' libraries: of gcdt's extra cpu, and of PyOpenCL's extra pocl."""
+    intel = _file_of("intel-opencl-rt", "libintelocl.so")
+    pocl = _file_of("pocl-binary-distribution", "libpocl*.so")
+    if pocl is not None and shutil.which("ld") is None:
+        # It links each kernel by this program, and ends the process where there is none.
+        warnings.warn("PoCL of pocl-binary-distribution is left out: it needs the program ld (binutils)", stacklevel=2)
+        pocl = None
+    return [driver for driver in (intel, pocl) if driver is not None]
 
 
 def prepare() -> None:
@@ -45,18 +57,20 @@ def prepare() -> None:
     if _ready:
         return
     with _lock:
-        driver = cpu_driver()
-        if not _ready and driver is not None and not any(os.environ.get(name) for name in _CHOSEN):
-            _load_with(driver)
+        if not _ready:
+            _first_call(installed())
         _ready = True
 
 
-def _load_with(driver: Path) -> None:
+def _first_call(drivers: list[Path]) -> None:
+    if not drivers or any(os.environ.get(name) for name in _CHOSEN):
+        return
     folder = Path(tempfile.mkdtemp(prefix="gcdt-icd-"))
     try:
         for file in _SYSTEM.glob("*.icd"):
             shutil.copyfile(file, folder / file.name)
-        (folder / "zz-gcdt-cpu.icd").write_text(f"{driver}\n")
+        for driver in drivers:
+            (folder / f"zz-{driver.name}.icd").write_text(f"{driver}\n")
         os.environ["OCL_ICD_VENDORS"] = str(folder)
         try:
             _gcdt.devices()
