@@ -123,6 +123,7 @@ def find_simplex(count, repeat):
         f"{count} points in a mesh of {len(points)} vertices",
         [
             ("gcdt.Delaunay.find_simplex", median_ms(lambda: ours.find_simplex(where), repeat)),
+            ("the same, of points sorted into stripes", median_ms(lambda: ours.find_simplex(near), repeat)),
             ("scipy.spatial.Delaunay.find_simplex (once)", (once, once, once)),
             ("the same, of points sorted into stripes", median_ms(lambda: theirs.find_simplex(near), repeat)),
             ("matplotlib's trifinder", median_ms(lambda: trifinder(*where.T), repeat)),

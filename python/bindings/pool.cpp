@@ -22,15 +22,24 @@ struct SharedPool {
   TurnLock turns;
 };
 
-/// pool.triangulate without the interpreter's lock, which the caller has released.
+/// The right to call a pool, for its lifetime. Made without the interpreter's lock.
+class PoolTurn {
+ public:
+  explicit PoolTurn(SharedPool& shared) : shared_(shared), first_(shared.turns.lock()) {}
+  ~PoolTurn() {
+    if (first_) shared_.turns.unlock();
+  }
+  PoolTurn(const PoolTurn&) = delete;
+  /// Not from a callback of the pool's own call, where the library refuses a second call by itself.
+  bool first() const { return first_; }
+
+ private:
+  SharedPool& shared_;
+  bool first_;
+};
+
 BatchResult triangulate(SharedPool& shared, const BatchView& batch, const Options& options) {
-  const bool first = shared.turns.lock();
-  struct End {
-    TurnLock* turns;
-    ~End() {
-      if (turns) turns->unlock();
-    }
-  } end{first ? &shared.turns : nullptr};
+  const PoolTurn turn(shared);
   return shared.pool.triangulate(batch, options);
 }
 
@@ -166,9 +175,16 @@ void bind_batches(nb::module_& m) {
 #include <gcdt/arrays.def>
 }
 
-nb::list pool_devices(const SharedPool& self) {
+nb::list pool_devices(SharedPool& self) {
+  std::vector<PoolDevice> devices;
+  {
+    nb::gil_scoped_release release;
+    const PoolTurn turn(self);
+    if (!turn.first()) throw Error(Status::in_use, "the pool is in a call");
+    devices = self.pool.devices();
+  }
   nb::list all;
-  for (const PoolDevice& device : self.pool.devices()) {
+  for (const PoolDevice& device : devices) {
     nb::dict d = device_dict(device.info);
     d["lost"] = device.lost ? error_object(*device.lost) : nb::none();
     d["problems"] = device.problems, d["vertices"] = device.vertices, d["runs"] = device.runs;

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Polygons beside shapely: areas, and every triangle within its polygon."""
 
+import threading
+
 import geopandas
 import numpy as np
 import pytest
@@ -145,3 +147,32 @@ def test_problems_have_their_own_errors():
         gcdt.Pool().triangulate(points, [0, 4, 8, 12], [*constraints[:3], (0, -1)], [0, 1, 3, 4])
     with pytest.raises(ValueError, match="constraint_offsets"):
         gcdt.Pool().triangulate(points, [0, 4, 8, 12], constraints, [0, 4])
+
+
+def test_threads_take_turns_at_a_pool():
+    coords, rings, parts = np.tile([(0, 0), (4, 0), (0, 4)], (500, 1)), np.arange(0, 1501, 3), np.arange(501)
+    pool, areas, looked = gcdt.Pool(), [], []
+
+    def work():
+        for _ in range(3):
+            areas.append(gcdt.triangulate_polygons(coords, rings, parts, pool=pool).areas.sum())
+            looked.append(len(pool.devices))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(120)
+    assert areas == [500 * 8.0] * 12 and set(looked) == {1}
+
+    def again(phase, done):
+        with pytest.raises(gcdt.Error) as caught:
+            _ = pool.devices
+        said.append(caught.value.status)
+        with pytest.raises(gcdt.Error) as caught:
+            gcdt.triangulate_polygons(coords, rings, parts, pool=pool)
+        said.append(caught.value.status)
+
+    said = []
+    gcdt.triangulate_polygons(coords, rings, parts, pool=pool, progress=again)
+    assert set(said) == {"in_use"}
