@@ -15,6 +15,7 @@ shows() { # PAGE LANGUAGE
 }
 shows README.md cpp
 shows docs/using.md c
+shows docs/python.md py
 
 lines=$(wc -l <README.md)
 ((lines <= 150)) || { echo "readme: README has $lines lines, more than 150" >&2; exit 1; }
@@ -35,4 +36,4 @@ for page in "${pages[@]}"; do
     tr -d '` ' | sort -u)
 done
 ((missing == 0)) || exit 1
-echo "readme: its examples are examples/triangulate.c and .cpp, and what ${#pages[@]} pages name is there"
+echo "readme: its examples are examples/triangulate.c, .cpp and .py, and what ${#pages[@]} pages name is there"
