@@ -26,24 +26,41 @@ static inline bool in_circle_of(Mesh mesh, uint face, Vertex x) {
                        load_vertex(mesh.points, mesh.n, c.z), x) > 0;
 }
 
-// A tour around the tree of a cavity. At each step it looks over side `corner` of `face`: if the cavity goes on there,
-// it crosses, and looks over the next side there; else it stays, and looks over the next side here. These steps are a
-// permutation of the sides of the cavity's faces, and go through all of them (R1): each side is looked over once.
+// A tour around the tree of a cavity, depth first. At each step it looks over side `corner` of `face`: if the cavity
+// goes on there, it crosses, and looks over the other two sides there; else it goes on to the next side here. When a
+// face has none left it goes back over the side by which it came. So each face is entered once, and each side but those
+// is looked over once (R1).
+//
+// How many sides are left in the faces above stands in `left_above`, two bits each, for the last 32. Where the tree is
+// deeper, the tour goes on from there without: it looks over the side by which it came as over the others, and crosses
+// it. These steps are a permutation of all sides of the cavity's faces, which leads back to the first one.
 typedef struct Tour {
   Mesh mesh;
   volatile global const uint* marks;
   Vertex x;
   uint face, corner, root;
-  uint4 corners;
+  uint4 corners, sides;
   uint code;  // of the side looked over
   bool constrained;
+  bool entered;  // the face is looked at for the first time
+  bool forgets;
+  uint left, depth, known;
+  u64 left_above;
   uint steps;
 } Tour;
 
+#define GCDT_TOUR_KNOWN 32u
+
 static inline void look(Tour* tour) {
   tour->corners = tour->mesh.face_data[GCDT_CORNERS(tour->face)];
-  tour->code = element(tour->mesh.face_data[GCDT_SIDES(tour->face)], tour->corner);
+  tour->code = element(tour->sides, tour->corner);
   tour->constrained = is_constrained(tour->marks, tour->code);
+}
+
+static inline void enter(Tour* tour, uint face, uint corner) {
+  tour->face = face;
+  tour->corner = corner;
+  tour->sides = tour->mesh.face_data[GCDT_SIDES(face)];
 }
 
 // `root` is a face of the cavity of x.
@@ -52,24 +69,48 @@ static inline Tour begin_tour(Mesh mesh, volatile global const uint* marks, uint
   tour.mesh = mesh;
   tour.marks = marks;
   tour.x = x;
-  tour.face = tour.root = root;
-  tour.corner = 0u;
-  tour.steps = 3u * gcdt_forest_faces(mesh.n, 1u);
+  tour.root = root;
+  tour.entered = true;
+  tour.forgets = false;
+  tour.left = 3u;
+  tour.depth = tour.known = 0u;
+  tour.left_above = 0u;
+  tour.steps = 6u * gcdt_forest_faces(mesh.n, 1u);
+  enter(&tour, root, 0u);
   look(&tour);
   return tour;
 }
 
-// To the next side; false when all have been looked over. Ends: the steps are a permutation; `steps` stops a mesh that
-// is wrong.
+// Back over the side by which the tour came, which is the one after those that it looked over.
+static inline void go_back(Tour* tour) {
+  const uint above = tour->mesh.edge_faces[element(tour->sides, tour->corner) ^ 1u];
+  enter(tour, GCDT_REF_FACE(above), next_corner(GCDT_REF_CORNER(above)));
+  tour->forgets = tour->known == 0u;
+  tour->left = (uint)(tour->left_above & 3u);
+  tour->left_above >>= 2;
+  --tour->depth;
+  if (tour->known > 0u) --tour->known;
+}
+
+// To the next side; false when all have been looked over. Ends: see above; `steps` stops a mesh that is wrong.
 static inline bool go_on(Tour* tour) {
   const uint far = tour->constrained ? GCDT_NONE : tour->mesh.edge_faces[tour->code ^ 1u];
-  if (far != GCDT_NONE && in_circle_of(tour->mesh, GCDT_REF_FACE(far), tour->x)) {
-    tour->face = GCDT_REF_FACE(far);
-    tour->corner = next_corner(GCDT_REF_CORNER(far));
+  tour->entered = far != GCDT_NONE && in_circle_of(tour->mesh, GCDT_REF_FACE(far), tour->x);
+  if (tour->entered) {
+    enter(tour, GCDT_REF_FACE(far), next_corner(GCDT_REF_CORNER(far)));
+    tour->left_above = (tour->left_above << 2) | (tour->left - 1u);
+    tour->known = min(tour->known + 1u, GCDT_TOUR_KNOWN);
+    ++tour->depth;
+    tour->left = 2u;
   } else {
     tour->corner = next_corner(tour->corner);
+    --tour->left;
   }
-  if ((tour->face == tour->root && tour->corner == 0u) || --tour->steps == 0u) return false;
+  while (!tour->forgets && tour->left == 0u) {
+    if (tour->depth == 0u || --tour->steps == 0u) return false;
+    go_back(tour);
+  }
+  if (--tour->steps == 0u || (tour->forgets && tour->face == tour->root && tour->corner == 0u)) return false;
   look(tour);
   return true;
 }

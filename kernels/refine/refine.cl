@@ -46,6 +46,13 @@ kernel void refine_ties(uint count, GCDT_MESH_PARAMETERS, global const ulong* ke
   }
 }
 
+// One work-item per candidate, in order. Writes its place there, by number. No race: each has one place. (Candidates
+// are claimed and inserted in the order in which they were found, which is that of faces: neighbours share cache
+// lines.)
+kernel void refine_ranks(uint count, global const uint* numbers, global uint* ranks) {
+  FOR_EACH(i, count) ranks[numbers[i]] = i;
+}
+
 // ---- Claims -----------------------------------------------------------------------------------------------
 
 typedef struct Ticket {
@@ -93,20 +100,20 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Tick
   }
 }
 
-// One work-item per candidate in order. Claims its faces, the later with precedence: tickets are places in the order.
+// One work-item per candidate. Claims its faces, the later in order with precedence: tickets are places there.
 // Reads the mesh. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what
 // they end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last is one.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
-                         global const uint* numbers, global const uint4* candidates, volatile global uint* won,
+                         global const uint* ranks, global const uint4* candidates, volatile global uint* won,
                          volatile global RefineReport* report) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(i, count) {
     Ticket t;
     t.stamp = stamp;
     t.bits = bits;
-    t.place = i;
+    t.place = ranks[i];
     t.won = won;
-    claim_all(mesh, edge_marks, candidates[numbers[i]], t, report);
+    claim_all(mesh, edge_marks, candidates[i], t, report);
   }
 }
 
@@ -265,14 +272,14 @@ static uint wanted_at(Mesh mesh, uint4 origin, Vertex x, global const uint* size
   return mean(whole - along, along, 0, sizes[origin.x], sizes[origin.y], 0u, whole);
 }
 
-// One work-item per candidate in order; `before` is the scan of the winners, of which there are `winners`. Inserts
+// One work-item per candidate; `before` is the scan of the winners in order, of which there are `winners`. Inserts
 // those with the greatest tickets, `most` at most, and numbers them from `first` on, the greatest first. Writes the
 // words of its faces and edges and those that its vertex brings, which others do not have (L1: winners' faces are
 // disjoint), and marks of the edges around by atomics. After: a valid mesh; edges that may be illegal are queued, and
 // listed.
 kernel void refine_insert(uint count, uint winners, uint first, uint most, uint stamp, uint bits, uint sized,
                           GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* edge_pieces,
-                          global const uint* numbers, global const uint4* candidates, global const uint* before,
+                          global const uint* ranks, global const uint4* candidates, global const uint* before,
                           global int2* new_points, uint inputs, global uint4* origins, global uint* sizes,
                           global uint* queue, volatile global Counters* counters,
                           volatile global RefineReport* report) {
@@ -282,11 +289,11 @@ kernel void refine_insert(uint count, uint winners, uint first, uint most, uint 
   in.edge_pieces = edge_pieces;
   in.queue = queue;
   in.counters = counters;
-  FOR_EACH(i, count) {
-    const uint place = winners - 1u - before[i];
+  FOR_EACH(number, count) {
+    const uint i = ranks[number], place = winners - 1u - before[i];
     if (before[i + 1u] == before[i] || place >= most) continue;
     const uint v = first + place, claim = (stamp << bits) | i;
-    const uint4 candidate = candidates[numbers[i]];
+    const uint4 candidate = candidates[number];
     const Vertex x = candidate_point(candidate);
     const uint4 origin = origin_of(in.mesh, candidate, edge_pieces);
     origins[v - inputs] = origin;

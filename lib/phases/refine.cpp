@@ -167,8 +167,10 @@ std::uint32_t Refiner::choose_winners() {
   runtime_.fill<cl_uint>(won_, 1, candidates);
   runtime_.launch("refine", "refine_ties", over(candidates), candidates, mesh_.n, vertices_.points, mesh_.face_data,
                   mesh_.edge_faces, keys_, candidates_, numbers_);
+  runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
+  runtime_.launch("refine", "refine_ranks", over(candidates), candidates, numbers_, ranks_);
   runtime_.launch("refine", "refine_claim", over(candidates), candidates, stamp_, bits_, mesh_.n, vertices_.points,
-                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, numbers_, candidates_, won_, report_);
+                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, ranks_, candidates_, won_, report_);
   return primitives_.scan_total(won_, candidates);
 }
 
@@ -182,7 +184,7 @@ void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
   counters_.zero();
   runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, winners, count(), most, stamp_,
                   bits_, rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
-                  edge_pieces_, numbers_, candidates_, won_, vertices_.points, inputs_, origins_, sizes_, lists_.first,
+                  edge_pieces_, ranks_, candidates_, won_, vertices_.points, inputs_, origins_, sizes_, lists_.first,
                   counters_.buffer(), report_);
   added_ += more;
   counters_.read();
@@ -229,7 +231,7 @@ void Refiner::explain() {
 
 RefinedMesh Refiner::finish() {
   lists_ = {};
-  for (auto* list : {&bad_, &bad_before_, &asked_, &numbers_, &won_}) *list = {};
+  for (auto* list : {&bad_, &bad_before_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
   keys_ = {};
   candidates_ = {};
   const auto given = static_cast<cl_uint>(vertices_.input_vertex.size());

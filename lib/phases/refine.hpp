@@ -107,7 +107,7 @@ class Refiner {
   runtime::Buffer<cl_uint> sharp_;    ///< by piece
   runtime::Buffer<cl_uint> edge_pieces_;
   runtime::Buffer<cl_uint4> origins_;  ///< by added vertex
-  runtime::Buffer<cl_uint> bad_, bad_before_, asked_, numbers_;
+  runtime::Buffer<cl_uint> bad_, bad_before_, asked_, numbers_, ranks_;
   runtime::Buffer<cl_ulong> keys_;
   runtime::Buffer<cl_uint4> candidates_;
   runtime::Buffer<cl_uint> won_;     ///< by candidate in order
