@@ -18,6 +18,7 @@ Mesh make_mesh(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) 
 void clear_claims(runtime::Runtime& runtime, Mesh& mesh, std::uint32_t faces) {
   runtime.launch("mesh", "mesh_clear_claims", runtime::over(faces), faces, mesh.face_data);
   mesh.claims_below = 1;
+  ++mesh.claims_cleared;
 }
 
 WorkLists make_work_lists(runtime::Runtime& runtime, std::uint32_t n, std::uint32_t roots) {

@@ -18,6 +18,7 @@ struct Mesh {
   runtime::Buffer<cl_uint4> face_data;  ///< 2 (2n+1): corners and sides of each face
   runtime::Buffer<cl_uint> edge_faces;  ///< 2 (3n+3) face references
   std::uint64_t claims_below = 0;       ///< all claim words are
+  std::uint32_t claims_cleared = 0;     ///< how often
   runtime::Buffer<cl_uint> edge_marks;  ///< 3n+3 words of mark bits
 
   std::uint32_t faces() const { return faces(n); }

@@ -79,7 +79,7 @@ OrderedMesh make_ordered(Runtime& runtime, std::size_t triangles) {
 }
 
 OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
-                            const Vertices& vertices, bool canonical) {
+                            const Vertices& vertices, bool canonical, Buffer<cl_uint>* refs_of_triangles) {
   if (canonical && mesh.n >= 3 && plan.output == Plan::By::one) {
     primitives.release();
     return order_triangles_by_one_item(runtime, mesh, vertices);
@@ -98,6 +98,7 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan
   runtime.launch("output", "place_faces", over(count), count, refs, positions);
   runtime.launch("output", "gather_triangles", over(count), count, mesh.face_data, mesh.edge_faces, mesh.edge_marks,
                  refs, positions, ordered.corners, ordered.neighbours, ordered.constrained);
+  if (refs_of_triangles) *refs_of_triangles = std::move(refs);
   ordered.gather_ms += gathering.end();
   return ordered;
 }

@@ -25,9 +25,10 @@ OrderedMesh make_ordered(runtime::Runtime& runtime, std::size_t triangles);
 
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it needs 24 bytes a
 /// face while it sorts, then 8. The scratch of `primitives` is released. If not `canonical`, triangles come in any
-/// order, with any corner first; that needs 12 bytes a face.
+/// order, with any corner first; that needs 12 bytes a face. `refs`, unless null, is given the reference of each
+/// triangle's first corner in `mesh`; Plan::output is By::all then.
 OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
-                            const Vertices& vertices, bool canonical = true);
+                            const Vertices& vertices, bool canonical = true, runtime::Buffer<cl_uint>* refs = nullptr);
 
 struct ArrangedForest {
   OrderedMesh mesh;                         ///< as of order_triangles()

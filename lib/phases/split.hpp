@@ -7,11 +7,15 @@
 
 namespace gcdt {
 
-/// The vertices that splitting adds, in order of (x, y) on the grid.
+/// The vertices that splitting adds, in order of (x, y) on the grid; then those that refinement adds, in such an order.
 struct AddedVertices {
   std::uint32_t count = 0;
-  runtime::Buffer<cl_int2> points;     ///< on the grid
-  runtime::Buffer<cl_uint2> crossing;  ///< the least pair of constraints that cross in the vertex's pixel
+  runtime::Buffer<cl_int2> points;  ///< on the grid
+  /// The least pair of constraints that cross in the vertex's pixel; of refinement GCDT_NONE twice.
+  runtime::Buffer<cl_uint2> crossing;
+  /// Of refinement what the vertex was put on, in input numbers: a triangle's corners, or two ends and GCDT_NONE; then
+  /// its piece before the refinement, or GCDT_NONE. Of crossings GCDT_NONE. Not allocated without refinement.
+  runtime::Buffer<cl_uint4> origins;
 };
 
 class Splitter {

@@ -7,6 +7,7 @@
 #include "phases/clean.hpp"
 #include "phases/domain.hpp"
 #include "phases/order.hpp"
+#include "phases/refine.hpp"
 #include "phases/split.hpp"
 
 namespace gcdt {
@@ -52,6 +53,7 @@ struct DeviceTriangulation {
   OrderedMesh hull;              ///< all triangles, where a domain has left some out
   runtime::Buffer<cl_int> kept;  ///< the place of each of them in `mesh`, or -1
   AddedVertices added;
+  RefineResult refined;
   Statistics statistics;
 };
 

@@ -13,6 +13,8 @@ namespace gcdt {
 
 /// Where steps end in what a call with as many constraints as vertices takes, roughly: only progress is told by it.
 constexpr double ordered_share = 0.1, inserted_share = 0.5, constrained_share = 0.75, flipped_share = 0.9;
+/// The same of the output where a refinement follows.
+constexpr double ordered_before_refining = 0.93;
 
 /// Owns all that a call has on the device until its result is made. Whoever writes a sequence of steps reads and
 /// changes it; a step says what it releases.

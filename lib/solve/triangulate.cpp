@@ -3,6 +3,7 @@
 
 #include "phases/check.hpp"
 #include "solve/crossing_policy.hpp"
+#include "solve/refine.hpp"
 #include "solve/run.hpp"
 
 namespace gcdt {
@@ -21,14 +22,18 @@ void constrain(Run& run) {
   run.count_turns();
 }
 
-OrderedMesh put_in_order(Run& run) {
+// `refs`: the face of each triangle, if the mesh is refined afterwards.
+OrderedMesh put_in_order(Run& run, bool refines, runtime::Buffer<cl_uint>& refs) {
   run.ticker.tick("output", 0);
   run.history = {};
   run.lists = {};
-  OrderedMesh ordered =
-      order_triangles(run.runtime, run.primitives, run.plan, run.mesh, run.vertices, run.options.canonical);
+
+  Plan plan = run.plan;
+  if (refines) plan.output = Plan::By::all;
+  OrderedMesh ordered = order_triangles(run.runtime, run.primitives, plan, run.mesh, run.vertices,
+                                        run.options.canonical, refines ? &refs : nullptr);
   run.statistics.ms.gather = ordered.gather_ms;
-  run.mesh = {};
+  if (!refines) run.mesh = {};
   return ordered;
 }
 
@@ -86,7 +91,7 @@ std::string flat_note(runtime::Runtime& runtime, const Vertices& vertices, const
   return few ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles";
 }
 
-DeviceTriangulation run_steps(Run& run, const InputSource& source) {
+DeviceTriangulation run_steps(Run& run, const InputSource& source, const Refinement* wanted) {
   runtime::Runtime& runtime = run.runtime;
   const Options& options = run.options;
   auto& ms = run.statistics.ms;
@@ -102,9 +107,14 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
   run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
   OrderedMesh ordered;
-  run.step("output", ms.output, 1, [&] { ordered = put_in_order(run); });
+  runtime::Buffer<cl_uint> refs;
+  run.step("output", ms.output, wanted ? ordered_before_refining : 1,
+           [&] { ordered = put_in_order(run, wanted != nullptr, refs); });
   if (options.check) run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
   if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
+  if (wanted)
+    run.step("refine", run.result.refined.ms, 1,
+             [&] { ordered = refine(run, *wanted, std::move(ordered), std::move(refs)); });
   run.step("output", ms.output, [&] { number(run, std::move(ordered)); });
   DeviceTriangulation made = run.finish();
   Statistics& s = made.statistics;
@@ -115,11 +125,12 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
 }  // namespace
 
 DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitives, const InputSource& source,
-                                const Options& options) {
+                                const Options& options, const Refinement* wanted) {
+  if (wanted) check_refinement(*wanted, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
   Run run(runtime, primitives, options, source.n, source.m);
   try {
-    return run_steps(run, source);
+    return run_steps(run, source, wanted);
   } catch (const Error& error) {
     if (error.status() == Status::workspace_too_small) throw run.with_bytes_needed(error);
     throw;

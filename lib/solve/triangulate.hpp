@@ -6,8 +6,9 @@
 
 namespace gcdt {
 
-/// Triangulates one problem on one device. Throws Error; see gcdt_triangulate.
+/// Triangulates one problem on one device, and refines the triangles of the domain if `wanted` is not null. Throws
+/// Error; see gcdt_triangulate.
 DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitives, const InputSource& source,
-                                const Options& options);
+                                const Options& options, const Refinement* wanted = nullptr);
 
 }  // namespace gcdt

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Candidates: the vertices that a round may insert. OpenCL C only.
+#ifndef GCDT_CANDIDATES_H
+#define GCDT_CANDIDATES_H
+
+#include "refine/cavity.h"
+
+// What a candidate lies in: (x, y, what, kind).
+#define GCDT_IN_FACE 0u        // what: the face
+#define GCDT_ON_EDGE 1u        // what: a side code of an unconstrained edge
+#define GCDT_ON_SUBSEGMENT 2u  // what: the edge
+#define GCDT_FAR 4u            // added to the last: rounded the other way
+
+// The faces' labels: 0 where the domain is not kept, else 1 + a triangle of the same region. Flips stay in a region.
+static inline uint label_of(Mesh mesh, uint face) { return mesh.face_data[GCDT_SIDES(face)].w; }
+
+// What the vertices from `inputs` on were put on: three corners or, with GCDT_NONE for the third, two ends; the piece.
+typedef struct Origins {
+  uint inputs;
+  global const uint4* of;
+} Origins;
+
+static inline uint piece_under(Origins origins, uint v) {
+  return v < origins.inputs ? GCDT_NONE : origins.of[v - origins.inputs].w;
+}
+
+static inline bool may_split(Mesh mesh, RefineRules rules, uint code) {
+  if (rules.splits == GCDT_SPLIT_ALL) return true;
+  if (rules.splits == GCDT_SPLIT_NONE) return false;
+  return label_of(mesh, GCDT_REF_FACE(mesh.edge_faces[code])) != 0u &&
+         label_of(mesh, GCDT_REF_FACE(mesh.edge_faces[code ^ 1u])) != 0u;
+}
+
+typedef struct Lists {
+  volatile global uint* marks;
+  global uint* asked;  // as long as there are subsegments
+  global ulong* keys;  // as the next two as long as `capacity`
+  global uint* numbers;
+  global uint4* candidates;
+  uint capacity;
+  volatile global RefineReport* report;
+} Lists;
+
+// Puts the subsegment into the list, once: the mark decides by atomic_or. (Of few compared with faces.)
+static inline void ask(Lists lists, uint edge) {
+  if (lists.marks[edge] & GCDT_MARK_ASKED) return;
+  if (atomic_or(lists.marks + edge, GCDT_MARK_ASKED) & GCDT_MARK_ASKED) return;
+  lists.asked[atomic_inc(&lists.report->asked)] = edge;
+}
+
+// Any order: candidates are sorted. Those that do not fit are counted, and the host comes again with more room.
+static inline void add_candidate(Lists lists, u64 key, Vertex at, uint what, uint kind) {
+  const uint slot = atomic_inc(&lists.report->candidates);
+  if (slot >= lists.capacity) return;
+  lists.keys[slot] = key;
+  lists.numbers[slot] = slot;
+  lists.candidates[slot] = (uint4)((uint)at.x, (uint)at.y, what, kind);
+}
+
+// If x, on pq's side that the face of `ref` lies on with its corner r, is beyond qr or rp: the code of that side, which
+// is not kept; else GCDT_NONE. Of kept faces the answer is not asked for: their vertices lie in them (fits_face).
+static uint code_beyond(Mesh mesh, uint ref, Vertex x) {
+  const uint face = GCDT_REF_FACE(ref), k = GCDT_REF_CORNER(ref);
+  const uint4 c = mesh.face_data[GCDT_CORNERS(face)], s = mesh.face_data[GCDT_SIDES(face)];
+  if (s.w != 0u) return GCDT_NONE;
+  const Vertex p = corner_vertex(mesh, c, next_corner(k)), q = corner_vertex(mesh, c, previous_corner(k)),
+               r = corner_vertex(mesh, c, k);
+  if (gcdt_orient2d_finite(p, q, x) <= 0) return GCDT_NONE;
+  if (gcdt_orient2d(q, r, x) < 0) return element(s, next_corner(k));
+  if (gcdt_orient2d(r, p, x) < 0) return element(s, previous_corner(k));
+  return GCDT_NONE;
+}
+
+// The side of the face that x lies on, as the corner across from it; 3 if x is strictly inside, GCDT_NONE if it is
+// outside or a corner.
+static uint side_under(Mesh mesh, uint face, Vertex x) {
+  const uint4 c = mesh.face_data[GCDT_CORNERS(face)];
+  uint on = 3u;
+  for (uint k = 0; k < 3u; ++k) {
+    const i64 side =
+        gcdt_orient2d(corner_vertex(mesh, c, next_corner(k)), corner_vertex(mesh, c, previous_corner(k)), x);
+    if (side < 0 || (side == 0 && on != 3u)) return GCDT_NONE;
+    if (side == 0) on = k;
+  }
+  return on;
+}
+
+static inline Vertex candidate_point(uint4 candidate) { return gcdt_finite_vertex(candidate.x, candidate.y); }
+
+#endif

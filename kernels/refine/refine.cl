@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quality refinement, the second half of a round: candidates claim their cavities, and those that hold all of theirs
+// are inserted (docs/refinement.md, A).
+#include "common/split_face.h"
+#include "flip/flip.h"
+#include "refine/candidates.h"
+
+// ---- Precedence -------------------------------------------------------------------------------------------
+
+// The lesser and the greater end of an edge, by (x, y).
+static ulong2 ends_of(Mesh mesh, uint e) {
+  const uint ref = mesh.edge_faces[2u * e], k = GCDT_REF_CORNER(ref);
+  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
+  const u64 p = gcdt_tie_key(corner_vertex(mesh, c, next_corner(k))),
+            q = gcdt_tie_key(corner_vertex(mesh, c, previous_corner(k)));
+  return (ulong2)(min(p, q), max(p, q));
+}
+
+// Of candidates with equal keys, is a first? Two points can share a hash, and two subsegments a place. (Two triangles
+// with one target are one candidate to all that follows: either may be first.)
+static bool comes_before(Mesh mesh, uint4 a, uint4 b) {
+  const u64 key_a = gcdt_tie_key(candidate_point(a)), key_b = gcdt_tie_key(candidate_point(b));
+  if (key_a != key_b) return key_a < key_b;
+  if (!(a.w & GCDT_ON_SUBSEGMENT) || !(b.w & GCDT_ON_SUBSEGMENT)) return false;
+  const ulong2 ends_a = ends_of(mesh, a.z), ends_b = ends_of(mesh, b.z);
+  return ends_a.x < ends_b.x || (ends_a.x == ends_b.x && ends_a.y < ends_b.y);
+}
+
+// One work-item per candidate, in the order of keys. The first of several with one key sorts these. No race: a run of
+// equal keys has one first, and other work-items write nothing. After: candidates stand in the order of (key, point,
+// ends), which does not depend on how they were found. Ends: each is moved forward at most by the length of its run,
+// which is more than a few where many triangles have one target, and then nothing moves.
+kernel void refine_ties(uint count, GCDT_MESH_PARAMETERS, global const ulong* keys, global const uint4* candidates,
+                        global uint* numbers) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(i, count) {
+    const u64 key = keys[i];
+    if (i > 0u && keys[i - 1u] == key) continue;
+    for (uint j = i + 1u; j < count && keys[j] == key; ++j) {
+      const uint number = numbers[j];
+      uint place = j;
+      for (; place > i && comes_before(mesh, candidates[number], candidates[numbers[place - 1u]]); --place)
+        numbers[place] = numbers[place - 1u];
+      numbers[place] = number;
+    }
+  }
+}
+
+// One work-item per candidate, in order. Writes its place there, by number. No race: each has one place. (Candidates
+// are claimed and inserted in the order in which they were found, which is that of faces: neighbours share cache
+// lines.)
+kernel void refine_ranks(uint count, global const uint* numbers, global uint* ranks) {
+  FOR_EACH(i, count) ranks[numbers[i]] = i;
+}
+
+// ---- Claims -----------------------------------------------------------------------------------------------
+
+typedef struct Ticket {
+  uint stamp, bits, place;  // of the candidate in the order
+  volatile global uint* won;
+} Ticket;
+
+// Claims the face. Of two that claim one face the lesser loses, and is told by whichever comes second: it finds the
+// other in the word, or its own value there is replaced by the other. So all but the greatest are told, in any order.
+static inline void claim_face(Mesh mesh, uint face, Ticket t) {
+  const uint ticket = (t.stamp << t.bits) | t.place, old = atomic_max(claim_word(mesh.face_data, face), ticket);
+  if (old == ticket || old >> t.bits != t.stamp) return;
+  atomic_xchg(t.won + (old > ticket ? t.place : old & ((1u << t.bits) - 1u)), 0u);
+}
+
+// A face is met once for each of its sides that are looked over.
+static void claim_cavity(Mesh mesh, global const uint* marks, uint root, Vertex x, Ticket t,
+                         volatile global RefineReport* report) {
+  Tour tour = begin_tour(mesh, marks, root, x);
+  do claim_face(mesh, tour.face, t);
+  while (go_on(&tour));
+  if (tour.steps == 0u) atomic_or(&report->failed, 1u);
+}
+
+// All that a candidate needs. Of a subsegment: the faces on both sides, whose flags change; the face that x is in if it
+// is not these; and the cavities of all. A face in which x is, or on whose unconstrained side, is of a cavity: strictly
+// inside a circle is all of the closed face but its corners.
+static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Ticket t,
+                      volatile global RefineReport* report) {
+  const Vertex x = candidate_point(candidate);
+  if (candidate.w == GCDT_IN_FACE) {
+    claim_cavity(mesh, marks, candidate.z, x, t, report);
+  } else if (candidate.w == GCDT_ON_EDGE) {
+    claim_cavity(mesh, marks, GCDT_REF_FACE(mesh.edge_faces[candidate.z]), x, t, report);
+  } else {
+    for (uint side = 0; side < 2u; ++side) {
+      const uint ref = mesh.edge_faces[2u * candidate.z + side], face = GCDT_REF_FACE(ref);
+      if (in_circle_of(mesh, face, x))
+        claim_cavity(mesh, marks, face, x, t, report);
+      else
+        claim_face(mesh, face, t);
+      const uint beyond = code_beyond(mesh, ref, x);
+      if (beyond != GCDT_NONE) claim_cavity(mesh, marks, GCDT_REF_FACE(mesh.edge_faces[beyond ^ 1u]), x, t, report);
+    }
+  }
+}
+
+// One work-item per candidate. Claims its faces, the later in order with precedence: tickets are places there.
+// Reads the mesh. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what
+// they end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last is one.
+kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
+                         global const uint* ranks, global const uint4* candidates, volatile global uint* won,
+                         volatile global RefineReport* report) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(i, count) {
+    Ticket t;
+    t.stamp = stamp;
+    t.bits = bits;
+    t.place = ranks[i];
+    t.won = won;
+    claim_all(mesh, edge_marks, candidates[i], t, report);
+  }
+}
+
+// One work-item per subsegment that was asked for. Takes the marks away. No race: each its own word.
+kernel void refine_forget(global const uint* asked, global uint* edge_marks, global const RefineReport* report) {
+  const uint count = report->asked;
+  FOR_EACH(i, count) edge_marks[asked[i]] &= ~GCDT_MARK_ASKED;
+}
+
+// ---- Insertion ----------------------------------------------------------------------------------------------
+
+typedef struct Insertion {
+  Mesh mesh;
+  volatile global uint* marks;
+  global uint* edge_pieces;
+  global uint* queue;  // of edges to be tested: flip.cl
+  volatile global Counters* counters;
+} Insertion;
+
+// The edge may be illegal from now on. An edge on the border between winners is queued once: the mark decides.
+static inline void queue_side(Insertion in, uint code) {
+  const uint e = GCDT_SIDE_EDGE(code);
+  if (in.marks[e] & GCDT_MARK_CONSTRAINED) return;
+  if (!(atomic_or(in.marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED))
+    in.queue[atomic_inc(&in.counters->list_test[0])] = e;
+}
+
+static inline void set_label(Mesh mesh, uint face, uint label) { mesh.face_data[GCDT_SIDES(face)].w = label; }
+
+static inline void make_subsegment(Insertion in, uint code, uint piece) {
+  atomic_or(in.marks + GCDT_SIDE_EDGE(code), GCDT_MARK_CONSTRAINED);
+  in.edge_pieces[GCDT_SIDE_EDGE(code)] = piece;
+}
+
+// v in face t.
+static void insert_in_face(Insertion in, uint v, uint t, uint claim) {
+  const uint4 s = in.mesh.face_data[GCDT_SIDES(t)];
+  split_face(in.mesh, v, t, claim);
+  set_label(in.mesh, t, s.w);
+  for (uint i = 0; i < 2u; ++i) set_label(in.mesh, new_face(in.mesh, v, i), s.w);
+  for (uint k = 0; k < 3u; ++k) queue_side(in, element(s, k));
+}
+
+// v on edge e.
+static void insert_on_edge(Insertion in, uint v, uint e, uint claim) {
+  uint face[2], outer[4];
+  uint label[2];
+  for (uint side = 0; side < 2u; ++side) {
+    const uint ref = in.mesh.edge_faces[2u * e + side];
+    face[side] = GCDT_REF_FACE(ref);
+    const uint4 s = in.mesh.face_data[GCDT_SIDES(face[side])];
+    label[side] = s.w;
+    outer[2u * side] = element(s, next_corner(GCDT_REF_CORNER(ref)));
+    outer[2u * side + 1u] = element(s, previous_corner(GCDT_REF_CORNER(ref)));
+  }
+  split_edge(in.mesh, v, e, claim);
+  for (uint side = 0; side < 2u; ++side) {
+    set_label(in.mesh, face[side], label[side]);
+    set_label(in.mesh, new_face(in.mesh, v, side), label[side]);
+  }
+  for (uint i = 0; i < 4u; ++i) queue_side(in, outer[i]);
+}
+
+// v in the face beyond a side of face t that is across from pq's corner r; then the side is flipped, so that v is
+// joined to both p and q (fits_beyond).
+static void insert_beyond(Insertion in, uint v, uint code, Vertex x, uint claim) {
+  const Mesh mesh = in.mesh;
+  uint around[4];
+  const uint face = GCDT_REF_FACE(mesh.edge_faces[code ^ 1u]), on = side_under(mesh, face, x);
+  if (on == 3u)
+    insert_in_face(in, v, face, claim);
+  else
+    insert_on_edge(in, v, GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(face)], on)), claim);
+  const uint e = GCDT_SIDE_EDGE(code);
+  const uint2 refs = ((global const uint2*)mesh.edge_faces)[e];
+  flip_edge(mesh, e, refs, mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
+            mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))], around);
+  for (uint i = 0; i < 4u; ++i) queue_side(in, around[i]);
+}
+
+// v for subsegment e = pq: on it, or beside it. Then the triangle v, p, q takes the label from beyond pq, its sides pv
+// and vq are the subsegments, and pq is an edge like others.
+static void insert_for_subsegment(Insertion in, uint v, uint e, Vertex x, uint claim) {
+  const Mesh mesh = in.mesh;
+  const uint piece = in.edge_pieces[e], ref = mesh.edge_faces[2u * e];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
+  const i64 side = gcdt_orient2d_finite(corner_vertex(mesh, c, next_corner(GCDT_REF_CORNER(ref))),
+                                        corner_vertex(mesh, c, previous_corner(GCDT_REF_CORNER(ref))), x);
+  if (side == 0) {
+    insert_on_edge(in, v, e, claim);
+    make_subsegment(in, GCDT_SIDE(new_edge(mesh, v, 0u), 0u), piece);
+    return;
+  }
+  const uint near = GCDT_SIDE(e, side > 0 ? 0u : 1u);
+  const uint near_ref = mesh.edge_faces[near], t = GCDT_REF_FACE(near_ref), k = GCDT_REF_CORNER(near_ref);
+  const uint4 corners = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
+  const uint beyond = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(mesh.edge_faces[near ^ 1u]))].w;
+  const Vertex p = corner_vertex(mesh, corners, next_corner(k)), q = corner_vertex(mesh, corners, previous_corner(k)),
+               r = corner_vertex(mesh, corners, k);
+  atomic_and(in.marks + e, ~GCDT_MARK_CONSTRAINED);
+  in.edge_pieces[e] = GCDT_NONE;
+  queue_side(in, near);
+  const uint other = code_beyond(mesh, near_ref, x);
+  if (other != GCDT_NONE)
+    insert_beyond(in, v, other, x, claim);
+  else if (gcdt_orient2d(q, r, x) == 0)
+    insert_on_edge(in, v, GCDT_SIDE_EDGE(element(s, next_corner(k))), claim);
+  else if (gcdt_orient2d(r, p, x) == 0)
+    insert_on_edge(in, v, GCDT_SIDE_EDGE(element(s, previous_corner(k))), claim);
+  else
+    insert_in_face(in, v, t, claim);
+  const uint between = mesh.edge_faces[near], at = GCDT_REF_CORNER(between);
+  const uint4 sides = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(between))];
+  set_label(mesh, GCDT_REF_FACE(between), beyond);
+  make_subsegment(in, element(sides, next_corner(at)), piece);
+  make_subsegment(in, element(sides, previous_corner(at)), piece);
+}
+
+// floor(sum of weights times values / whole), the quotient below 2^33; weights below 2^63, `whole` their sum. Bit by
+// bit.
+static uint mean(i64 a, i64 b, i64 c, uint va, uint vb, uint vc, i64 whole) {
+  const Int128 sum =
+      gcdt_add(gcdt_add(gcdt_multiply(a, (i64)va), gcdt_multiply(b, (i64)vb)), gcdt_multiply(c, (i64)vc));
+  u64 quotient = 0;
+  for (int bit = 32; bit >= 0; --bit) {
+    const u64 more = quotient | ((u64)1 << bit);
+    if (gcdt_sign128(gcdt_add(sum, gcdt_multiply(-whole, (i64)more))) >= 0) quotient = more;
+  }
+  return (uint)quotient;
+}
+
+// What a new vertex is put on: the corners of its face, or the ends of its edge, in the order of (x, y), so that it is
+// the same whatever face the walk came from; and the piece.
+static uint4 origin_of(Mesh mesh, uint4 candidate, global const uint* edge_pieces) {
+  if (candidate.w == GCDT_IN_FACE) {
+    const uint4 c = mesh.face_data[GCDT_CORNERS(candidate.z)];
+    return (uint4)(c.x, c.y, c.z, GCDT_NONE);
+  }
+  const bool on_edge = candidate.w == GCDT_ON_EDGE;
+  const uint ref = mesh.edge_faces[on_edge ? candidate.z : 2u * candidate.z], k = GCDT_REF_CORNER(ref);
+  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
+  const uint p = element(c, next_corner(k)), q = element(c, previous_corner(k));
+  const bool first = gcdt_tie_key(vertex_at(mesh.points, p)) < gcdt_tie_key(vertex_at(mesh.points, q));
+  return (uint4)(first ? p : q, first ? q : p, GCDT_NONE, on_edge ? GCDT_NONE : edge_pieces[candidate.z]);
+}
+
+// The wanted length at a new vertex, linear on what it was put on. A bent vertex is projected on its subsegment.
+static uint wanted_at(Mesh mesh, uint4 origin, Vertex x, global const uint* sizes) {
+  const Vertex a = vertex_at(mesh.points, origin.x), b = vertex_at(mesh.points, origin.y);
+  if (origin.z != GCDT_NONE) {
+    const Vertex c = vertex_at(mesh.points, origin.z);
+    return mean(gcdt_orient2d_finite(b, c, x), gcdt_orient2d_finite(c, a, x), gcdt_orient2d_finite(a, b, x),
+                sizes[origin.x], sizes[origin.y], sizes[origin.z], gcdt_orient2d_finite(a, b, c));
+  }
+  const i64 whole = (i64)gcdt_squared_length(a, b), along = clamp(gcdt_dot(a, b, x), (i64)0, whole);
+  return mean(whole - along, along, 0, sizes[origin.x], sizes[origin.y], 0u, whole);
+}
+
+// One work-item per candidate; `before` is the scan of the winners in order, of which there are `winners`. Inserts
+// those with the greatest tickets, `most` at most, and numbers them from `first` on, the greatest first. Writes the
+// words of its faces and edges and those that its vertex brings, which others do not have (L1: winners' faces are
+// disjoint), and marks of the edges around by atomics. After: a valid mesh; edges that may be illegal are queued, and
+// listed.
+kernel void refine_insert(uint count, uint winners, uint first, uint most, uint stamp, uint bits, uint sized,
+                          GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* edge_pieces,
+                          global const uint* ranks, global const uint4* candidates, global const uint* before,
+                          global int2* new_points, uint inputs, global uint4* origins, global uint* sizes,
+                          global uint* queue, volatile global Counters* counters,
+                          volatile global RefineReport* report) {
+  Insertion in;
+  in.mesh = make_mesh(n, points, face_data, edge_faces);
+  in.marks = edge_marks;
+  in.edge_pieces = edge_pieces;
+  in.queue = queue;
+  in.counters = counters;
+  FOR_EACH(number, count) {
+    const uint i = ranks[number], place = winners - 1u - before[i];
+    if (before[i + 1u] == before[i] || place >= most) continue;
+    const uint v = first + place, claim = (stamp << bits) | i;
+    const uint4 candidate = candidates[number];
+    const Vertex x = candidate_point(candidate);
+    const uint4 origin = origin_of(in.mesh, candidate, edge_pieces);
+    origins[v - inputs] = origin;
+    new_points[v] = (int2)((int)x.x, (int)x.y);
+    if (sized) sizes[v] = wanted_at(in.mesh, origin, x, sizes);
+    for (uint j = 0; j < 3u; ++j) {
+      edge_marks[new_edge(in.mesh, v, j)] = 0u;
+      edge_pieces[new_edge(in.mesh, v, j)] = GCDT_NONE;
+    }
+    if (candidate.w == GCDT_IN_FACE) {
+      insert_in_face(in, v, candidate.z, claim);
+    } else if (candidate.w == GCDT_ON_EDGE) {
+      insert_on_edge(in, v, GCDT_SIDE_EDGE(candidate.z), claim);
+    } else {
+      atomic_inc(&report->on_subsegments);
+      if (gcdt_orient2d_finite(vertex_at(points, origin.x), vertex_at(points, origin.y), x) != 0)
+        atomic_inc(&report->bent);
+      if (candidate.w & GCDT_FAR) atomic_inc(&report->far);
+      insert_for_subsegment(in, v, candidate.z, x, claim);
+    }
+  }
+}

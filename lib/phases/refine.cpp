@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "phases/refine.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gcdt {
+
+using runtime::Buffer;
+using runtime::over;
+
+namespace {
+
+// The candidate with the greatest ticket wins in each round, and winners are new grid points, so there are at most as
+// many rounds as vertices are added. Real ones take tens or hundreds; this only stops a device that computes wrongly.
+constexpr std::uint64_t round_limit = 1u << 20;
+
+// Of RefineReport: the words that a round counts from zero, and those that refine_aim and refine_place count.
+constexpr std::size_t words_of_round = 5, first_of_candidates = 3;
+constexpr std::size_t words_of_report = sizeof(device::RefineReport) / sizeof(cl_uint);
+
+// Room that is made at a time, as a share of the vertices that are there.
+constexpr std::uint32_t least_room = 1024;
+
+/// Makes `buffer` hold `size` elements, of which the first `kept` stay.
+template <class T>
+void enlarge(runtime::Runtime& runtime, Buffer<T>& buffer, const char* name, std::size_t size, std::size_t kept) {
+  Buffer<T> larger = runtime.allocate<T>(name, size);
+  if (kept > 0) runtime.copy(buffer, larger, kept);
+  buffer = std::move(larger);
+}
+
+}  // namespace
+
+Refiner::Refiner(runtime::Runtime& runtime, Primitives& primitives, const device::RefineRules& rules,
+                 std::uint64_t most_added, Vertices vertices, Mesh mesh, const Pieces& pieces, Buffer<cl_uint> sizes)
+    : runtime_(runtime),
+      primitives_(primitives),
+      rules_(rules),
+      most_added_(std::min(most_added, max_vertices - vertices.input_vertex.size())),
+      vertices_(std::move(vertices)),
+      mesh_(std::move(mesh)),
+      plan_(make_plan(runtime, vertices_)),
+      counters_(runtime),
+      inputs_(vertices_.n()),
+      rules_buffer_(runtime.upload_one("rules of refinement", rules)),
+      sizes_(std::move(sizes)),
+      areas_(runtime.allocate<cl_ulong>("areas of labels", 0)),
+      no_places_(runtime.allocate<cl_int>("places", 0)),
+      report_(runtime.filled<cl_uint>("report of refinement", words_of_report, 0)) {
+  if (!sizes_.allocated()) sizes_ = runtime.allocate<cl_uint>("wanted lengths", 0);
+  make_subsegments(pieces);
+  make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_, inputs_ / 2 + least_room)));
+}
+
+// The hull has at most as many edges as there are vertices.
+void Refiner::make_subsegments(const Pieces& pieces) {
+  pieces_ = runtime_.allocate<cl_uint2>("pieces and hull", std::size_t{pieces.count} + inputs_);
+  if (pieces.count > 0) runtime_.copy(pieces.ends, pieces_, pieces.count);
+  edge_pieces_ = runtime_.allocate<cl_uint>("pieces of edges", mesh_.edges());
+  const auto hull = runtime_.filled<cl_uint>("edges of the hull", 1, 0);
+  runtime_.launch("renew", "refine_subsegments", over(mesh_.edges()), mesh_.edges(), cl_uint{pieces.count},
+                  vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
+                  mesh_.edge_marks, pieces_, edge_pieces_, hull, report_);
+  subsegments_ = pieces.count + runtime_.read_one(hull);
+  if (read_report().failed) throw Error(Status::check_failed, "refine: a constrained edge is no piece");
+  sharp_ = runtime_.filled<cl_uint>("sharp ends of pieces", subsegments_, 0);
+}
+
+// Everything that grows with the vertices: `more` of them can be added from now on.
+void Refiner::make_room(std::uint32_t more) {
+  const std::uint32_t before = mesh_.n, all = count() + more;
+  const std::size_t vertices = count(), faces = mesh_.faces(count()), edges = mesh_.edges(count());
+  lists_ = {};
+  bad_before_ = {};
+  asked_ = {};
+  enlarge(runtime_, vertices_.points, "points", all, vertices);
+  enlarge(runtime_, origins_, "origins of vertices", all - inputs_, added_);
+  if (rules_.sized) enlarge(runtime_, sizes_, "wanted lengths", all, vertices);
+  mesh_.n = all;
+  enlarge(runtime_, mesh_.face_data, "faces", 2 * std::size_t{mesh_.faces()}, 2 * faces);
+  enlarge(runtime_, mesh_.edge_faces, "edge faces", 2 * std::size_t{mesh_.edges()}, 2 * edges);
+  enlarge(runtime_, mesh_.edge_marks, "edge marks", mesh_.edges(), edges);
+  enlarge(runtime_, edge_pieces_, "pieces of edges", mesh_.edges(), edges);
+  runtime_.launch("renew", "refine_room", over(faces), static_cast<cl_uint>(faces), before, all, cl_uint(!labelled_),
+                  mesh_.face_data);
+  lists_ = make_work_lists(runtime_, all);
+  enlarge(runtime_, bad_, "triangles to be mended", mesh_.faces(), last_.bad);
+  bad_before_ = runtime_.allocate<cl_uint>("triangles to be mended before", mesh_.faces());
+  // A vertex makes two subsegments of one.
+  asked_ = runtime_.allocate<cl_uint>("subsegments to be split", std::size_t{subsegments_} + (all - inputs_));
+}
+
+void Refiner::keep(const Buffer<cl_uint>& refs, const Buffer<cl_int>& kept, cl_uint count) {
+  labelled_ = true;
+  runtime_.launch("renew", "refine_label", over(count), count, cl_uint(!kept.allocated()), refs,
+                  kept.allocated() ? kept : no_places_, mesh_.face_data);
+  runtime_.launch("renew", "refine_sharp", over(2 * std::size_t{mesh_.edges(inputs_)}), mesh_.edges(inputs_), mesh_.n,
+                  vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, pieces_, edge_pieces_, sharp_);
+}
+
+device::RefineReport Refiner::read_report() {
+  cl_uint words[words_of_report];
+  runtime_.read(report_, words, words_of_report);
+  device::RefineReport report;
+  std::memcpy(&report, words, sizeof report);
+  return report;
+}
+
+template <class... Last>
+void Refiner::launch_judge(const char* kernel, runtime::Range range, const Last&... last) {
+  runtime_.launch("judge", kernel, range, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_,
+                  mesh_.edge_marks, inputs_, origins_, pieces_, sizes_, areas_, last...);
+}
+
+// Finds the candidates, in order of precedence, the last first of all. Ends: the second time there is room for all of
+// them, since the same ones are found.
+void Refiner::find_candidates() {
+  const cl_uint faces = mesh_.faces(count());
+  runtime_.fill<cl_uint>(report_, 0, words_of_round);
+  if (!keys_.allocated()) {
+    const std::size_t room = faces / 4 + least_room;
+    keys_ = runtime_.allocate<cl_ulong>("keys of candidates", room);
+    numbers_ = runtime_.allocate<cl_uint>("candidates in order", room);
+    candidates_ = runtime_.allocate<cl_uint4>("candidates", room);
+  }
+  std::swap(bad_, bad_before_);
+  const bool knows = result_.rounds > 0 && mesh_.claims_cleared == cleared_when_judged_;
+  const auto threshold = static_cast<cl_uint>(knows ? claims_when_judged_ : 0);
+  const cl_uint were_bad = knows ? last_.bad : 0;
+  claims_when_judged_ = mesh_.claims_below;
+  cleared_when_judged_ = mesh_.claims_cleared;
+  runtime_.launch("judge", "refine_judge", over(were_bad + faces), faces, threshold, were_bad, mesh_.n,
+                  vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, inputs_,
+                  origins_, pieces_, sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_,
+                  bad_before_, bad_);
+  for (;;) {
+    launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, bad_);
+    launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
+                 edge_pieces_, sharp_);
+    last_ = read_report();
+    if (last_.candidates <= capacity()) break;
+    const std::size_t room = last_.candidates + last_.candidates / 4;
+    runtime_.reserve(keys_, "keys of candidates", room);
+    runtime_.reserve(numbers_, "candidates in order", room);
+    runtime_.reserve(candidates_, "candidates", room);
+    runtime_.fill<cl_uint>(report_, 0, words_of_round - first_of_candidates, first_of_candidates);
+  }
+  if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
+  runtime_.launch("refine", "refine_forget", over(last_.asked), asked_, mesh_.edge_marks, report_);
+}
+
+// Returns how many candidates hold all that they claim; won_ is their scan.
+std::uint32_t Refiner::choose_winners() {
+  const cl_uint candidates = last_.candidates;
+  primitives_.sort(keys_, numbers_, candidates);
+  Stamps stamps(runtime_, candidates);
+  stamps.go_on_above(mesh_.claims_below);
+  if (stamps.left() == 0) {
+    clear_claims(runtime_, mesh_, mesh_.faces(count()));
+    stamps.restart();
+  }
+  stamp_ = stamps.take();
+  bits_ = stamps.bits();
+  mesh_.claims_below = stamps.claims_below();
+  runtime_.reserve(won_, "winners", std::size_t{candidates} + 1);
+  runtime_.fill<cl_uint>(won_, 1, candidates);
+  runtime_.launch("refine", "refine_ties", over(candidates), candidates, mesh_.n, vertices_.points, mesh_.face_data,
+                  mesh_.edge_faces, keys_, candidates_, numbers_);
+  runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
+  runtime_.launch("refine", "refine_ranks", over(candidates), candidates, numbers_, ranks_);
+  runtime_.launch("refine", "refine_claim", over(candidates), candidates, stamp_, bits_, mesh_.n, vertices_.points,
+                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, ranks_, candidates_, won_, report_);
+  return primitives_.scan_total(won_, candidates);
+}
+
+// Inserts the first `most` of the winners, and makes the mesh Delaunay.
+void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
+  const std::uint32_t more = std::min(winners, most);
+  if (count() + more > mesh_.n) {
+    const std::uint64_t room = std::max<std::uint64_t>(more, count() / 2 + least_room);
+    make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, room)));
+  }
+  counters_.zero();
+  runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, winners, count(), most, stamp_,
+                  bits_, rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
+                  edge_pieces_, ranks_, candidates_, won_, vertices_.points, inputs_, origins_, sizes_, lists_.first,
+                  counters_.buffer(), report_);
+  added_ += more;
+  counters_.read();
+}
+
+RefineResult Refiner::run(Ticker& ticker) {
+  result_ = {};
+  for (;;) {
+    ticker.tick("refine", most_added_ == 0 ? 1
+                                           : double(added_) / double(std::min<std::uint64_t>(
+                                                                  most_added_, 4 * std::uint64_t{inputs_})));
+    find_candidates();
+    if (last_.candidates == 0) break;
+    const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, GCDT_NONE));
+    result_.complete = most > 0;
+    if (most == 0) break;
+    const std::uint32_t winners = choose_winners();
+    if (winners == 0 || result_.rounds == round_limit)
+      throw Error(Status::round_limit, "refine: a round inserted nothing, or there were too many");
+    insert(winners, most);
+    const FlipResult flipped = flip_queued(runtime_, plan_, vertices_, mesh_, lists_, counters_, count(), ticker);
+    result_.flips += flipped.flips;
+    result_.flip_rounds += flipped.rounds;
+    ++result_.rounds;
+  }
+  explain();
+  return result_;
+}
+
+void Refiner::explain() {
+  const cl_uint faces = mesh_.faces(count());
+  runtime_.launch("judge", "refine_explain", over(faces), faces, cl_uint(!result_.complete), mesh_.n, vertices_.points,
+                  mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, inputs_, origins_, pieces_,
+                  sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_);
+  const device::RefineReport report = read_report();
+  if (report.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
+  result_.added = added_;
+  result_.on_subsegments = report.on_subsegments;
+  result_.bent = report.bent;
+  result_.far = report.far;
+  result_.encroached = report.encroached;
+  std::copy(std::begin(report.left), std::end(report.left), result_.left);
+}
+
+RefinedMesh Refiner::finish() {
+  lists_ = {};
+  for (auto* list : {&bad_, &bad_before_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
+  keys_ = {};
+  candidates_ = {};
+  const auto given = static_cast<cl_uint>(vertices_.input_vertex.size());
+  RefinedMesh refined;
+  refined.added = added_;
+  auto keys = runtime_.allocate<cl_ulong>("keys of added vertices", added_);
+  auto numbers = runtime_.allocate<cl_uint>("added vertices", added_),
+       places = runtime_.allocate<cl_uint>("places", added_);
+  if (added_ > 0)
+    runtime_.launch("renew", "refine_keys", over(added_), added_, inputs_, vertices_.points, keys, numbers);
+  primitives_.sort(keys, numbers, added_, 62);
+  keys = {};
+  InputPoints joined;
+  joined.n = given + added_;
+  joined.type = coordinates_type(Points::Type::int32);
+  joined.coordinates = runtime_.allocate<cl_ulong>("joined vertices", joined.n);
+  refined.added_points = runtime_.allocate<cl_int2>("added vertices", added_);
+  runtime_.launch("renew", "refine_join", over(joined.n), given, added_, inputs_, vertices_.points,
+                  vertices_.input_vertex, numbers, joined.coordinates, refined.added_points, places);
+  auto input_numbers = runtime_.allocate<cl_uint>("input numbers of vertices", count());
+  runtime_.launch("renew", "refine_numbers", over(count()), count(), inputs_, given, vertices_.vertex_input, places,
+                  input_numbers);
+  const Plan plan = make_plan(runtime_, {1, joined.n, joined.n});
+  refined.vertices = order(runtime_, primitives_, plan, std::move(joined), FixedGrid{}).vertices;
+  refined.vertices.grid = vertices_.grid;
+  refined.vertices.decimals = vertices_.decimals;
+  refined.added_origins = runtime_.allocate<cl_uint4>("origins of added vertices", added_);
+  if (added_ > 0)
+    runtime_.launch("renew", "refine_origins", over(added_), added_, origins_, places, input_numbers,
+                    refined.added_origins);
+  const cl_uint faces = mesh_.faces(count()), n = count();
+  runtime_.launch("renew", "refine_rename", over(faces), faces, mesh_.n, n, input_numbers,
+                  refined.vertices.input_vertex, mesh_.face_data);
+  mesh_.n = n;
+  refined.mesh = std::move(mesh_);
+  refined.edge_pieces = std::move(edge_pieces_);
+  return refined;
+}
+
+Pieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
+                      const Pieces& pieces, bool hull) {
+  const Mesh& mesh = refined.mesh;
+  const cl_uint edges = mesh.edges(), bits = std::max(1u, bit_width(mesh.n));
+  auto before = runtime.allocate<cl_uint>("subsegments before", std::size_t{edges} + 1);
+  runtime.launch("renew", "refine_select", over(edges), edges, hull ? GCDT_NONE : cl_uint{pieces.count},
+                 refined.edge_pieces, mesh.edge_marks, before);
+  Pieces made;
+  made.count = primitives.scan_total(before, edges);
+  auto list = runtime.allocate<cl_uint>("subsegments", made.count);
+  primitives.compact_indices(before, list, edges);
+  auto keys = runtime.allocate<cl_ulong>("keys of subsegments", made.count);
+  made.ends = runtime.allocate<cl_uint2>("pieces", made.count);
+  made.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t{made.count} + 1);
+  if (made.count == 0) {
+    made.sources = runtime.allocate<cl_uint>("sources of pieces", 0);
+    return made;
+  }
+  runtime.launch("renew", "refine_piece_keys", over(made.count), made.count, bits, refined.vertices.levels_buffer,
+                 mesh.face_data, mesh.edge_faces, list, keys);
+  primitives.sort(keys, list, made.count, 2 * bits);
+  runtime.launch("renew", "refine_pieces", over(made.count), made.count, bits, cl_uint{pieces.count},
+                 refined.vertices.levels_buffer, keys, list, refined.edge_pieces, pieces.source_offsets, made.ends,
+                 made.source_offsets);
+  made.source_count = primitives.scan_total(made.source_offsets, made.count);
+  made.sources = runtime.allocate<cl_uint>("sources of pieces", made.source_count);
+  if (made.source_count > 0)
+    runtime.launch("renew", "refine_sources", over(made.count), made.count, list, refined.edge_pieces,
+                   pieces.source_offsets, pieces.sources, made.source_offsets, made.sources);
+  return made;
+}
+
+}  // namespace gcdt

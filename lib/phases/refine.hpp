@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quality refinement on the host: rounds of judging, claiming and inserting (kernels/refine/; docs/refinement.md).
+#pragma once
+
+#include <cmath>
+#include <numeric>
+
+#include "phases/flip.hpp"
+#include "phases/order.hpp"
+#include "phases/output.hpp"
+#include "phases/refine_rules.hpp"
+
+namespace gcdt {
+
+/// What may be split.
+enum class Splits {
+  all,    ///< every constraint, and the border of the domain
+  inner,  ///< constraints with triangles of the domain on both sides
+  none,   ///< nothing: vertices are added inside triangles only
+};
+
+/// What is wanted of a mesh, in units of the input (docs/refinement.md).
+struct Refinement {
+  double least_angle = 20;      ///< degrees, 1 to 34
+  double most_area = HUGE_VAL;  ///< of a triangle; above 0
+  bool conforming = false;      ///< edges beside constraints are Delaunay, too
+  Splits splits = Splits::all;
+  std::uint64_t most_added = UINT64_MAX;  ///< vertices
+  double least_length = 0;                ///< no shorter side is made; at least 8 cells
+  Span<double> sizes;                     ///< empty, or one a vertex: the length wanted there, above 0; the caller's
+};
+
+/// What a refinement did, and what it could not do.
+struct RefineResult {
+  std::uint64_t rounds = 0;
+  std::uint64_t added = 0;                              ///< vertices
+  std::uint64_t on_subsegments = 0, bent = 0, far = 0;  ///< of these; beside their subsegments; rounded the other way
+  std::uint64_t flips = 0, flip_rounds = 0;
+  std::uint64_t encroached = 0;              ///< sides of kept triangles that are subsegments with a corner in the lens
+  std::uint64_t left[GCDT_LEFT_KINDS] = {};  ///< triangles worse than wanted, by reason
+  bool complete = true;                      ///< it did not end by the limit of vertices
+  double ms = 0;                             ///< wall time of the step
+
+  std::uint64_t all_left() const { return std::accumulate(std::begin(left), std::end(left), std::uint64_t{0}); }
+};
+
+/// What comes of the mesh: as the phases before leave it, with other vertices.
+struct RefinedMesh {
+  Vertices vertices;  ///< input numbers of added vertices follow those of all others, in order of (x, y)
+  Mesh mesh;          ///< the CDT of vertices and subsegments; labels are in its faces
+  std::uint32_t added = 0;
+  runtime::Buffer<cl_int2> added_points;  ///< on the grid
+  /// What each was put on, in input numbers: three corners, or two ends and GCDT_NONE; and the piece as it was, or
+  /// GCDT_NONE.
+  runtime::Buffer<cl_uint4> added_origins;
+  runtime::Buffer<cl_uint> edge_pieces;  ///< by edge: its piece as it was; edges of the hull come after those
+};
+
+/// Refines one mesh.
+class Refiner {
+ public:
+  /// `mesh` is the CDT of all `vertices` under `pieces`, with at least one finite triangle; what it is refined to comes
+  /// back from finish(). At most `most_added` vertices are added. `sizes`: with rules.sized, the wanted length at each
+  /// vertex, in cells.
+  Refiner(runtime::Runtime& runtime, Primitives& primitives, const device::RefineRules& rules, std::uint64_t most_added,
+          Vertices vertices, Mesh mesh, const Pieces& pieces, runtime::Buffer<cl_uint> sizes = {});
+
+  /// Keeps the finite faces refs[i] (of all `count` of them) with kept[i] >= 0; all if `kept` is not allocated. Others
+  /// are not refined. Called once, before run().
+  void keep(const runtime::Buffer<cl_uint>& refs, const runtime::Buffer<cl_int>& kept, cl_uint count);
+
+  /// Rounds until nothing is left to do, or the limit is reached. Throws round_limit, and cancelled.
+  RefineResult run(Ticker& ticker);
+
+  /// Numbers the vertices anew. The object is of no more use.
+  RefinedMesh finish();
+
+ private:
+  void make_subsegments(const Pieces& pieces);
+  void make_room(std::uint32_t capacity);
+  void find_candidates();
+  std::uint32_t choose_winners();
+  void insert(std::uint32_t winners, std::uint32_t most);
+  void explain();
+  device::RefineReport read_report();
+  cl_uint capacity() const { return static_cast<cl_uint>(keys_.size()); }
+  std::uint32_t count() const { return inputs_ + added_; }
+  template <class... Last>
+  void launch_judge(const char* kernel, runtime::Range range, const Last&... last);
+
+  runtime::Runtime& runtime_;
+  Primitives& primitives_;
+  const device::RefineRules rules_;
+  const std::uint64_t most_added_;
+  Vertices vertices_;  ///< as they were, but for points, which are all that there is room for
+  Mesh mesh_;          ///< its n: vertices that there is room for
+  Plan plan_;
+  WorkLists lists_;
+  PhaseCounters counters_;
+  const std::uint32_t inputs_;  ///< vertices before the refinement
+  std::uint32_t added_ = 0, subsegments_ = 0;
+  runtime::Buffer<device::RefineRules> rules_buffer_;
+  runtime::Buffer<cl_uint> sizes_;   ///< by vertex
+  runtime::Buffer<cl_ulong> areas_;  ///< by label; unused
+  runtime::Buffer<cl_int> no_places_;
+  runtime::Buffer<cl_uint2> pieces_;  ///< the pieces, then edges of the hull that are on none
+  runtime::Buffer<cl_uint> sharp_;    ///< by piece
+  runtime::Buffer<cl_uint> edge_pieces_;
+  runtime::Buffer<cl_uint4> origins_;  ///< by added vertex
+  runtime::Buffer<cl_uint> bad_, bad_before_, asked_, numbers_, ranks_;
+  runtime::Buffer<cl_ulong> keys_;
+  runtime::Buffer<cl_uint4> candidates_;
+  runtime::Buffer<cl_uint> won_;     ///< by candidate in order
+  runtime::Buffer<cl_uint> report_;  ///< a RefineReport, word by word
+  bool labelled_ = false;
+  device::RefineReport last_ = {};
+  cl_uint stamp_ = 0, bits_ = 0;
+  /// Faces that have changed since they were judged have claim words from here on, unless claims have been cleared
+  /// since.
+  std::uint64_t claims_when_judged_ = 0;
+  std::uint32_t cleared_when_judged_ = 0;
+  RefineResult result_;
+};
+
+/// The subsegments of a refined mesh as pieces. `pieces` are those that were given to the refinement. With `hull` edges
+/// of the hull are among them, which have no source; without, these are unconstrained from then on.
+Pieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
+                      const Pieces& pieces, bool hull);
+
+}  // namespace gcdt

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quality refinement as a step of a run (docs/refinement.md).
+#pragma once
+
+#include "solve/run.hpp"
+
+namespace gcdt {
+
+/// Throws invalid_argument for a refinement that makes no sense, or that cannot be combined with `options`, of an input
+/// of `vertices`.
+void check_refinement(const Refinement& wanted, const Options& options, std::uint64_t vertices);
+
+/// Refines the triangles of the domain, which select_domain() left in `ordered`, if there are any. `refs`: the face of
+/// each triangle of the hull. Changes all that the run has of mesh, vertices, pieces and domain. Returns the triangles
+/// of the domain.
+OrderedMesh refine(Run& run, const Refinement& wanted, OrderedMesh ordered, runtime::Buffer<cl_uint> refs);
+
+}  // namespace gcdt
