@@ -15,6 +15,7 @@ shows() { # PAGE LANGUAGE
 }
 shows README.md cpp
 shows docs/using.md c
+shows README.md py
 shows docs/python.md py
 
 lines=$(wc -l <README.md)
