@@ -62,7 +62,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
                        volatile global uint* crossed, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
+  Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
   const uint parts = begins[pieces];
   uint steps = 0, hit = 0;
   FOR_EACH(part, capacity) {
@@ -89,6 +89,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
         if (task != GCDT_CLEAN_WRITE && edges > 0u) atomic_add(crossed + list[c], edges);
       } else if (task == GCDT_CLEAN_ALL) {
         part_face[part] = GCDT_NONE;
+        lose_patience(&walked);
         found = 0u;
         atomic_inc(&counters->unfinished);
       } else {

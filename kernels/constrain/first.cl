@@ -44,8 +44,7 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked
 }
 
 // One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
-// words. The face is GCDT_NONE if a hasty search takes too long, or the mesh is wrong: a work-item that has met one of
-// these is less patient with the next, since then fans are made, which find them sooner. If `again`, pieces have been
+// words. The face is GCDT_NONE if a hasty search takes too long, or the mesh is wrong. If `again`, pieces have been
 // walked from the same point or from the one that their parts are cut at now, and walked_face says where it was. If
 // `missing`, only faces that are GCDT_NONE are searched.
 kernel void first_faces(uint hasty, uint again, uint missing, uint pieces, uint capacity, GCDT_LEVELS_POINTER levels,
@@ -70,7 +69,7 @@ kernel void first_faces(uint hasty, uint again, uint missing, uint pieces, uint 
     const uint face = cut > 0u && k % cut == 0u
                           ? walked_face[before.x + k / cut]
                           : locate_division_point(levels, level, through, h, e, line, k, count, &steps);
-    if (face == GCDT_NONE) through.patience = max(through.patience / 2u, GCDT_LEAST_PATIENCE);
+    if (face == GCDT_NONE) lose_patience(&through);
     part_face[part] = face;
     if (k == 0u) lines[c] = line;
   }

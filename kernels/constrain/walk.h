@@ -54,6 +54,9 @@ static inline Walked make_walked(Mesh mesh, Fans fans, uint hasty) {
   return w;
 }
 
+// A work-item whose walk took too long is less patient with the next: fans will be made, with which walks are short.
+static inline void lose_patience(private Walked* w) { w->patience = max(w->patience / 2u, GCDT_LEAST_PATIENCE); }
+
 // ---- What lies ahead -----------------------------------------------------------------------------
 
 static inline int side_of(const private Walk* w, Mesh mesh, uint v) {
