@@ -241,6 +241,14 @@ GCDT_INLINE Quantised gcdt_quantise_fixed(u64 low, u64 high, u32 minus, u64 orig
   return result;
 }
 
+GCDT_INLINE void gcdt_negate_window(u64* d) {
+  u64 carry = 1;
+  for (i32 i = 0; i < GCDT_WINDOW_LIMBS; ++i) {
+    d[i] = ~d[i] + carry;
+    carry &= d[i] == 0 ? 1 : 0;
+  }
+}
+
 GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i32 axis) {
   Quantised result;
   result.value = 0;
@@ -263,13 +271,7 @@ GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i3
   }
   d[0] |= both_odd;
   const u32 negative = (d[GCDT_WINDOW_LIMBS - 1] >> 63) != 0;
-  if (negative) {
-    u64 carry = 1;
-    for (i32 i = 0; i < GCDT_WINDOW_LIMBS; ++i) {
-      d[i] = ~d[i] + carry;
-      carry &= d[i] == 0 ? 1 : 0;
-    }
-  }
+  if (negative) gcdt_negate_window(d);
   // Now |D| = T X + remainder, X < 2^31 or outside: |D| / 2^31 < T < 2^118.
   const u64 t_low = scale->cell_low, t_high = scale->cell_high;
   u64 low = (d[0] >> 31) | (d[1] << 33), high = (d[1] >> 31) | (d[2] << 33);

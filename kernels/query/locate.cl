@@ -150,23 +150,23 @@ static uint triangle_towards(Fans fans, uint v, Vertex query, global const uint*
 // One work-item per query, in sorted order.
 // Reads keys, the mesh and its fans. Writes places[i], and *pending by atomic_or.
 // Word i has one reader and writer.
-// After this kernel the query has arrived, is known to be outside, or is `most` steps further and *pending is 1. The
-// loop ends after that many steps.
+// After this kernel the query has arrived, is known to be outside, or is GCDT_LOCATE_STEPS further and *pending is 1.
+// The loop ends after that many steps.
 //
 // At a vertex that has a fan a step turns around it as far as the query's direction, by bisection: the same triangles
 // that a walk over edges at that vertex goes through, since it turns by less than 180 degrees. So in a Delaunay
 // triangulation these walks end, too. Every second such step, by the hash, goes over one edge all the same: in a
 // constrained triangulation walks must not be without a choice (above).
-kernel void locate_walk(const uint count, const uint begun, const uint most, global const uint* corners,
-                        global const int* neighbours, const uint by_input, global const uint* input_vertex,
-                        const uint n, global const int2* points, GCDT_FAN_PARAMETERS, global const ulong* keys,
-                        global uint* places, volatile global uint* pending) {
+kernel void locate_walk(const uint count, const uint begun, global const uint* corners, global const int* neighbours,
+                        const uint by_input, global const uint* input_vertex, const uint n, global const int2* points,
+                        GCDT_FAN_PARAMETERS, global const ulong* keys, global uint* places,
+                        volatile global uint* pending) {
   const Fans fans = make_fans(fans_made, fan_begins, fan_faces);
   FOR_EACH(i, count) {
     uint t = places[i];
     if (t == GCDT_NONE || (t & GCDT_ARRIVED)) continue;
     const Vertex query = query_of(keys[i]);
-    for (uint step = 0; step < most; ++step) {
+    for (uint step = 0; step < GCDT_LOCATE_STEPS; ++step) {
       const Corners c = corners_of(corners, t, input_vertex, by_input, points);
       const uint hash = hash_of(i, begun + step), k = edge_to_cross(c, hash % 3u, query);
       if (k == 3u) {

@@ -14,9 +14,9 @@
 // once that holds the query; GCDT_NONE: outside.
 #define GCDT_ARRIVED 0x80000000u
 
-// Triangles that a walk goes through in one launch at most; in the first one fewer, after which fans are made.
+// Triangles that a walk goes through in one launch at most. After the first one fans are made, of which walks that are
+// long only because triangles are many there have no use: hundreds of steps are usual where vertices are sparse.
 #define GCDT_LOCATE_STEPS 1024u
-#define GCDT_LOCATE_FIRST_STEPS GCDT_FAN_LEAST
 
 #ifdef __OPENCL_VERSION__
 // A corner is the number of an input vertex (`by_input`) or of a vertex.

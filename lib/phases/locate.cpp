@@ -73,10 +73,10 @@ Buffer<cl_uint> walk(Runtime& runtime, Primitives& primitives, const SearchMesh&
   // A straight way has at most as many triangles as there are; a walk that also turns back is given sixteen
   // times that.
   const std::uint64_t limit = 16 + 16ull * mesh.all.triangles / GCDT_LOCATE_STEPS;
-  cl_uint begun = 0, most = GCDT_LOCATE_FIRST_STEPS;
-  for (std::uint64_t round = 0; round < limit; ++round, begun += most, most = GCDT_LOCATE_STEPS) {
+  cl_uint begun = 0;
+  for (std::uint64_t round = 0; round < limit; ++round, begun += GCDT_LOCATE_STEPS) {
     runtime.fill<cl_uint>(pending, 0, 1);
-    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, begun, most, mesh.all.corners,
+    runtime.launch("locate", "locate_walk", over(queries.count), queries.count, begun, mesh.all.corners,
                    mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex, mesh.vertices.n(),
                    mesh.vertices.points, cl_uint{mesh.fans.made}, mesh.fans.begins, mesh.fans.faces, queries.keys,
                    places, pending);

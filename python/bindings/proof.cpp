@@ -31,6 +31,21 @@ struct GivenMesh {
 
 nb::tuple verdict(const Verification& v) { return nb::make_tuple(v.valid, v.reason); }
 
+nb::dict assessed(const Pairs& vertices, const GivenMesh& mesh, const nb::dict& grid) {
+  const Points given = points(vertices);
+  const Grid on = grid_of(grid);
+  Assessment a;
+  {
+    nb::gil_scoped_release release;
+    a = assess(given, mesh.view(), on);
+  }
+  nb::dict d;
+  d["valid"] = a.valid, d["outline_simple"] = a.outline_simple, d["triangles_inverted"] = a.triangles_inverted;
+  d["triangles_flat"] = a.triangles_flat, d["vertices_lost"] = a.vertices_lost;
+  d["edges_not_delaunay"] = a.edges_not_delaunay;
+  return d;
+}
+
 }  // namespace
 
 void bind_proof(nb::module_& m) {
@@ -69,23 +84,7 @@ void bind_proof(nb::module_& m) {
       },
       nb::arg("vertices"), nb::arg("constraints"), nb::arg("mesh"), nb::arg("region").none(), nb::arg("depth").none(),
       nb::arg("winding").none(), nb::arg("grid"), nb::arg("options"));
-  m.def(
-      "assess",
-      [](const Pairs& vertices, const GivenMesh& mesh, const nb::dict& grid) {
-        const Points given = points(vertices);
-        const Grid on = grid_of(grid);
-        Assessment a;
-        {
-          nb::gil_scoped_release release;
-          a = assess(given, mesh.view(), on);
-        }
-        nb::dict d;
-        d["valid"] = a.valid, d["outline_simple"] = a.outline_simple, d["triangles_inverted"] = a.triangles_inverted;
-        d["triangles_flat"] = a.triangles_flat, d["vertices_lost"] = a.vertices_lost;
-        d["edges_not_delaunay"] = a.edges_not_delaunay;
-        return d;
-      },
-      nb::arg("vertices"), nb::arg("mesh"), nb::arg("grid"));
+  m.def("assess", &assessed, nb::arg("vertices"), nb::arg("mesh"), nb::arg("grid"));
   m.def(
       "added_values",
       [](const Pairs& vertices, const Rows<std::uint32_t, 2>& constraints, const Rows<double, 2>& added,

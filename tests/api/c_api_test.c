@@ -144,6 +144,12 @@ static void check_errors(gcdt_solver* solver) {
   options.grid_x = 1;
   CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_COORDINATE_OUTSIDE_GRID);
   CHECK(last(solver).index_count == 2 && last(solver).indices[0] == 0 && last(solver).indices[1] == 0);
+  CHECK(result == NULL);
+}
+
+static void check_input_errors(gcdt_solver* solver) {
+  gcdt_input input = square();
+  gcdt_result* result = NULL;
   input.vertices = NULL;
   CHECK(gcdt_triangulate(solver, &input, NULL, &result) == GCDT_ERROR_INVALID_ARGUMENT);
   input = square();
@@ -263,6 +269,7 @@ int main(void) {
   if (!solver) return 1;
   CHECK(last(solver).status == GCDT_OK);
   check_errors(solver);
+  check_input_errors(solver);
   CHECK(lines > 0);
   check_mesh(solver);
 

@@ -77,10 +77,10 @@ Input constrained_hubs(int count) {
 }
 
 std::vector<Input> inputs() {
-  std::vector<Input> all = {row_between_hubs(3000), constrained_hubs(1500)};
+  std::vector<Input> all = {row_between_hubs(4000), constrained_hubs(2500)};
   for (int turned = 0; turned < 8; ++turned) {
-    all.push_back(wheel(2500, turned));
-    all.push_back(half_wheel(1500, turned, turned % 2 == 0));
+    all.push_back(wheel(4000, turned));
+    all.push_back(half_wheel(4000, turned, turned % 2 == 0));
   }
   return all;
 }

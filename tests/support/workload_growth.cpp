@@ -24,6 +24,22 @@ Workload shuffled(const Workload& work, std::uint64_t seed) {
 
 }  // namespace
 
+Workload line_and_one(std::size_t n) {
+  Workload work = line(n - 1);
+  work.points.insert(work.points.begin() + work.points.size() / 2,
+                     {static_cast<double>(n / 3), 3.0 * static_cast<double>(n)});
+  return {work.points, {}};
+}
+
+Workload parabola(std::size_t n) {
+  Workload work;
+  for (std::size_t i = 0; i < std::min<std::size_t>(n, 46341); ++i)
+    work.points.push_back({static_cast<double>(i), static_cast<double>(i) * static_cast<double>(i)});
+  Random random(5009);
+  shuffle(work.points, random);
+  return work;
+}
+
 Workload row(std::size_t n) {
   Workload work;
   add_row(work, n - 1, 0);

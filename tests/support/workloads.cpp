@@ -201,13 +201,6 @@ Workload line(std::size_t n) {
   return work;
 }
 
-Workload line_and_one(std::size_t n) {
-  Workload work = line(n - 1);
-  work.points.insert(work.points.begin() + work.points.size() / 2,
-                     {static_cast<double>(n / 3), 3.0 * static_cast<double>(n)});
-  return {work.points, {}};
-}
-
 Workload comb(std::size_t n) {
   const std::size_t teeth = std::max<std::size_t>((n - 2) / 4, 1);
   Workload work;
@@ -310,15 +303,6 @@ Workload two_clusters(std::size_t n) {
     work.points.push_back({far - x, far - static_cast<double>(side) + y});
   }
   shuffle(work.constraints, random);
-  return work;
-}
-
-Workload parabola(std::size_t n) {
-  Workload work;
-  for (std::size_t i = 0; i < std::min<std::size_t>(n, 46341); ++i)
-    work.points.push_back({static_cast<double>(i), static_cast<double>(i) * static_cast<double>(i)});
-  Random random(5009);
-  shuffle(work.points, random);
   return work;
 }
 
