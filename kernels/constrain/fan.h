@@ -2,7 +2,7 @@
 // The fan of a vertex: the faces around it, counter-clockwise, in one array. Finding the one that a direction points
 // into takes bisection then, not a turn around the vertex, which can have as many faces as there are vertices; and a
 // launch lasts as long as its longest walk. Vertices of many faces have fans, and only once a walk has taken too long
-// (kernels/constrain/fans.cl, lib/phases/fans.hpp). OpenCL C and C++17 the least number, OpenCL C all else.
+// (kernels/constrain/fans.h, lib/phases/fans.hpp). OpenCL C and C++17 the least number, OpenCL C all else.
 #ifndef GCDT_FAN_H
 #define GCDT_FAN_H
 

@@ -125,7 +125,7 @@ GCDT_INLINE uint edge_to_cross(Corners c, uint first, Vertex query) {
   return area_across(c, third, query) < 0 ? third : 3u;
 }
 
-// The triangle of vertex v's fan that the query's direction from v, `at`, points into. On the convex hull the fan is
+// The triangle of vertex v's fan that the query's direction from v points into. On the convex hull the fan is
 // open, and its directions span at most 180 degrees: the last of its triangles that has the query left of its ray, or
 // on it; if the query is outside of the fan, the first or the last triangle. Ends: the range halves.
 static uint triangle_towards(Fans fans, uint v, Vertex query, global const uint* corners, global const int* neighbours,

@@ -131,7 +131,6 @@ void check_refinement(const Refinement& wanted, const Options& options, std::uin
 OrderedMesh refine(Run& run, const Refinement& wanted, OrderedMesh ordered, Buffer<cl_uint> refs) {
   runtime::Runtime& runtime = run.runtime;
   const OrderedMesh& hull = run.result.hull.corners.allocated() ? run.result.hull : ordered;
-
   if (ordered.triangles == 0) return ordered;
   Buffer<cl_uint> sizes = sizes_in_cells(run, wanted);
   Refiner refiner(runtime, run.primitives, rules_of(wanted, run.vertices.grid.cell()), wanted.most_added,

@@ -9,6 +9,7 @@
 #include "query/derived.hpp"
 #include "query/locate.h"
 #include "solve/triangulate.hpp"
+#include "triangle_search.hpp"
 #include "workloads.hpp"
 
 using namespace gcdt;
@@ -85,11 +86,6 @@ std::vector<Input> inputs() {
   return all;
 }
 
-std::int64_t orient(const Place& a, const Place& b, const Place& c) {
-  return (std::int64_t{b[0]} - a[0]) * (std::int64_t{c[1]} - a[1]) -
-         (std::int64_t{b[1]} - a[1]) * (std::int64_t{c[0]} - a[0]);
-}
-
 /// A mesh on a device, and how often each kernel was launched since.
 struct Searched {
   Searched(runtime::Runtime& on, const Input& input) : runtime(on), primitives(on) {
@@ -137,16 +133,8 @@ std::vector<Place> make_queries(const Input& input, const Searched& searched) {
 void check_all(const Input& input, Searched& searched) {
   const std::vector<Place> queries = make_queries(input, searched);
   const std::vector<cl_int> found = searched.locate(queries);
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    cl_int expected = -1;
-    for (std::size_t t = 0; t < searched.triangles.size() && expected < 0; ++t) {
-      const auto& [a, b, c] = searched.triangles[t];
-      const Place &p = input.points[a], &q = input.points[b], &r = input.points[c];
-      if (orient(p, q, queries[i]) >= 0 && orient(q, r, queries[i]) >= 0 && orient(r, p, queries[i]) >= 0)
-        expected = static_cast<cl_int>(t);
-    }
-    CHECK(found[i] == expected);
-  }
+  for (std::size_t i = 0; i < queries.size(); ++i)
+    CHECK(found[i] == found_in(input.points, searched.triangles, queries[i]));
 }
 
 /// Reads the fans of a mesh whose corners are input numbers; of those, none are equal here.

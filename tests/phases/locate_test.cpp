@@ -10,30 +10,12 @@
 #include "agreement.hpp"
 #include "device/tuning.hpp"
 #include "polygons.hpp"
+#include "triangle_search.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
 
 namespace {
-
-using Grid32 = std::vector<std::array<std::int32_t, 2>>;
-
-std::int64_t orient(const std::array<std::int32_t, 2>& a, const std::array<std::int32_t, 2>& b,
-                    const std::array<std::int32_t, 2>& c) {
-  return (std::int64_t{b[0]} - a[0]) * (std::int64_t{c[1]} - a[1]) -
-         (std::int64_t{b[1]} - a[1]) * (std::int64_t{c[0]} - a[0]);
-}
-
-/// The least triangle that holds q, border included, or -1.
-std::int32_t found_in(const Grid32& points, const Triangulation& mesh, const std::array<std::int32_t, 2>& q) {
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    if (orient(points[a], points[b], q) >= 0 && orient(points[b], points[c], q) >= 0 &&
-        orient(points[c], points[a], q) >= 0)
-      return static_cast<std::int32_t>(t);
-  }
-  return -1;
-}
 
 /// Vertices, middles of edges, points anywhere and points outside; even coordinates, so that middles are integers.
 Grid32 make_queries(const Grid32& points, const Triangulation& mesh, std::int32_t side, Random& random) {
@@ -78,7 +60,7 @@ TEST_CASE("every query is in the least triangle that holds it, and its weights g
       const Array<std::int32_t> triangles = result.locate(queries, &weights);
       std::size_t outside = 0, misplaced = 0, wrong = 0;
       for (std::size_t i = 0; i < queries.size(); ++i) {
-        misplaced += triangles[i] != found_in(points, mesh, queries[i]);
+        misplaced += triangles[i] != found_in(points, mesh.triangles, queries[i]);
         outside += triangles[i] < 0;
         if (triangles[i] < 0) {
           wrong += weights[i] != std::array<double, 3>{0, 0, 0};
@@ -212,7 +194,7 @@ TEST_CASE("a walk across a mesh of long thin triangles ends, in more than one la
   for (const auto& p : work.points) points.push_back({std::int32_t(p[0]), std::int32_t(p[1])});
   for (const auto& q : queries) integers_of.push_back({std::int32_t(q[0]), std::int32_t(q[1])});
   const auto found = result.locate(queries);
-  for (std::size_t i = 0; i < queries.size(); ++i) CHECK(found[i] == found_in(points, mesh, integers_of[i]));
+  for (std::size_t i = 0; i < queries.size(); ++i) CHECK(found[i] == found_in(points, mesh.triangles, integers_of[i]));
 }
 
 TEST_CASE("the hull is all vertices on the boundary, counter-clockwise from the first in Z-order") {
