@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/tiled.hpp"
+
+#include "phases/crossings.hpp"
+#include "tiles/join.hpp"
+#include "tiles/parts.hpp"
+
+namespace gcdt::tiles {
+
+namespace {
+
+/// Problems on a grid of integers, one after the other, as a batch.
+class GridBatch {
+ public:
+  void add(const std::vector<GridPoint>& points, const std::vector<Constraint>& constraints) {
+    points_.insert(points_.end(), points.begin(), points.end());
+    constraints_.insert(constraints_.end(), constraints.begin(), constraints.end());
+    vertex_offsets_.push_back(points_.size());
+    constraint_offsets_.push_back(constraints_.size());
+  }
+  BatchInput view() const {
+    return {vertex_offsets_.size() - 1, Points::Type::int32, points_.data(),
+            vertex_offsets_.data(),     constraints_.data(), constraint_offsets_.data()};
+  }
+
+ private:
+  std::vector<GridPoint> points_;
+  std::vector<Constraint> constraints_;
+  std::vector<std::uint64_t> vertex_offsets_{0}, constraint_offsets_{0};
+};
+
+/// Shares of the whole that progress is told by.
+constexpr double tiles_share = 0.7, seam_share = 0.9;
+
+class Tiled {
+ public:
+  Tiled(DevicePool& pool, const GridInput& input, const Grid& grid, const Cuts& cuts, const Options& options,
+        TiledReport& report)
+      : pool_(pool), input_(input), grid_(grid), cuts_(cuts), options_(options), report_(report) {
+    own_.grid = FixedGrid{0, 0, "1"};  // tiles and seam are in cells of the common grid
+    own_.check = options.check;
+  }
+
+  ForestResult solve() {
+    std::vector<std::uint32_t> dropped;
+    std::vector<Constraint> crossings = solve_parts({});
+    if (!crossings.empty() && options_.crossing != Crossing::drop) throw crossings_of(crossings);
+    if (!crossings.empty()) {
+      dropped = drop_crossing(crossings);
+      std::vector<bool> wanted(input_.constraints.size(), true);
+      for (const std::uint32_t c : dropped) wanted[c] = false;
+      if (!solve_parts(wanted).empty())
+        throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
+    }
+    tell("join", seam_share);
+    const Solved solved{input_, all_, tiles_, seam_, between_};
+    ForestResult joined = join(solved, dropped);
+    joined.statistics.crossings = crossings.size();
+    if (options_.check) check_joined(solved, joined);
+    return joined;
+  }
+
+ private:
+  /// Tiles and seam of the constraints that are `wanted` (none: of all). Returns the pairs of constraints that cross,
+  /// of which each has one that is open, or was dropped in its tile and so handed up to the seam (docs/scale.md, T3).
+  std::vector<Constraint> solve_parts(const std::vector<bool>& wanted) {
+    all_ = partition(input_, cuts_, wanted);
+    solve_tiles();
+    seam_ = make_seam(input_, all_, tiles_);
+    report_.tiles = cuts_.tiles();
+    report_.seam_vertices = seam_.points.size();
+    report_.seam_constraints = seam_.constraints.size();
+    return solve_seam();
+  }
+
+  void solve_tiles() {
+    GridBatch batch;
+    for (const Tile& tile : all_.tiles)
+      batch.add(tile.own > 0 ? tile.points : std::vector<GridPoint>{}, tile.constraints);
+    Options own = own_;
+    own.crossing = Crossing::drop;
+    run(made_tiles_, batch, own, "tiles", 0, tiles_share);
+    tiles_.clear();
+    tiles_.resize(all_.tiles.size());
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+      tiles_[t].mesh = MeshView(made_tiles_, t);
+      tiles_[t].final = final_triangles(tiles_[t].mesh, all_, t, cuts_);
+    }
+  }
+
+  std::vector<Constraint> solve_seam() {
+    GridBatch batch;
+    batch.add(seam_.points, seam_.constraints);
+    try {
+      run(made_seam_, batch, own_, "seam", tiles_share, seam_share);
+    } catch (const Error& error) {
+      if (error.status() != Status::constraints_cross) throw;
+      return pairs_of(error.indices());
+    }
+    between_ = take_seam(seam_, MeshView(made_seam_, 0));
+    return {};
+  }
+
+  /// Throws the error of the first problem that has one.
+  void run(PoolResult& made, const GridBatch& batch, Options options, const char* phase, double from, double to) {
+    options.progress = [&](const char*, double done) { return tell(phase, from + (to - from) * done); };
+    made = {};
+    made = pool_.triangulate(batch.view(), options);
+    if (!made.errors.empty()) throw made.errors.begin()->second;
+  }
+
+  bool tell(const char* phase, double done) const { return !options_.progress || options_.progress(phase, done); }
+
+  /// Of pairs of the seam's constraints those of the input, the smaller number first, ascending. Two straight
+  /// constraints meet in one point, so each pair occurs once.
+  std::vector<Constraint> pairs_of(const std::vector<std::uint64_t>& indices) const {
+    std::vector<Constraint> pairs;
+    for (std::size_t i = 0; i + 1 < indices.size(); i += 2)
+      for (const std::uint32_t c : seam_.sources_of(indices[i], all_, tiles_))
+        for (const std::uint32_t d : seam_.sources_of(indices[i + 1], all_, tiles_))
+          pairs.push_back({std::min(c, d), std::max(c, d)});
+    if (pairs.empty()) throw Error(Status::check_failed, "tiles: a constraint crosses the border of final triangles");
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+  Error crossings_of(const std::vector<Constraint>& pairs) const {
+    const auto ends = [&](std::uint32_t c) { return input_.constraints[c]; };
+    return crossings_error(pairs, ends, grid_.kind == Grid::Kind::rounded);
+  }
+
+  DevicePool& pool_;
+  const GridInput& input_;
+  const Grid& grid_;
+  const Cuts& cuts_;
+  const Options& options_;
+  TiledReport& report_;
+  Options own_;
+  Partition all_;
+  PoolResult made_tiles_, made_seam_;
+  std::vector<SolvedTile> tiles_;
+  Seam seam_;
+  SolvedSeam between_;
+};
+
+/// Vertices that rounding has made one with a lesser one.
+RoundedTogether together(const Points& points, const ForestResult& joined) {
+  RoundedTogether found;
+  const auto* representative = reinterpret_cast<const std::uint32_t*>(joined.arrays[GCDT_REPRESENTATIVES].bytes.get());
+  for (std::uint32_t v = 0; v < points.size(); ++v) {
+    const std::uint32_t r = representative[v];
+    if (points.coordinate(v, 0) == points.coordinate(r, 0) && points.coordinate(v, 1) == points.coordinate(r, 1))
+      continue;
+    if (found.count++ == 0) found.first = {r, v};
+  }
+  return found;
+}
+
+}  // namespace
+
+ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
+                               TiledReport& report) {
+  return triangulate_tiled(
+      pool, batch, options, [&](const std::vector<GridPoint>& points) { return even_cuts(points, tiles); }, report);
+}
+
+ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const Options& options,
+                               const std::function<Cuts(const std::vector<GridPoint>&)>& cut, TiledReport& report) {
+  const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]),
+                                static_cast<std::size_t>(batch.n(0)));
+  const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
+                                   static_cast<std::size_t>(batch.m(0))};
+  const Placed placed = place(points, options.grid);
+  const GridInput input{placed.points, constraints};
+  const Cuts cuts = cut(placed.points);
+  ForestResult joined = Tiled(pool, input, placed.grid, cuts, options, report).solve();
+  joined.problems = {0};
+  joined.grids = {placed.grid};
+  joined.statistics.grid = placed.grid;
+  if (may_round_together(placed.grid)) joined.together = {together(points, joined)};
+  if (options.distinct && !joined.together.empty() && joined.together[0].count > 0)
+    throw together_error(joined.together[0]);
+  return joined;
+}
+
+}  // namespace gcdt::tiles
