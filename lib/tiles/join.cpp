@@ -29,10 +29,11 @@ class Ranks {
   }
 
  private:
+  // By pairs, fours, eights; the product adds up the eight bytes.
   static std::uint32_t ones(std::uint64_t word) {
-    std::uint32_t count = 0;
-    for (; word != 0; word &= word - 1) ++count;
-    return count;
+    word -= word >> 1 & 0x5555555555555555u;
+    word = (word & 0x3333333333333333u) + (word >> 2 & 0x3333333333333333u);
+    return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0Fu) * 0x0101010101010101u >> 56);
   }
   std::vector<std::uint64_t> words_;
   std::vector<std::uint32_t> before_;
@@ -120,13 +121,6 @@ class MeshWriter {
                         [&](std::size_t t) { write_of_seam(static_cast<std::uint32_t>(t)); });
   }
 
-  template <class T>
-  static T* room(ForestResult& result, std::int32_t array, std::size_t count) {
-    const auto slot = static_cast<std::size_t>(array);
-    result.begins[slot] = {0, count};
-    return result.arrays[slot].make<T>(count);
-  }
-
  private:
   void write_final(std::uint32_t tile, std::uint32_t t) {
     const SolvedTile& from = solved_.tiles[tile];
@@ -199,9 +193,9 @@ class PieceWriter {
     std::size_t next_part = 0;
     std::uint32_t next_of_seam = 0;
     const auto& parts = solved_.seam.parts;
-    const MeshView& seam = solved_.between.mesh;
+    const ProblemMesh& seam = solved_.between.mesh;
     for (std::uint32_t tile = 0; tile < solved_.tiles.size(); ++tile) {
-      const MeshView& mesh = solved_.tiles[tile].mesh;
+      const ProblemMesh& mesh = solved_.tiles[tile].mesh;
       for (std::uint32_t piece = 0; piece < mesh.pieces.size(); ++piece) {
         if (next_part < parts.size() && parts[next_part].tile == tile && parts[next_part].piece == piece) {
           ++next_part;
@@ -225,7 +219,7 @@ class PieceWriter {
   }
 
   void add_of_tile(std::uint32_t tile, std::uint32_t piece) {
-    const MeshView& mesh = solved_.tiles[tile].mesh;
+    const ProblemMesh& mesh = solved_.tiles[tile].mesh;
     const Tile& given = solved_.all.tiles[tile];
     const Constraint& ends = mesh.pieces[piece];
     ends_.push_back({given.ids[ends[0]], given.ids[ends[1]]});
@@ -235,7 +229,7 @@ class PieceWriter {
   }
 
   void add_of_seam(std::uint32_t piece) {
-    const MeshView& mesh = solved_.between.mesh;
+    const ProblemMesh& mesh = solved_.between.mesh;
     const std::size_t before = sources_.size();
     for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i) {
       const auto some = solved_.seam.sources_of(mesh.sources[i], solved_.all, solved_.tiles);
@@ -250,7 +244,7 @@ class PieceWriter {
 
   template <class T>
   static void keep(ForestResult& result, std::int32_t array, const std::vector<T>& values) {
-    std::copy(values.begin(), values.end(), MeshWriter::room<T>(result, array, values.size()));
+    std::copy(values.begin(), values.end(), room<T>(result, array, values.size()));
   }
 
   const Solved& solved_;
@@ -260,19 +254,12 @@ class PieceWriter {
 
 void write_representatives(const Solved& solved, ForestResult& result) {
   const std::size_t n = solved.input.points.size();
-  auto* representative = MeshWriter::room<std::uint32_t>(result, GCDT_REPRESENTATIVES, n);
+  auto* representative = room<std::uint32_t>(result, GCDT_REPRESENTATIVES, n);
   for_each_in_threads(n, [&](std::size_t v) {
     const std::size_t tile = solved.all.tile_of[v];
     representative[v] = solved.all.tiles[tile].ids[solved.tiles[tile].mesh.representative[solved.all.place[v]]];
   });
   for (std::size_t v = 0; v < n; ++v) result.statistics.vertices_merged += representative[v] != v;
-}
-
-template <class T>
-Span<T> array_of(const ForestResult& result, std::int32_t array) {
-  const auto slot = static_cast<std::size_t>(array);
-  return {reinterpret_cast<const T*>(result.arrays[slot].bytes.get()),
-          static_cast<std::size_t>(result.begins[slot].back())};
 }
 
 }  // namespace
@@ -283,7 +270,7 @@ ForestResult join(const Solved& solved, const std::vector<std::uint32_t>& droppe
   MeshWriter(solved, result).write();
   PieceWriter(solved).write(result);
   write_representatives(solved, result);
-  std::copy(dropped.begin(), dropped.end(), MeshWriter::room<std::uint32_t>(result, GCDT_DROPPED, dropped.size()));
+  std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(result, GCDT_DROPPED, dropped.size()));
   s.n = solved.input.points.size();
   s.m = solved.input.constraints.size();
   s.triangles = result.begins[GCDT_TRIANGLES].back();

@@ -15,6 +15,21 @@ struct Solved {
   const SolvedSeam& between;
 };
 
+/// Makes room for one of a result's arrays.
+template <class T>
+T* room(ForestResult& result, std::int32_t array, std::size_t count) {
+  const auto slot = static_cast<std::size_t>(array);
+  result.begins[slot] = {0, count};
+  return result.arrays[slot].make<T>(count);
+}
+
+template <class T>
+Span<T> array_of(const ForestResult& result, std::int32_t array) {
+  const auto slot = static_cast<std::size_t>(array);
+  return {reinterpret_cast<const T*>(result.arrays[slot].bytes.get()),
+          static_cast<std::size_t>(result.begins[slot].back())};
+}
+
 /// The arrays of the result in canonical order, as one device would have made them (docs/scale.md, T4), with their
 /// counts in the statistics. `dropped`: ascending.
 ForestResult join(const Solved& solved, const std::vector<std::uint32_t>& dropped);

@@ -18,7 +18,7 @@ struct Corner {
 
 class Walker {
  public:
-  Walker(const MeshView& mesh, const std::vector<GridPoint>& points, const std::function<void(std::uint32_t)>& use)
+  Walker(const ProblemMesh& mesh, const std::vector<GridPoint>& points, const std::function<void(std::uint32_t)>& use)
       : mesh_(mesh), points_(points), use_(use), triangle_at_(points.size(), none) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       for (const std::uint32_t v : mesh.triangles[t]) triangle_at_[v] = t;
@@ -135,7 +135,7 @@ class Walker {
     throw Error(Status::check_failed, "tiles: a walk along a constraint left the mesh");
   }
 
-  const MeshView& mesh_;
+  const ProblemMesh& mesh_;
   const std::vector<GridPoint>& points_;
   const std::function<void(std::uint32_t)>& use_;
   std::vector<std::uint32_t> triangle_at_;
@@ -145,7 +145,7 @@ class Walker {
 
 }  // namespace
 
-void for_passed_triangles(const MeshView& mesh, const std::vector<GridPoint>& points,
+void for_passed_triangles(const ProblemMesh& mesh, const std::vector<GridPoint>& points,
                           const std::vector<Passage>& passages, const std::function<void(std::uint32_t)>& use) {
   if (passages.empty() || mesh.triangles.empty()) return;
   Walker walker(mesh, points, use);

@@ -10,7 +10,7 @@ namespace gcdt::tiles {
 
 /// Calls use(triangle) for all triangles that a passage crosses inside or runs along an edge of; for some more than
 /// once. Passages end in vertices of the mesh, and may touch others.
-void for_passed_triangles(const MeshView& mesh, const std::vector<GridPoint>& points,
+void for_passed_triangles(const ProblemMesh& mesh, const std::vector<GridPoint>& points,
                           const std::vector<Passage>& passages, const std::function<void(std::uint32_t)>& use);
 
 }  // namespace gcdt::tiles

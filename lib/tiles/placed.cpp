@@ -115,9 +115,9 @@ Maxima place_scaled(const Points& points, const device::Scale& scale, std::vecto
 
 Placed place(Points points, const std::optional<FixedGrid>& fixed) {
   check_vertex_count(points.size());
-  const ChosenGrid chosen = choose(points, fixed);
   Placed placed;
-  placed.grid = chosen.grid;
+  placed.chosen = choose(points, fixed);
+  const ChosenGrid& chosen = placed.chosen;
   placed.points.resize(points.size());
   if (chosen.decimals) {
     place_decimals(points, *chosen.decimals, placed.points);
@@ -126,7 +126,7 @@ Placed place(Points points, const std::optional<FixedGrid>& fixed) {
   const Maxima found = place_scaled(points, chosen.scale, placed.points);
   if (found[GCDT_QUANTISE_OUTSIDE] != 0)
     throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[GCDT_QUANTISE_OUTSIDE]);
-  placed.grid.largest_move = largest_move(
+  placed.chosen.grid.largest_move = largest_move(
       points.size(), [&](std::size_t i) { return bits_of(points, i / 2, static_cast<int>(i % 2)); },
       found[GCDT_QUANTISE_MOVE], chosen.scale);
   return placed;

@@ -20,7 +20,7 @@ inline std::int64_t orient2d(const GridPoint& a, const GridPoint& b, const GridP
 }
 
 struct Placed {
-  Grid grid;
+  ChosenGrid chosen;
   std::vector<GridPoint> points;
 };
 

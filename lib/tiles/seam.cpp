@@ -7,12 +7,12 @@ namespace gcdt::tiles {
 
 namespace {
 
-Constraint edge_of(const MeshView& mesh, std::uint32_t triangle, std::uint32_t k) {
+Constraint edge_of(const ProblemMesh& mesh, std::uint32_t triangle, std::uint32_t k) {
   const Triangle& t = mesh.triangles[triangle];
   return {t[(k + 1) % 3], t[(k + 2) % 3]};
 }
 
-bool constrained(const MeshView& mesh, std::uint32_t triangle, std::uint32_t k) {
+bool constrained(const ProblemMesh& mesh, std::uint32_t triangle, std::uint32_t k) {
   return (mesh.constrained[triangle] >> k & 1) != 0;
 }
 
@@ -49,7 +49,7 @@ class TileShare {
       if (other >= 0 ? final_[static_cast<std::uint32_t>(other)] != 0 : is_hull_of_all(u, v)) continue;
       border.push_back({tile_, t, k});
       wanted_[u] = wanted_[v] = 1;
-      if (constrained(mesh_, t, k)) parts.push_back(piece_between(mesh_, given_.points, u, v));
+      if (constrained(mesh_, t, k)) parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
     }
   }
 
@@ -58,7 +58,7 @@ class TileShare {
       if (const std::uint32_t v = mesh_.triangles[t][k]; v < given_.own) wanted_[v] = 1;
       if (!constrained(mesh_, t, k)) continue;
       const auto [u, v] = edge_of(mesh_, t, k);
-      parts.push_back(piece_between(mesh_, given_.points, u, v));
+      parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
     }
   }
 
@@ -82,7 +82,7 @@ class TileShare {
 
   const Partition& all_;
   const Tile& given_;
-  const MeshView& mesh_;
+  const ProblemMesh& mesh_;
   const std::vector<std::uint8_t>& final_;
   std::uint32_t tile_;
   std::vector<std::uint8_t> wanted_;
@@ -127,7 +127,7 @@ std::vector<std::uint32_t> Seam::sources_of(std::size_t constraint, const Partit
   if (constraint < first_part()) return {};
   if (constraint >= first_open()) return {open[constraint - first_open()]};
   const auto& [tile, piece] = parts[constraint - first_part()];
-  const MeshView& mesh = tiles[tile].mesh;
+  const ProblemMesh& mesh = tiles[tile].mesh;
   std::vector<std::uint32_t> sources;
   for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
     sources.push_back(all.tiles[tile].constraint_ids[mesh.sources[i]]);
@@ -169,7 +169,7 @@ Seam make_seam(const GridInput& input, const Partition& all, const std::vector<S
   return seam;
 }
 
-SolvedSeam take_seam(const Seam& seam, MeshView mesh) {
+SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
   SolvedSeam solved;
   const std::size_t count = mesh.triangles.size();
   solved.border.assign(count, {-1, -1, -1});
@@ -181,7 +181,7 @@ SolvedSeam take_seam(const Seam& seam, MeshView mesh) {
     for (std::uint32_t k = 0; k < 3; ++k) {
       if (!constrained(mesh, t, k)) continue;
       const Constraint edge = edge_of(mesh, t, k);
-      const std::uint32_t piece = piece_between(mesh, seam.points, edge[0], edge[1]);
+      const std::uint32_t piece = piece_between(mesh.pieces, seam.points, edge[0], edge[1]);
       for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i) {
         const std::uint32_t source = mesh.sources[i];
         if (source >= seam.first_part()) {

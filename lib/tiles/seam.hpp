@@ -14,7 +14,7 @@ struct BorderEdge {
 
 /// A tile's mesh, and what of it is final.
 struct SolvedTile {
-  MeshView mesh;
+  ProblemMesh mesh;
   std::vector<std::uint8_t> final;
 };
 
@@ -45,12 +45,12 @@ Seam make_seam(const GridInput& input, const Partition& all, const std::vector<S
 /// edge that a triangle of the seam has there, or -1; `inner`, the number of the mesh's piece that stands for input
 /// constraints there, or -1.
 struct SolvedSeam {
-  MeshView mesh;
+  ProblemMesh mesh;
   std::vector<std::uint8_t> kept;
   std::vector<Neighbours> border, inner;
 };
 
 /// Throws check_failed if the border does not part what is of the seam from the rest.
-SolvedSeam take_seam(const Seam& seam, MeshView mesh);
+SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh);
 
 }  // namespace gcdt::tiles

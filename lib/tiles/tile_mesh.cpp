@@ -64,7 +64,7 @@ class CircleBox {
 
 }  // namespace
 
-MeshView::MeshView(const PoolResult& made, std::size_t problem)
+ProblemMesh::ProblemMesh(const PoolResult& made, std::size_t problem)
     : triangles(view_of<Triangle>(made, problem, GCDT_TRIANGLES)),
       neighbours(view_of<Neighbours>(made, problem, GCDT_NEIGHBOURS)),
       constrained(view_of<std::uint8_t>(made, problem, GCDT_CONSTRAINED)),
@@ -77,21 +77,21 @@ MeshView::MeshView(const PoolResult& made, std::size_t problem)
   statistics = made.results[place.result].at(place.place).first->statistics;
 }
 
-std::uint32_t piece_between(const MeshView& mesh, const std::vector<GridPoint>& points, std::uint32_t u,
+std::uint32_t piece_between(Span<Constraint> pieces, const std::vector<GridPoint>& points, std::uint32_t u,
                             std::uint32_t v) {
   const auto key = [&](const Constraint& ends) {
     return std::make_pair(code_of(points[ends[0]]), code_of(points[ends[1]]));
   };
   const bool forward = code_of(points[u]) < code_of(points[v]);
   const Constraint wanted = forward ? Constraint{u, v} : Constraint{v, u};
-  const auto found = std::lower_bound(mesh.pieces.begin(), mesh.pieces.end(), wanted,
+  const auto found = std::lower_bound(pieces.begin(), pieces.end(), wanted,
                                       [&](const Constraint& a, const Constraint& b) { return key(a) < key(b); });
-  if (found == mesh.pieces.end() || *found != wanted)
+  if (found == pieces.end() || *found != wanted)
     throw Error(Status::check_failed, "tiles: a constrained edge is no piece");
-  return static_cast<std::uint32_t>(found - mesh.pieces.begin());
+  return static_cast<std::uint32_t>(found - pieces.begin());
 }
 
-std::vector<std::uint8_t> final_triangles(const MeshView& mesh, const Partition& all, std::size_t tile,
+std::vector<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partition& all, std::size_t tile,
                                           const Cuts& cuts) {
   const Tile& given = all.tiles[tile];
   std::vector<std::uint8_t> final(mesh.triangles.size());

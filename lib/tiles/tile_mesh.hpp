@@ -11,9 +11,9 @@ using Triangle = std::array<std::uint32_t, 3>;
 using Neighbours = std::array<std::int32_t, 3>;
 
 /// A view of one problem's arrays in a pool's result, which must outlive it. Numbers are the problem's.
-struct MeshView {
-  MeshView() = default;
-  MeshView(const PoolResult& made, std::size_t problem);
+struct ProblemMesh {
+  ProblemMesh() = default;
+  ProblemMesh(const PoolResult& made, std::size_t problem);
 
   Span<Triangle> triangles;
   Span<Neighbours> neighbours;
@@ -24,14 +24,15 @@ struct MeshView {
   Statistics statistics;  ///< of the run that made it
 };
 
-/// The piece between two vertices, in Z-order: its number. Throws check_failed if there is none.
-std::uint32_t piece_between(const MeshView& mesh, const std::vector<GridPoint>& points, std::uint32_t u,
+/// The number of the piece between two vertices; pieces are in the order of their ends' codes. Throws check_failed if
+/// there is none.
+std::uint32_t piece_between(Span<Constraint> pieces, const std::vector<GridPoint>& points, std::uint32_t u,
                             std::uint32_t v);
 
 /// Which triangles of a tile's mesh are final, that is of the whole result, too: 1 for each that is. A triangle is if
 /// the box around its circle, cut to the box of all vertices, is of the tile; and if no passage meets it but in
 /// corners (docs/scale.md, T2).
-std::vector<std::uint8_t> final_triangles(const MeshView& mesh, const Partition& all, std::size_t tile,
+std::vector<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partition& all, std::size_t tile,
                                           const Cuts& cuts);
 
 }  // namespace gcdt::tiles

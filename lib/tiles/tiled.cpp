@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/tiled.hpp"
 
+#include "device/step.hpp"
 #include "phases/crossings.hpp"
-#include "tiles/join.hpp"
+#include "tiles/domain.hpp"
 #include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
@@ -29,6 +30,18 @@ class GridBatch {
   std::vector<std::uint64_t> vertex_offsets_{0}, constraint_offsets_{0};
 };
 
+/// Adds the time until its end.
+class Timed {
+ public:
+  explicit Timed(double& ms) : ms_(ms) {}
+  Timed(const Timed&) = delete;
+  ~Timed() { ms_ += milliseconds_since(start_); }
+
+ private:
+  double& ms_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 /// Shares of the whole that progress is told by.
 constexpr double tiles_share = 0.7, seam_share = 0.9;
 
@@ -52,11 +65,14 @@ class Tiled {
       if (!solve_parts(wanted).empty())
         throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
     }
-    tell("join", seam_share);
+    if (!tell("join", seam_share)) throw Error(Status::cancelled, "cancelled during join");
+    const Timed timed(report_.ms_join);
     const Solved solved{input_, all_, tiles_, seam_, between_};
     ForestResult joined = join(solved, dropped);
     joined.statistics.crossings = crossings.size();
     if (options_.check) check_joined(solved, joined);
+    const bool wants_regions = options_.regions || options_.domain != Domain::hull;
+    if (wants_regions && joined.statistics.triangles > 0) select_domain(input_, options_, joined);
     return joined;
   }
 
@@ -64,8 +80,12 @@ class Tiled {
   /// Tiles and seam of the constraints that are `wanted` (none: of all). Returns the pairs of constraints that cross,
   /// of which each has one that is open, or was dropped in its tile and so handed up to the seam (docs/scale.md, T3).
   std::vector<Constraint> solve_parts(const std::vector<bool>& wanted) {
-    all_ = partition(input_, cuts_, wanted);
+    {
+      const Timed timed(report_.ms_share);
+      all_ = partition(input_, cuts_, wanted);
+    }
     solve_tiles();
+    const Timed timed(report_.ms_seam);
     seam_ = make_seam(input_, all_, tiles_);
     report_.tiles = cuts_.tiles();
     report_.seam_vertices = seam_.points.size();
@@ -79,11 +99,15 @@ class Tiled {
       batch.add(tile.own > 0 ? tile.points : std::vector<GridPoint>{}, tile.constraints);
     Options own = own_;
     own.crossing = Crossing::drop;
-    run(made_tiles_, batch, own, "tiles", 0, tiles_share);
+    {
+      const Timed timed(report_.ms_tiles);
+      run(made_tiles_, batch, own, "tiles", 0, tiles_share);
+    }
+    const Timed timed(report_.ms_final);
     tiles_.clear();
     tiles_.resize(all_.tiles.size());
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
-      tiles_[t].mesh = MeshView(made_tiles_, t);
+      tiles_[t].mesh = ProblemMesh(made_tiles_, t);
       tiles_[t].final = final_triangles(tiles_[t].mesh, all_, t, cuts_);
     }
   }
@@ -97,7 +121,7 @@ class Tiled {
       if (error.status() != Status::constraints_cross) throw;
       return pairs_of(error.indices());
     }
-    between_ = take_seam(seam_, MeshView(made_seam_, 0));
+    between_ = take_seam(seam_, ProblemMesh(made_seam_, 0));
     return {};
   }
 
@@ -170,14 +194,18 @@ ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const 
                                 static_cast<std::size_t>(batch.n(0)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
                                    static_cast<std::size_t>(batch.m(0))};
-  const Placed placed = place(points, options.grid);
+  Placed placed;
+  {
+    const Timed timed(report.ms_share);
+    placed = place(points, options.grid);
+  }
   const GridInput input{placed.points, constraints};
   const Cuts cuts = cut(placed.points);
-  ForestResult joined = Tiled(pool, input, placed.grid, cuts, options, report).solve();
+  ForestResult joined = Tiled(pool, input, placed.chosen.grid, cuts, options, report).solve();
   joined.problems = {0};
-  joined.grids = {placed.grid};
-  joined.statistics.grid = placed.grid;
-  if (may_round_together(placed.grid)) joined.together = {together(points, joined)};
+  joined.grids = {placed.chosen.grid};
+  joined.statistics.grid = placed.chosen.grid;
+  if (may_round_together(placed.chosen.grid)) joined.together = {together(points, joined)};
   if (options.distinct && !joined.together.empty() && joined.together[0].count > 0)
     throw together_error(joined.together[0]);
   return joined;

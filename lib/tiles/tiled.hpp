@@ -11,6 +11,9 @@ namespace gcdt::tiles {
 struct TiledReport {
   std::size_t tiles = 1;
   std::uint64_t seam_vertices = 0, seam_constraints = 0;
+  /// Of the steps: placing vertices on the grid and sharing out the input; the tiles' calls; finding final triangles;
+  /// making the seam's problem and its call; joining, with its check.
+  double ms_share = 0, ms_tiles = 0, ms_final = 0, ms_seam = 0, ms_join = 0;
 };
 
 /// Triangulates one problem on the pool's devices, in canonical order: the result has the same bytes as one device

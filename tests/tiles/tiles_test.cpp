@@ -106,3 +106,21 @@ TEST_CASE("every workload, cut evenly, gives the bytes of one device") {
     }
   }
 }
+
+TEST_CASE("regions and domains are those of one device") {
+  Random random(77002);
+  for (unsigned i = 0; i < 60; ++i) {
+    CAPTURE(i);
+    const Workload work = random_crossing(1 + random.below(100), 2 + i % 40, random.below(60), 5000 + i);
+    Options options = with(Crossing::drop);
+    options.domain = std::array<Domain, 4>{Domain::hull, Domain::even_odd, Domain::nonzero, Domain::outer}[i % 4];
+    options.regions = true;
+    check_same(work, anywhere(2 + i % 5, random), options);
+  }
+  for (const char* name : {"nested_squares", "letters", "closed_comb", "spiral"}) {
+    CAPTURE(name);
+    Options options;
+    options.domain = Domain::even_odd;
+    check_same(workload(name, 2000), evenly(4), options);
+  }
+}
