@@ -50,6 +50,7 @@ struct ForestResult {
   // By number.
   std::array<HostArray, array_slots> arrays;
   std::array<std::vector<std::uint64_t>, array_slots> begins;  ///< elements; P + 1, or none if there is no such array
+  std::vector<std::uint32_t> routed;  ///< of a single: the constraints that splitting has replaced, ascending
   Statistics statistics;
   std::vector<ForestResult> singles;  ///< results of one problem each (single.hpp)
 

@@ -30,6 +30,10 @@ Box box_of(const GridInput& input, const Constraint& c) {
   return box;
 }
 
+Role role_of(const std::vector<Role>& roles, std::size_t constraint) {
+  return roles.empty() ? Role::any : roles[constraint];
+}
+
 /// How many elements of each tile come before each part, and where a part writes its next: a counting sort by parts,
 /// which keeps the order within a tile.
 class Places {
@@ -106,17 +110,18 @@ std::uint16_t tile_of_constraint(const GridInput& input, const Cuts& cuts, const
   return first == t && last == t ? t : open_constraint;
 }
 
-void share_constraints(const GridInput& input, const Cuts& cuts, const std::vector<bool>& wanted, Partition& made) {
+void share_constraints(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles, Partition& made) {
   const Constraints constraints = input.constraints;
   const Parts parts(constraints.size());
   Places places(parts, cuts.tiles());
   std::vector<std::uint16_t> tile_of(constraints.size());
   std::vector<std::vector<std::uint32_t>> open(parts.size());
-  const auto left_out = [&](std::size_t c) { return !wanted.empty() && !wanted[c]; };
+  const auto left_out = [&](std::size_t c) { return role_of(roles, c) == Role::out; };
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c)) continue;
-      tile_of[c] = tile_of_constraint(input, cuts, made, constraints[c]);
+      tile_of[c] =
+          role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, made, constraints[c]);
       if (tile_of[c] == open_constraint)
         open[part].push_back(static_cast<std::uint32_t>(c));
       else
@@ -141,10 +146,15 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
 }
 
 /// Open constraints by tile through which they may pass, and the ends that these tiles lack.
-void share_open(const GridInput& input, const Cuts& cuts, Partition& made) {
+void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles, Partition& made) {
   std::vector<std::vector<std::uint32_t>> passing(cuts.tiles());
   for (const std::uint32_t c : made.open) {
-    const auto [first, last] = cuts.tiles_of(box_of(input, input.constraints[c]));
+    Box box = box_of(input, input.constraints[c]);
+    for (int axis = 0; axis < 2; ++axis) {  // a route is less than one cell away
+      box.least[axis] = std::max<std::int64_t>(box.least[axis] - 1, 0);
+      box.most[axis] = std::min<std::int64_t>(box.most[axis] + 1, GCDT_GRID_LAST);
+    }
+    const auto [first, last] = cuts.tiles_of(box);
     for (std::size_t t = first; t <= last; ++t)
       if (made.tiles[t].own > 0) passing[t].push_back(c);
   }
@@ -168,20 +178,21 @@ void share_open(const GridInput& input, const Cuts& cuts, Partition& made) {
           return tile.own + static_cast<std::uint32_t>(found - others.begin());
         };
         for (const std::uint32_t c : passing[t])
-          tile.passages.push_back({vertex(input.constraints[c][0]), vertex(input.constraints[c][1])});
+          tile.passages.push_back(
+              {vertex(input.constraints[c][0]), vertex(input.constraints[c][1]), role_of(roles, c) == Role::wide});
       },
       1);
 }
 
 }  // namespace
 
-Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<bool>& wanted) {
+Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles) {
   Partition made;
   made.tiles.resize(cuts.tiles());
   share_vertices(input, cuts, made);
   check_ends(input);
-  share_constraints(input, cuts, wanted, made);
-  share_open(input, cuts, made);
+  share_constraints(input, cuts, roles, made);
+  share_open(input, cuts, roles, made);
   return made;
 }
 

@@ -15,6 +15,7 @@ struct GridInput {
 /// A constraint that is no tile's, since it may leave every tile, as a tile's mesh sees it.
 struct Passage {
   std::uint32_t from, to;  ///< its ends, vertices of the tile
+  bool wide;               ///< it may be replaced by its route, which is near it (docs/splitting.md, S2)
 };
 
 /// What a tile's call is given. Vertices have the tile's own first, in order of their input numbers, then those of
@@ -39,7 +40,14 @@ struct Partition {
   Box box{};                           ///< around all vertices
 };
 
-/// Throws index_out_of_range as cleaning does. Constraints that are not `wanted` (none: all are) are left out.
-Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<bool>& wanted);
+/// What is asked of a constraint.
+enum class Role : std::uint8_t {
+  any,   ///< a tile's, if it has the whole of it
+  wide,  ///< open, and it may be replaced by its route
+  out,   ///< left out
+};
+
+/// Throws index_out_of_range as cleaning does. `roles`: by constraint; none if all are `any`.
+Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles);
 
 }  // namespace gcdt::tiles

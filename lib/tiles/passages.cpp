@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/passages.hpp"
 
+#include <cmath>
 #include <limits>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace gcdt::tiles {
 
@@ -25,9 +27,12 @@ class Walker {
   }
 
   // Ends: each step leads to a vertex that is nearer to the end, and a mesh has finitely many.
-  void walk(std::uint32_t from, std::uint32_t to) {
+  void walk(std::uint32_t from, std::uint32_t to, bool wide) {
     to_ = to;
+    passed_.clear();
     for (std::uint32_t v = from; v != to;) v = next_vertex(v);
+    if (wide) widen(from, to);
+    for (const std::uint32_t t : passed_) use_(t);
   }
 
  private:
@@ -94,20 +99,54 @@ class Walker {
     return fan[least];
   }
 
-  void use_both(const Corner& c, unsigned edge) {
-    use_(c.triangle);
-    if (const std::int32_t other = across(c, edge); other >= 0) use_(static_cast<std::uint32_t>(other));
+  void pass_both(const Corner& c, unsigned edge) {
+    passed_.push_back(c.triangle);
+    if (const std::int32_t other = across(c, edge); other >= 0) passed_.push_back(static_cast<std::uint32_t>(other));
+  }
+
+  /// Adds the triangles near the way. What is near it is convex, so its triangles hang together by edges that are near
+  /// it, too. Ends: no triangle is added twice.
+  void widen(std::uint32_t from, std::uint32_t to) {
+    std::unordered_set<std::uint32_t> seen(passed_.begin(), passed_.end());
+    for (std::size_t i = 0; i < passed_.size(); ++i) {
+      const std::uint32_t t = passed_[i];
+      for (unsigned k = 0; k < 3; ++k) {
+        const std::int32_t other = mesh_.neighbours[t][k];
+        if (other < 0 || seen.count(static_cast<std::uint32_t>(other)) > 0) continue;
+        const Triangle& corners = mesh_.triangles[t];
+        if (!is_near(points_[from], points_[to], points_[corners[(k + 1) % 3]], points_[corners[(k + 2) % 3]]))
+          continue;
+        seen.insert(static_cast<std::uint32_t>(other));
+        passed_.push_back(static_cast<std::uint32_t>(other));
+      }
+    }
+  }
+
+  /// Whether two segments are at most two cells apart, or a little more: one on both axes is less.
+  static bool is_near(const GridPoint& a, const GridPoint& b, const GridPoint& p, const GridPoint& q) {
+    const auto sign = [](std::int64_t value) { return (value > 0) - (value < 0); };
+    if (sign(orient2d(a, b, p)) * sign(orient2d(a, b, q)) < 0 && sign(orient2d(p, q, a)) * sign(orient2d(p, q, b)) < 0)
+      return true;
+    return std::min({distance(a, b, p), distance(a, b, q), distance(p, q, a), distance(p, q, b)}) <= 2;
+  }
+  /// Of a point from a segment, off by less than a thousandth.
+  static double distance(const GridPoint& a, const GridPoint& b, const GridPoint& p) {
+    const double x = double(b[0]) - a[0], y = double(b[1]) - a[1], px = double(p[0]) - a[0], py = double(p[1]) - a[1];
+    const double along = x * px + y * py, length = std::hypot(x, y);
+    if (along <= 0) return std::hypot(px, py);
+    if (along >= length * length) return std::hypot(px - x, py - y);
+    return std::abs(static_cast<double>(orient2d(a, b, p))) / length;
   }
 
   std::uint32_t next_vertex(std::uint32_t v) {
     const Corner start = towards(v);
     const std::uint32_t right = corner(start, 1), left = corner(start, 2);
     if (orient(v, right, to_) == 0) {
-      use_both(start, 2);
+      pass_both(start, 2);
       return right;
     }
     if (orient(v, left, to_) == 0) {
-      use_both(start, 1);
+      pass_both(start, 1);
       return left;
     }
     return cross(v, start);
@@ -117,7 +156,7 @@ class Walker {
   /// a segment one after the other.
   std::uint32_t cross(std::uint32_t v, Corner here) {
     for (std::size_t steps = 0; steps <= mesh_.triangles.size(); ++steps) {
-      use_(here.triangle);
+      passed_.push_back(here.triangle);
       const std::int32_t next = across(here, 0);
       if (next < 0) break;
       const std::uint32_t left = corner(here, 2), triangle = static_cast<std::uint32_t>(next);
@@ -126,7 +165,7 @@ class Walker {
       const std::uint32_t w = corner(apex, 0);
       const std::int64_t side = orient(v, to_, w);
       if (side == 0) {
-        use_(triangle);
+        passed_.push_back(triangle);
         return w;
       }
       // To the left of the way: on through the edge between the apex and the right end, which is across from the left.
@@ -141,6 +180,7 @@ class Walker {
   std::vector<std::uint32_t> triangle_at_;
   std::unordered_map<std::uint32_t, Fan> fans_;
   std::uint32_t to_ = 0;
+  std::vector<std::uint32_t> passed_;  ///< triangles of this walk
 };
 
 }  // namespace
@@ -150,7 +190,7 @@ void for_passed_triangles(const ProblemMesh& mesh, const std::vector<GridPoint>&
   if (passages.empty() || mesh.triangles.empty()) return;
   Walker walker(mesh, points, use);
   for (const Passage& passage : passages)
-    walker.walk(mesh.representative[passage.from], mesh.representative[passage.to]);
+    walker.walk(mesh.representative[passage.from], mesh.representative[passage.to], passage.wide);
 }
 
 }  // namespace gcdt::tiles

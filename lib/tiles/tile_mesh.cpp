@@ -102,7 +102,8 @@ std::vector<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partiti
     final[i] = first == tile && last == tile;
   });
   std::vector<Passage> passages = given.passages;
-  for (const std::uint32_t c : mesh.dropped) passages.push_back({given.constraints[c][0], given.constraints[c][1]});
+  for (const std::uint32_t c : mesh.dropped)
+    passages.push_back({given.constraints[c][0], given.constraints[c][1], false});
   for_passed_triangles(mesh, given.points, passages, [&](std::uint32_t triangle) { final[triangle] = 0; });
   return final;
 }

@@ -5,6 +5,7 @@
 #include "phases/crossings.hpp"
 #include "tiles/domain.hpp"
 #include "tiles/parts.hpp"
+#include "tiles/routes.hpp"
 
 namespace gcdt::tiles {
 
@@ -56,13 +57,15 @@ class Tiled {
 
   ForestResult solve() {
     std::vector<std::uint32_t> dropped;
-    std::vector<Constraint> crossings = solve_parts({});
-    if (!crossings.empty() && options_.crossing != Crossing::drop) throw crossings_of(crossings);
+    std::vector<Role> roles;
+    const std::vector<Constraint> crossings = solve_parts(roles);
     if (!crossings.empty()) {
+      if (options_.crossing == Crossing::reject) throw crossings_of(crossings);
+      if (options_.crossing == Crossing::split) return split(crossings);
       dropped = drop_crossing(crossings);
-      std::vector<bool> wanted(input_.constraints.size(), true);
-      for (const std::uint32_t c : dropped) wanted[c] = false;
-      if (!solve_parts(wanted).empty())
+      roles.assign(input_.constraints.size(), Role::any);
+      for (const std::uint32_t c : dropped) roles[c] = Role::out;
+      if (!solve_parts(roles).empty())
         throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
     }
     if (!tell("join", seam_share)) throw Error(Status::cancelled, "cancelled during join");
@@ -77,12 +80,61 @@ class Tiled {
   }
 
  private:
-  /// Tiles and seam of the constraints that are `wanted` (none: of all). Returns the pairs of constraints that cross,
+  /// The seam's call finds the added vertices and the routes; with these, which do not cross, all is solved once more
+  /// (docs/scale.md, T6).
+  ForestResult split(const std::vector<Constraint>& crossings) {
+    const Routed routed = route(crossings);
+    Options options = options_;
+    options.crossing = Crossing::reject;
+    const GridInput input{routed.points, Constraints(routed.constraints)};
+    ForestResult joined = Tiled(pool_, input, grid_, cuts_, options, report_).solve();
+    auto* sources = reinterpret_cast<std::uint32_t*>(joined.arrays[GCDT_SOURCES].bytes.get());
+    for (std::size_t i = 0; i < joined.begins[GCDT_SOURCES].back(); ++i) sources[i] = routed.owners[sources[i]];
+    const std::size_t n = input_.points.size(), added = routed.points.size() - n;
+    std::copy(routed.points.begin() + static_cast<std::ptrdiff_t>(n), routed.points.end(),
+              room<GridPoint>(joined, GCDT_ADDED, added));
+    std::copy(routed.crossing.begin(), routed.crossing.end(), room<Constraint>(joined, GCDT_ADDED_CROSSINGS, added));
+    Statistics& s = joined.statistics;
+    s.n = n, s.m = input_.constraints.size();
+    s.crossings = crossings.size(), s.vertices_added = added;
+    s.constraints_split = routed.count, s.constraint_move = routed.largest_move;
+    return joined;
+  }
+
+  /// The constraints that cross are wide, so that the seam has all that may be near their routes; and so are those that
+  /// cross a route, which only the seam's call can tell. Ends: each round has more wide ones.
+  Routed route(const std::vector<Constraint>& crossings) {
+    own_.crossing = Crossing::split;
+    std::vector<Role> roles(input_.constraints.size(), Role::any);
+    for (const Constraint& pair : crossings) roles[pair[0]] = roles[pair[1]] = Role::wide;
+    std::vector<bool> is_routed;
+    for (bool more = true; more;) {
+      solve_parts(roles);
+      more = false;
+      is_routed.assign(roles.size(), false);
+      for (const std::uint32_t marked : made_seam().routed)
+        for (const std::uint32_t c : seam_.sources_of(marked, all_, tiles_)) {
+          more = more || roles[c] != Role::wide;
+          roles[c] = Role::wide;
+          is_routed[c] = true;
+        }
+    }
+    Routed routed = take_routes(input_, {seam_, all_, tiles_, made_seam(), ProblemMesh(made_seam_, 0)}, is_routed);
+    routed.largest_move = made_seam().statistics.constraint_move * grid_.cell();
+    return routed;
+  }
+
+  const ForestResult& made_seam() const {
+    const Schedule::Place place = made_seam_.places[0];
+    return *made_seam_.results[place.result].at(place.place).first;
+  }
+
+  /// Tiles and seam. Returns the pairs of constraints that cross,
   /// of which each has one that is open, or was dropped in its tile and so handed up to the seam (docs/scale.md, T3).
-  std::vector<Constraint> solve_parts(const std::vector<bool>& wanted) {
+  std::vector<Constraint> solve_parts(const std::vector<Role>& roles) {
     {
       const Timed timed(report_.ms_share);
-      all_ = partition(input_, cuts_, wanted);
+      all_ = partition(input_, cuts_, roles);
     }
     solve_tiles();
     const Timed timed(report_.ms_seam);
@@ -121,7 +173,7 @@ class Tiled {
       if (error.status() != Status::constraints_cross) throw;
       return pairs_of(error.indices());
     }
-    between_ = take_seam(seam_, ProblemMesh(made_seam_, 0));
+    if (own_.crossing == Crossing::reject) between_ = take_seam(seam_, ProblemMesh(made_seam_, 0));
     return {};
   }
 

@@ -89,7 +89,7 @@ TEST_CASE("random graphs on small grids, cut anywhere, give the bytes of one dev
     const std::size_t n = 1 + random.below(120), m = random.below(40);
     const Workload work = i % 2 ? random_pslg(n, side, m, i) : random_crossing(n, side, m, i);
     const std::size_t tiles = std::array<std::size_t, 4>{2, 3, 4, 7}[i % 4];
-    for (const Crossing crossing : {Crossing::reject, Crossing::drop}) {
+    for (const Crossing crossing : {Crossing::reject, Crossing::drop, Crossing::split}) {
       CAPTURE(static_cast<int>(crossing));
       check_same(work, anywhere(tiles, random), with(crossing));
     }
