@@ -19,6 +19,8 @@ struct TriangulateArguments {
   std::vector<std::string> outputs;
   std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
   bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
+  std::uint32_t tiles = 0;   ///< 0: as memory asks for
+  std::uint64_t memory = 0;  ///< bytes of each device at most; 0: all
 };
 
 /// A mesh that is made of INPUT, or read, to be asked something.

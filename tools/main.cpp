@@ -93,7 +93,17 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
                 "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   add_distinct(*app, arguments.distinct);
-  app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
+  app->add_option("--device", arguments.device,
+                  std::string(device_help) + "; several, separated by commas, or all, share the work in tiles")
+      ->type_name("SPEC,...");
+  app->add_option("--tiles", arguments.tiles,
+                  "Cut the input into so many tiles, which the devices share; default: into as many as there must be "
+                  "for the devices' memory, mostly one")
+      ->check(CLI::Range(1u, GCDT_MAX_TILES).description(""))
+      ->type_name("K");
+  app->add_option("--memory", arguments.memory, "Use no more memory of each device than this, such as 512MB")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->type_name("SIZE");
   app->add_flag(
       "--assess", arguments.assess,
       "Say in the statistics whether the mesh is valid at the coordinates as they are given, before rounding");

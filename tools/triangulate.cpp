@@ -14,6 +14,7 @@
 #include "progress.hpp"
 #include "solved.hpp"
 #include "statistics.hpp"
+#include "tiled.hpp"
 #include "trace.hpp"
 
 namespace gcdt::command {
@@ -62,11 +63,18 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
       const std::string text = message, plan = "plan: ";
       if (text.compare(0, plan.size(), plan) == 0) measured.plan = text.substr(plan.size());
     };
-    Solver solver(device_number(arguments.device, arguments.quiet), log,
-                  arguments.trace.empty() ? Trace() : trace.sink());
-    const Result result = solver.solve(input.vertices, input.constraints, options);
-    if (!arguments.statistics.empty()) measured.quality = result.quality();
-    return result.download();
+    const auto sink = [&] { return arguments.trace.empty() ? Trace() : trace.sink(); };
+    if (wants_pool(arguments)) return triangulate_on_pool(input, arguments, options, sink(), measured);
+    try {
+      Solver solver(device_number(arguments.device, arguments.quiet), log, sink());
+      const Result result = solver.solve(input.vertices, input.constraints, options);
+      if (!arguments.statistics.empty()) measured.quality = result.quality();
+      return result.download();
+    } catch (const Error& error) {
+      if (error.status() != Status::out_of_memory) throw;
+      if (!arguments.quiet) note(fmt::format("in tiles, since {}", error.what()));
+    }
+    return triangulate_on_pool(input, arguments, options, sink(), measured);
   } catch (const Error& error) {
     throw explained(error, input, options);
   }

@@ -171,6 +171,7 @@ GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
 
 /* Triangle numbers are 30 bits wide. */
 #define GCDT_MAX_VERTICES 536870910u /* 2^29 - 2 */
+#define GCDT_MAX_TILES 65534u        /* see gcdt_options.tiles */
 #define GCDT_MAX_CONSTRAINTS 2147483647u
 
 enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2, GCDT_INT64 = 3 };
@@ -276,11 +277,14 @@ typedef struct gcdt_options {
    * alone. */
   const gcdt_host_memory* host_room; /* null if there is none */
   uint64_t host_room_count;
+  /* Of gcdt_pool_triangulate, which says more: how many tiles each problem is cut into, at most GCDT_MAX_TILES; 0: as
+   * many as memory asks for, mostly 1. All other functions want 0 or 1. */
+  uint32_t tiles;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \
   {                                                                                                                \
     sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
-        NULL, 0, 0, NULL, 0                                                                                        \
+        NULL, 0, 0, NULL, 0, 0                                                                                     \
   }
 
 /* ---- Triangulation ----------------------------------------------------------------------------------------- */

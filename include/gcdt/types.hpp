@@ -205,6 +205,8 @@ struct Options {
   /// Points in the input's coordinates, rounded to the grid; on an edge or vertex: in the least triangle there.
   std::vector<std::array<double, 2>> hole_seeds, region_seeds;
   bool distinct = false;  ///< vertices that differ as given must differ on the grid: else throw vertices_coincide
+  /// Of Pool: how many tiles each problem is cut into; 0: as many as memory asks for. See gcdt_pool_triangulate.
+  std::uint32_t tiles = 0;
 };
 
 /// Counts and times of one call; names as in the statistics file of the command.

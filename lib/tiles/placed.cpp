@@ -116,6 +116,10 @@ Maxima place_scaled(const Points& points, const device::Scale& scale, std::vecto
 Placed place(Points points, const std::optional<FixedGrid>& fixed) {
   check_vertex_count(points.size());
   Placed placed;
+  if (points.size() == 0) {
+    if (fixed) placed.chosen = fixed_grid(*fixed);
+    return placed;
+  }
   placed.chosen = choose(points, fixed);
   const ChosenGrid& chosen = placed.chosen;
   placed.points.resize(points.size());

@@ -31,6 +31,11 @@ class GridBatch {
   std::vector<std::uint64_t> vertex_offsets_{0}, constraint_offsets_{0};
 };
 
+/// The seam is too large for every device. More tiles do not help: they have more seam.
+struct SeamTooLarge : Error {
+  using Error::Error;
+};
+
 /// Adds the time until its end.
 class Timed {
  public:
@@ -42,6 +47,9 @@ class Timed {
   double& ms_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// Vertices of a tile at least, where tiles are made for want of memory: smaller ones are mostly seam.
+constexpr std::size_t least_of_tile = 4096;
 
 /// Shares of the whole that progress is told by.
 constexpr double tiles_share = 0.7, seam_share = 0.9;
@@ -139,7 +147,7 @@ class Tiled {
     solve_tiles();
     const Timed timed(report_.ms_seam);
     seam_ = make_seam(input_, all_, tiles_);
-    report_.tiles = cuts_.tiles();
+    report_.tiles = static_cast<std::uint32_t>(cuts_.tiles());
     report_.seam_vertices = seam_.points.size();
     report_.seam_constraints = seam_.constraints.size();
     return solve_seam();
@@ -170,8 +178,12 @@ class Tiled {
     try {
       run(made_seam_, batch, own_, "seam", tiles_share, seam_share);
     } catch (const Error& error) {
-      if (error.status() != Status::constraints_cross) throw;
-      return pairs_of(error.indices());
+      if (error.status() == Status::constraints_cross) return pairs_of(error.indices());
+      if (error.status() != Status::out_of_memory) throw;
+      throw SeamTooLarge(error.status(), "the seam between " + std::to_string(cuts_.tiles()) + " tiles, of " +
+                                             std::to_string(seam_.points.size()) + " vertices and " +
+                                             std::to_string(seam_.constraints.size()) +
+                                             " constraints: " + error.what());
     }
     if (own_.crossing == Crossing::reject) between_ = take_seam(seam_, ProblemMesh(made_seam_, 0));
     return {};
@@ -234,18 +246,13 @@ RoundedTogether together(const Points& points, const ForestResult& joined) {
 
 }  // namespace
 
-ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
-                               TiledReport& report) {
-  return triangulate_tiled(
-      pool, batch, options, [&](const std::vector<GridPoint>& points) { return even_cuts(points, tiles); }, report);
-}
-
-ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const Options& options,
-                               const std::function<Cuts(const std::vector<GridPoint>&)>& cut, TiledReport& report) {
+ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
+                             const std::function<Cuts(const std::vector<GridPoint>&)>& cut) {
   const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]),
                                 static_cast<std::size_t>(batch.n(0)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
                                    static_cast<std::size_t>(batch.m(0))};
+  TiledReport report;
   Placed placed;
   {
     const Timed timed(report.ms_share);
@@ -256,11 +263,92 @@ ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const 
   ForestResult joined = Tiled(pool, input, placed.chosen.grid, cuts, options, report).solve();
   joined.problems = {0};
   joined.grids = {placed.chosen.grid};
+  joined.tiles = report;
   joined.statistics.grid = placed.chosen.grid;
   if (may_round_together(placed.chosen.grid)) joined.together = {together(points, joined)};
   if (options.distinct && !joined.together.empty() && joined.together[0].count > 0)
     throw together_error(joined.together[0]);
   return joined;
+}
+
+namespace {
+
+/// Errors of one problem; others are the call's.
+bool is_of_problem(Status status) {
+  switch (status) {
+    case Status::coordinate_not_finite:
+    case Status::coordinate_outside_grid:
+    case Status::index_out_of_range:
+    case Status::too_many_vertices:
+    case Status::constraints_cross:
+    case Status::vertices_coincide:
+    case Status::out_of_memory: return true;
+    default: return false;
+  }
+}
+
+BatchInput one_of(const BatchInput& batch, std::uint32_t problem) {
+  BatchInput one = batch;
+  one.problems = 1;
+  one.vertex_offsets += problem, one.constraint_offsets += problem;
+  return one;
+}
+
+/// Returns whether more tiles might do, because one was too large.
+bool solve_in_tiles(DevicePool& pool, const BatchInput& batch, std::uint32_t problem, const Options& options,
+                    std::size_t tiles, PoolResult& all) {
+  try {
+    ForestResult made = triangulate_cut(pool, one_of(batch, problem), options,
+                                        [&](const std::vector<GridPoint>& points) { return even_cuts(points, tiles); });
+    made.problems = {problem};
+    all.errors.erase(problem);
+    all.places[problem] = {static_cast<std::uint32_t>(all.results.size()), 0};
+    all.results.push_back(std::move(made));
+  } catch (const SeamTooLarge& error) {
+    all.errors.insert_or_assign(problem, error);
+  } catch (const Error& error) {
+    if (!is_of_problem(error.status())) throw;
+    all.errors.insert_or_assign(problem, error);
+    return error.status() == Status::out_of_memory;
+  }
+  return false;
+}
+
+/// So many tiles that each fits the pool's largest device, with a quarter to spare for tiles that are larger than
+/// others and the ends of constraints that pass. Ends: a tile needs less memory than its problem.
+std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_t m) {
+  std::size_t tiles = 2;
+  while (tiles < GCDT_MAX_TILES && forest_bytes(1, n / tiles, m / tiles) > pool.capacity() / 5 * 4) ++tiles;
+  return tiles;
+}
+
+}  // namespace
+
+PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options) {
+  if (options.tiles <= 1) {
+    PoolResult all = pool.triangulate(batch, options);
+    if (options.tiles == 1) return all;
+    std::vector<std::uint32_t> too_large;
+    for (const auto& [problem, error] : all.errors)
+      if (error.status() == Status::out_of_memory) too_large.push_back(problem);
+    for (const std::uint32_t problem : too_large) {
+      const std::uint64_t n = batch.n(problem);
+      // A tile may turn out to need more than its size says; then more are tried, as long as they are worth it.
+      for (std::size_t tiles = tiles_that_fit(pool, n, batch.m(problem)); tiles * least_of_tile <= n; tiles *= 2)
+        if (!solve_in_tiles(pool, batch, problem, options, tiles, all)) break;
+    }
+    return all;
+  }
+  if (!options.hole_seeds.empty() || !options.region_seeds.empty())
+    throw Error(Status::invalid_argument, "hole and region seeds are not taken with tiles");
+  if (options.grid) fixed_grid(*options.grid);
+  const auto start = std::chrono::steady_clock::now();
+  PoolResult all;
+  all.places.resize(batch.problems);
+  for (std::uint32_t problem = 0; problem < batch.problems; ++problem)
+    solve_in_tiles(pool, batch, problem, options, options.tiles, all);
+  all.milliseconds = milliseconds_since(start);
+  return all;
 }
 
 }  // namespace gcdt::tiles

@@ -7,23 +7,14 @@
 
 namespace gcdt::tiles {
 
-/// What one problem in tiles has cost.
-struct TiledReport {
-  std::size_t tiles = 1;
-  std::uint64_t seam_vertices = 0, seam_constraints = 0;
-  /// Of the steps: placing vertices on the grid and sharing out the input; the tiles' calls; finding final triangles;
-  /// making the seam's problem and its call; joining, with its check.
-  double ms_share = 0, ms_tiles = 0, ms_final = 0, ms_seam = 0, ms_join = 0;
-};
+/// As pool.triangulate(), but problems are cut into options.tiles tiles; if that is 0, those that are too large for
+/// every device, into as many as it takes. A problem in tiles has a result of its own, in canonical order, with the
+/// bytes that one device would give (docs/scale.md).
+PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options);
 
-/// Triangulates one problem on the pool's devices, in canonical order: the result has the same bytes as one device
-/// would give (docs/scale.md). `batch` has that problem alone. Throws what triangulate() does, and out_of_memory if a
-/// tile or the seam is too large for every device.
-ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
-                               TiledReport& report);
-
-/// The same for cuts of the caller's choice; `points` are those of the problem on their grid. For tests.
-ForestResult triangulate_tiled(DevicePool& pool, const BatchInput& batch, const Options& options,
-                               const std::function<Cuts(const std::vector<GridPoint>&)>& cut, TiledReport& report);
+/// One problem, the batch's first, cut where the caller wants: `cut` is given its vertices on their grid. Throws what
+/// gcdt::triangulate() does, and out_of_memory if a tile or the seam is too large for every device.
+ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
+                             const std::function<Cuts(const std::vector<GridPoint>&)>& cut);
 
 }  // namespace gcdt::tiles

@@ -35,12 +35,10 @@ struct OneProblem {
 using Cut = std::function<Cuts(const std::vector<GridPoint>&)>;
 
 /// The mesh, or the error's text.
-std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& cut, const Options& options,
-                                               tiles::TiledReport* report = nullptr) {
+std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& cut, const Options& options) {
   const OneProblem problem(work);
-  tiles::TiledReport own;
   try {
-    const ForestResult made = tiles::triangulate_tiled(halves(), problem.view(), options, cut, report ? *report : own);
+    const ForestResult made = tiles::triangulate_cut(halves(), problem.view(), options, cut);
     return {test::part_of(made, 0), ""};
   } catch (const Error& error) {
     return {{}, error.what()};
