@@ -24,7 +24,7 @@ std::array<std::size_t, 2> Cuts::tiles_of(const Box& box) const {
   return {tile_at(box.least), tile_at(box.most)};
 }
 
-Cuts even_cuts(const std::vector<GridPoint>& points, std::size_t tiles) {
+Cuts even_cuts(const GridPoints& points, std::size_t tiles) {
   const std::size_t count = std::min(points.size(), std::max(sample_size, 256 * tiles));
   std::vector<std::uint64_t> sample(count);
   for (std::size_t i = 0; i < count; ++i) sample[i] = code_of(points[points.size() * i / count]);

@@ -39,6 +39,6 @@ class Cuts {
 };
 
 /// Cuts that give each of so many tiles about as many of the points, from a sample of them.
-Cuts even_cuts(const std::vector<GridPoint>& points, std::size_t tiles);
+Cuts even_cuts(const GridPoints& points, std::size_t tiles);
 
 }  // namespace gcdt::tiles

@@ -14,8 +14,11 @@ using Key = std::pair<std::uint64_t, std::uint64_t>;  // of a triangle or a piec
 /// Which of a tile's triangles are final, and how many before each.
 class Ranks {
  public:
-  explicit Ranks(const std::vector<std::uint8_t>& final) : words_(final.size() / 64 + 1, 0) {
-    for (std::size_t i = 0; i < final.size(); ++i) words_[i / 64] |= std::uint64_t{final[i]} << (i % 64);
+  explicit Ranks(const Array<std::uint8_t>& final) : words_(final.size() / 64 + 1, 0) {
+    for_each_in_threads(words_.size(), [&](std::size_t w) {
+      for (std::size_t i = 64 * w; i < std::min(64 * w + 64, final.size()); ++i)
+        words_[w] |= std::uint64_t{final[i]} << (i % 64);
+    });
     before_.reserve(words_.size());
     for (const std::uint64_t word : words_) {
       before_.push_back(count_);
@@ -72,7 +75,7 @@ class Order {
 
  private:
   std::uint32_t finals_before(std::size_t tile, std::uint32_t of_seam) const {
-    const auto key = [](const Triangle& t, const std::vector<GridPoint>& points) {
+    const auto key = [](const Triangle& t, const GridPoints& points) {
       return Key(code_of(points[t[0]]), code_of(points[t[1]]));
     };
     const Key wanted = key(solved_.between.mesh.triangles[of_seam], solved_.seam.points);
@@ -126,7 +129,7 @@ class MeshWriter {
     const SolvedTile& from = solved_.tiles[tile];
     if (!from.final[t]) return;
     const std::uint32_t place = order_.place_of_final(tile, t);
-    const std::vector<std::uint32_t>& ids = solved_.all.tiles[tile].ids;
+    const Array<std::uint32_t>& ids = solved_.all.tiles[tile].ids;
     std::uint8_t flags = from.mesh.constrained[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       triangles_[place][k] = ids[from.mesh.triangles[t][k]];
@@ -214,7 +217,7 @@ class PieceWriter {
   }
 
  private:
-  static Key key(const Constraint& ends, const std::vector<GridPoint>& points) {
+  static Key key(const Constraint& ends, const GridPoints& points) {
     return {code_of(points[ends[0]]), code_of(points[ends[1]])};
   }
 
@@ -259,7 +262,7 @@ void write_representatives(const Solved& solved, ForestResult& result) {
     const std::size_t tile = solved.all.tile_of[v];
     representative[v] = solved.all.tiles[tile].ids[solved.tiles[tile].mesh.representative[solved.all.place[v]]];
   });
-  for (std::size_t v = 0; v < n; ++v) result.statistics.vertices_merged += representative[v] != v;
+  result.statistics.vertices_merged = count_in_threads(n, [&](std::size_t v) { return representative[v] != v; });
 }
 
 }  // namespace
@@ -285,9 +288,10 @@ void check_joined(const Solved& solved, const ForestResult& joined) {
   const Span<Neighbours> neighbours = array_of<Neighbours>(joined, GCDT_NEIGHBOURS);
   const Span<std::uint8_t> constrained = array_of<std::uint8_t>(joined, GCDT_CONSTRAINED);
   if (triangles.empty()) return;
-  std::uint64_t hull = 0;
-  for (const Neighbours& three : neighbours)
-    for (const std::int32_t other : three) hull += other < 0;
+  const std::uint64_t hull = count_in_threads(neighbours.size(), [&](std::size_t t) {
+    const Neighbours& three = neighbours[t];
+    return (three[0] < 0) + (three[1] < 0) + (three[2] < 0);
+  });
   const std::uint64_t n = solved.input.points.size() - joined.statistics.vertices_merged;
   if (triangles.size() != 2 * n - 2 - hull)
     throw Error(Status::check_failed, "tiles: " + std::to_string(triangles.size()) + " triangles, of " +

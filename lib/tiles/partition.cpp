@@ -24,6 +24,12 @@ void extend(Box& box, const GridPoint& p) {
   }
 }
 
+Box box_around(const GridPoints& points) {
+  Box box = no_box();
+  for (const GridPoint& p : points) extend(box, p);
+  return box;
+}
+
 Box box_of(const GridInput& input, const Constraint& c) {
   Box box = no_box();
   for (const std::uint32_t end : c) extend(box, input.points[end]);
@@ -57,7 +63,7 @@ class Places {
 };
 
 void share_vertices(const GridInput& input, const Cuts& cuts, Partition& made) {
-  const std::vector<GridPoint>& points = input.points;
+  const GridPoints& points = input.points;
   const Parts parts(points.size());
   Places places(parts, cuts.tiles());
   made.tile_of.resize(points.size());
@@ -83,10 +89,10 @@ void share_vertices(const GridInput& input, const Cuts& cuts, Partition& made) {
       made.place[v] = static_cast<std::uint32_t>(at);
     }
   });
+  for_each_in_threads(
+      made.tiles.size(), [&](std::size_t t) { made.tiles[t].box = box_around(made.tiles[t].points); }, 1);
   made.box = no_box();
-  for (Tile& tile : made.tiles) {
-    tile.box = no_box();
-    for (const GridPoint& p : tile.points) extend(tile.box, p);
+  for (const Tile& tile : made.tiles) {
     if (tile.own == 0) continue;
     for (int axis = 0; axis < 2; ++axis) {
       made.box.least[axis] = std::min(made.box.least[axis], tile.box.least[axis]);
@@ -97,9 +103,11 @@ void share_vertices(const GridInput& input, const Cuts& cuts, Partition& made) {
 
 void check_ends(const GridInput& input) {
   const std::size_t n = input.points.size();
-  for (std::size_t c = 0; c < input.constraints.size(); ++c)
-    for (std::size_t end = 0; end < 2; ++end)
-      if (input.constraints[c][end] >= n) throw index_error(c, end, n);
+  Parts(input.constraints.size()).run([&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c)
+      for (std::size_t end = 0; end < 2; ++end)
+        if (input.constraints[c][end] >= n) throw index_error(c, end, n);
+  });
 }
 
 /// The tile that has all of the constraint, or open_constraint.
@@ -114,7 +122,7 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
   const Constraints constraints = input.constraints;
   const Parts parts(constraints.size());
   Places places(parts, cuts.tiles());
-  std::vector<std::uint16_t> tile_of(constraints.size());
+  Array<std::uint16_t> tile_of(constraints.size());
   std::vector<std::vector<std::uint32_t>> open(parts.size());
   const auto left_out = [&](std::size_t c) { return role_of(roles, c) == Role::out; };
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {

@@ -8,7 +8,7 @@ namespace gcdt::tiles {
 
 /// The input on its grid. Arrays are the caller's.
 struct GridInput {
-  const std::vector<GridPoint>& points;
+  const GridPoints& points;
   Constraints constraints;
 };
 
@@ -21,11 +21,11 @@ struct Passage {
 /// What a tile's call is given. Vertices have the tile's own first, in order of their input numbers, then those of
 /// other tiles where constraints end that may pass through.
 struct Tile {
-  std::vector<GridPoint> points;
-  std::vector<std::uint32_t> ids;  ///< input numbers
-  std::uint32_t own = 0;           ///< so many vertices are the tile's own
-  std::vector<Constraint> constraints;
-  std::vector<std::uint32_t> constraint_ids;  ///< input numbers, ascending
+  GridPoints points;
+  Array<std::uint32_t> ids;  ///< input numbers
+  std::uint32_t own = 0;     ///< so many vertices are the tile's own
+  Array<Constraint> constraints;
+  Array<std::uint32_t> constraint_ids;  ///< input numbers, ascending
   std::vector<Passage> passages;
   Box box{};  ///< around its own vertices, if there are any
 };
@@ -34,10 +34,10 @@ struct Tile {
 /// come together in the seam.
 struct Partition {
   std::vector<Tile> tiles;
-  std::vector<std::uint32_t> open;     ///< input numbers, ascending
-  std::vector<std::uint16_t> tile_of;  ///< by input vertex
-  std::vector<std::uint32_t> place;    ///< by input vertex: its number in its tile
-  Box box{};                           ///< around all vertices
+  std::vector<std::uint32_t> open;  ///< input numbers, ascending
+  Array<std::uint16_t> tile_of;     ///< by input vertex
+  Array<std::uint32_t> place;       ///< by input vertex: its number in its tile
+  Box box{};                        ///< around all vertices
 };
 
 /// What is asked of a constraint.

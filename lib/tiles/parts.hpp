@@ -51,4 +51,19 @@ void for_each_in_threads(std::size_t count, Use&& use, std::size_t least = 4096)
   });
 }
 
+/// The sum of count(i) over all i below `end`.
+template <class Count>
+std::uint64_t count_in_threads(std::size_t end, Count&& count) {
+  const Parts parts(end);
+  std::vector<std::uint64_t> sums(parts.size(), 0);
+  parts.run([&](std::size_t part, std::size_t first, std::size_t last) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = first; i < last; ++i) sum += static_cast<std::uint64_t>(count(i));
+    sums[part] = sum;
+  });
+  std::uint64_t sum = 0;
+  for (const std::uint64_t some : sums) sum += some;
+  return sum;
+}
+
 }  // namespace gcdt::tiles

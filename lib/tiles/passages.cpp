@@ -20,7 +20,7 @@ struct Corner {
 
 class Walker {
  public:
-  Walker(const ProblemMesh& mesh, const std::vector<GridPoint>& points, const std::function<void(std::uint32_t)>& use)
+  Walker(const ProblemMesh& mesh, const GridPoints& points, const std::function<void(std::uint32_t)>& use)
       : mesh_(mesh), points_(points), use_(use), triangle_at_(points.size(), none) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       for (const std::uint32_t v : mesh.triangles[t]) triangle_at_[v] = t;
@@ -175,7 +175,7 @@ class Walker {
   }
 
   const ProblemMesh& mesh_;
-  const std::vector<GridPoint>& points_;
+  const GridPoints& points_;
   const std::function<void(std::uint32_t)>& use_;
   std::vector<std::uint32_t> triangle_at_;
   std::unordered_map<std::uint32_t, Fan> fans_;
@@ -185,8 +185,8 @@ class Walker {
 
 }  // namespace
 
-void for_passed_triangles(const ProblemMesh& mesh, const std::vector<GridPoint>& points,
-                          const std::vector<Passage>& passages, const std::function<void(std::uint32_t)>& use) {
+void for_passed_triangles(const ProblemMesh& mesh, const GridPoints& points, const std::vector<Passage>& passages,
+                          const std::function<void(std::uint32_t)>& use) {
   if (passages.empty() || mesh.triangles.empty()) return;
   Walker walker(mesh, points, use);
   for (const Passage& passage : passages)

@@ -85,7 +85,7 @@ ChosenGrid choose(const Points& points, const std::optional<FixedGrid>& fixed) {
   return choice.with_decimals(static_cast<int>(digits[0]));
 }
 
-void place_decimals(const Points& points, const device::Decimals& decimals, std::vector<GridPoint>& placed) {
+void place_decimals(const Points& points, const device::Decimals& decimals, GridPoints& placed) {
   for_each_in_threads(points.size(), [&](std::size_t v) {
     for (int axis = 0; axis < 2; ++axis) {
       const auto numerator =
@@ -97,7 +97,7 @@ void place_decimals(const Points& points, const device::Decimals& decimals, std:
 }
 
 /// The columns of kernel `quantise`.
-Maxima place_scaled(const Points& points, const device::Scale& scale, std::vector<GridPoint>& placed) {
+Maxima place_scaled(const Points& points, const device::Scale& scale, GridPoints& placed) {
   return maxima_of(points.size(), GCDT_QUANTISE_COLUMNS, [&](std::size_t first, std::size_t end, Maxima& most) {
     for (std::size_t v = first; v < end; ++v)
       for (int axis = 0; axis < 2; ++axis) {

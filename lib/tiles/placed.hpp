@@ -12,6 +12,7 @@ namespace gcdt::tiles {
 
 /// A vertex on the grid; both are in [0, 2^31 - 1].
 using GridPoint = std::array<std::int32_t, 2>;
+using GridPoints = Array<GridPoint>;
 
 inline device::Vertex vertex_at(const GridPoint& p) { return device::gcdt_finite_vertex(p[0], p[1]); }
 /// Twice the signed area of (a, b, c): > 0 counter-clockwise.
@@ -21,7 +22,7 @@ inline std::int64_t orient2d(const GridPoint& a, const GridPoint& b, const GridP
 
 struct Placed {
   ChosenGrid chosen;
-  std::vector<GridPoint> points;
+  GridPoints points;
 };
 
 /// The grid that one device would choose (docs/contract.md, 1), and every vertex on it. Throws invalid_argument,

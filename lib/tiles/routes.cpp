@@ -6,7 +6,7 @@ namespace gcdt::tiles {
 namespace {
 
 /// A link in the direction of its constraint, from which it turns by less than a quarter.
-Constraint along(const Constraint& constraint, const Constraint& link, const std::vector<GridPoint>& points) {
+Constraint along(const Constraint& constraint, const Constraint& link, const GridPoints& points) {
   const GridPoint &a = points[constraint[0]], &b = points[constraint[1]], &p = points[link[0]], &q = points[link[1]];
   const std::int64_t turn = (std::int64_t{b[0]} - a[0]) * (std::int64_t{q[0]} - p[0]) +
                             (std::int64_t{b[1]} - a[1]) * (std::int64_t{q[1]} - p[1]);

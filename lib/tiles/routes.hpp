@@ -8,7 +8,7 @@ namespace gcdt::tiles {
 
 /// The input with the added vertices behind the others, and links in place of the constraints that are routed.
 struct Routed {
-  std::vector<GridPoint> points;
+  GridPoints points;
   std::vector<Constraint> constraints, crossing;  ///< crossing: by added vertex, as GCDT_ADDED_CROSSINGS
   std::vector<std::uint32_t> owners;              ///< of the constraints: input numbers, ascending
   std::uint64_t count = 0;                        ///< of routed constraints

@@ -83,7 +83,7 @@ class TileShare {
   const Partition& all_;
   const Tile& given_;
   const ProblemMesh& mesh_;
-  const std::vector<std::uint8_t>& final_;
+  const Array<std::uint8_t>& final_;
   std::uint32_t tile_;
   std::vector<std::uint8_t> wanted_;
 };

@@ -15,15 +15,15 @@ struct BorderEdge {
 /// A tile's mesh, and what of it is final.
 struct SolvedTile {
   ProblemMesh mesh;
-  std::vector<std::uint8_t> final;
+  Array<std::uint8_t> final;
 };
 
 /// The problem of the seam. Its constraints are, in this order: the border, each edge with the seam on its left; the
 /// tiles' pieces that are not inside of final triangles; and the input constraints that no tile has.
 struct Seam {
-  std::vector<GridPoint> points;
+  GridPoints points;
   std::vector<std::uint32_t> ids;  ///< of the vertices: input numbers
-  std::vector<Constraint> constraints;
+  Array<Constraint> constraints;
 
   /// A tile's piece.
   struct Part {

@@ -77,8 +77,7 @@ ProblemMesh::ProblemMesh(const PoolResult& made, std::size_t problem)
   statistics = made.results[place.result].at(place.place).first->statistics;
 }
 
-std::uint32_t piece_between(Span<Constraint> pieces, const std::vector<GridPoint>& points, std::uint32_t u,
-                            std::uint32_t v) {
+std::uint32_t piece_between(Span<Constraint> pieces, const GridPoints& points, std::uint32_t u, std::uint32_t v) {
   const auto key = [&](const Constraint& ends) {
     return std::make_pair(code_of(points[ends[0]]), code_of(points[ends[1]]));
   };
@@ -91,10 +90,9 @@ std::uint32_t piece_between(Span<Constraint> pieces, const std::vector<GridPoint
   return static_cast<std::uint32_t>(found - pieces.begin());
 }
 
-std::vector<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partition& all, std::size_t tile,
-                                          const Cuts& cuts) {
+Array<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partition& all, std::size_t tile, const Cuts& cuts) {
   const Tile& given = all.tiles[tile];
-  std::vector<std::uint8_t> final(mesh.triangles.size());
+  Array<std::uint8_t> final(mesh.triangles.size());
   for_each_in_threads(final.size(), [&](std::size_t i) {
     const auto& [a, b, c] = mesh.triangles[i];
     const Box box = CircleBox(given.points[a], given.points[b], given.points[c]).within(all.box);

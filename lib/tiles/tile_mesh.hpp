@@ -26,13 +26,11 @@ struct ProblemMesh {
 
 /// The number of the piece between two vertices; pieces are in the order of their ends' codes. Throws check_failed if
 /// there is none.
-std::uint32_t piece_between(Span<Constraint> pieces, const std::vector<GridPoint>& points, std::uint32_t u,
-                            std::uint32_t v);
+std::uint32_t piece_between(Span<Constraint> pieces, const GridPoints& points, std::uint32_t u, std::uint32_t v);
 
 /// Which triangles of a tile's mesh are final, that is of the whole result, too: 1 for each that is. A triangle is if
 /// the box around its circle, cut to the box of all vertices, is of the tile; and if no passage meets it but in
 /// corners (docs/scale.md, T2).
-std::vector<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partition& all, std::size_t tile,
-                                          const Cuts& cuts);
+Array<std::uint8_t> final_triangles(const ProblemMesh& mesh, const Partition& all, std::size_t tile, const Cuts& cuts);
 
 }  // namespace gcdt::tiles

@@ -14,9 +14,14 @@ namespace {
 /// Problems on a grid of integers, one after the other, as a batch.
 class GridBatch {
  public:
-  void add(const std::vector<GridPoint>& points, const std::vector<Constraint>& constraints) {
-    points_.insert(points_.end(), points.begin(), points.end());
-    constraints_.insert(constraints_.end(), constraints.begin(), constraints.end());
+  /// Room for so many of all problems together.
+  GridBatch(std::size_t points, std::size_t constraints) {
+    points_.reserve(points);
+    constraints_.reserve(constraints);
+  }
+  void add(const GridPoints& points, const Array<Constraint>& constraints) {
+    append(points_, points);
+    append(constraints_, constraints);
     vertex_offsets_.push_back(points_.size());
     constraint_offsets_.push_back(constraints_.size());
   }
@@ -26,8 +31,18 @@ class GridBatch {
   }
 
  private:
-  std::vector<GridPoint> points_;
-  std::vector<Constraint> constraints_;
+  template <class T>
+  static void append(Array<T>& to, const Array<T>& from) {
+    const std::size_t before = to.size();
+    to.resize(before + from.size());
+    Parts(from.size()).run([&](std::size_t, std::size_t first, std::size_t end) {
+      std::copy(from.begin() + static_cast<std::ptrdiff_t>(first), from.begin() + static_cast<std::ptrdiff_t>(end),
+                to.begin() + static_cast<std::ptrdiff_t>(before + first));
+    });
+  }
+
+  GridPoints points_;
+  Array<Constraint> constraints_;
   std::vector<std::uint64_t> vertex_offsets_{0}, constraint_offsets_{0};
 };
 
@@ -154,9 +169,10 @@ class Tiled {
   }
 
   void solve_tiles() {
-    GridBatch batch;
-    for (const Tile& tile : all_.tiles)
-      batch.add(tile.own > 0 ? tile.points : std::vector<GridPoint>{}, tile.constraints);
+    std::size_t points = 0, constraints = 0;
+    for (const Tile& tile : all_.tiles) points += tile.points.size(), constraints += tile.constraints.size();
+    GridBatch batch(points, constraints);
+    for (const Tile& tile : all_.tiles) batch.add(tile.own > 0 ? tile.points : GridPoints{}, tile.constraints);
     Options own = own_;
     own.crossing = Crossing::drop;
     {
@@ -173,7 +189,7 @@ class Tiled {
   }
 
   std::vector<Constraint> solve_seam() {
-    GridBatch batch;
+    GridBatch batch(seam_.points.size(), seam_.constraints.size());
     batch.add(seam_.points, seam_.constraints);
     try {
       run(made_seam_, batch, own_, "seam", tiles_share, seam_share);
@@ -247,7 +263,7 @@ RoundedTogether together(const Points& points, const ForestResult& joined) {
 }  // namespace
 
 ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
-                             const std::function<Cuts(const std::vector<GridPoint>&)>& cut) {
+                             const std::function<Cuts(const GridPoints&)>& cut) {
   const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]),
                                 static_cast<std::size_t>(batch.n(0)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
@@ -299,7 +315,7 @@ bool solve_in_tiles(DevicePool& pool, const BatchInput& batch, std::uint32_t pro
                     std::size_t tiles, PoolResult& all) {
   try {
     ForestResult made = triangulate_cut(pool, one_of(batch, problem), options,
-                                        [&](const std::vector<GridPoint>& points) { return even_cuts(points, tiles); });
+                                        [&](const GridPoints& points) { return even_cuts(points, tiles); });
     made.problems = {problem};
     all.errors.erase(problem);
     all.places[problem] = {static_cast<std::uint32_t>(all.results.size()), 0};

@@ -15,6 +15,6 @@ PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options&
 /// One problem, the batch's first, cut where the caller wants: `cut` is given its vertices on their grid. Throws what
 /// gcdt::triangulate() does, and out_of_memory if a tile or the seam is too large for every device.
 ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
-                             const std::function<Cuts(const std::vector<GridPoint>&)>& cut);
+                             const std::function<Cuts(const GridPoints&)>& cut);
 
 }  // namespace gcdt::tiles

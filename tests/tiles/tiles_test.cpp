@@ -32,7 +32,7 @@ struct OneProblem {
   std::array<std::uint64_t, 2> n, m;
 };
 
-using Cut = std::function<Cuts(const std::vector<GridPoint>&)>;
+using Cut = std::function<Cuts(const tiles::GridPoints&)>;
 
 /// The mesh, or the error's text.
 std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& cut, const Options& options) {
@@ -46,12 +46,12 @@ std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& 
 }
 
 Cut evenly(std::size_t tiles) {
-  return [tiles](const std::vector<GridPoint>& points) { return tiles::even_cuts(points, tiles); };
+  return [tiles](const tiles::GridPoints& points) { return tiles::even_cuts(points, tiles); };
 }
 
 /// At vertices and between them, some more than once.
 Cut anywhere(std::size_t tiles, Random& random) {
-  return [tiles, &random](const std::vector<GridPoint>& points) {
+  return [tiles, &random](const tiles::GridPoints& points) {
     std::vector<std::uint64_t> codes;
     while (codes.size() + 1 < tiles) {
       const std::uint64_t kind = random.below(4);
