@@ -2,6 +2,7 @@
 #include "tiles/join.hpp"
 
 #include <limits>
+#include <numeric>
 
 #include "tiles/parts.hpp"
 
@@ -58,6 +59,7 @@ class Order {
       finals_before_[tile].push_back(finals_before(tile, t));
       own[tile].push_back(t);
     }
+    make_buckets();
     for (std::size_t tile = 0; tile < ranks_.size(); ++tile) {
       for (std::uint32_t i = 0; i < own[tile].size(); ++i)
         seam_place_[own[tile][i]] = firsts_.back() + finals_before_[tile][i] + i;
@@ -67,13 +69,32 @@ class Order {
   std::uint32_t triangles() const { return firsts_.back(); }
   std::uint32_t place_of_final(std::size_t tile, std::uint32_t triangle) const {
     const std::uint32_t rank = ranks_[tile].before(triangle);
-    const auto& inserted = finals_before_[tile];
-    const auto before = std::upper_bound(inserted.begin(), inserted.end(), rank) - inserted.begin();
-    return firsts_[tile] + rank + static_cast<std::uint32_t>(before);
+    return firsts_[tile] + rank + inserted_before(tile, rank);
   }
   std::uint32_t place_in_seam(std::uint32_t triangle) const { return seam_place_[triangle]; }
 
  private:
+  static constexpr unsigned bucket_bits = 8;
+
+  /// How many triangles of the seam come before the final triangle of that rank.
+  std::uint32_t inserted_before(std::size_t tile, std::uint32_t rank) const {
+    const std::vector<std::uint32_t>&inserted = finals_before_[tile], &buckets = buckets_[tile];
+    const auto first = inserted.begin() + buckets[rank >> bucket_bits],
+               end = inserted.begin() + buckets[(rank >> bucket_bits) + 1];
+    return static_cast<std::uint32_t>(std::upper_bound(first, end, rank) - inserted.begin());
+  }
+  void make_buckets() {
+    buckets_.resize(ranks_.size());
+    for (std::size_t tile = 0; tile < ranks_.size(); ++tile) {
+      buckets_[tile].assign((ranks_[tile].count() >> bucket_bits) + 2, 0);
+      for (const std::uint32_t rank : finals_before_[tile]) {
+        const std::size_t next = (rank >> bucket_bits) + 1;
+        if (next < buckets_[tile].size()) ++buckets_[tile][next];
+      }
+      std::partial_sum(buckets_[tile].begin(), buckets_[tile].end(), buckets_[tile].begin());
+    }
+  }
+
   std::uint32_t finals_before(std::size_t tile, std::uint32_t of_seam) const {
     const auto key = [](const Triangle& t, const GridPoints& points) {
       return Key(code_of(points[t[0]]), code_of(points[t[1]]));
@@ -90,6 +111,7 @@ class Order {
   std::vector<Ranks> ranks_;
   std::vector<std::uint32_t> firsts_;                      ///< of each tile, and of all
   std::vector<std::vector<std::uint32_t>> finals_before_;  ///< of each triangle of the seam, by tile
+  std::vector<std::vector<std::uint32_t>> buckets_;        ///< of ranks, by tile: where in finals_before_ each begins
   std::vector<std::uint32_t> seam_place_;                  ///< by triangle of the seam
 };
 

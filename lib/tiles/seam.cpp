@@ -25,7 +25,18 @@ class TileShare {
   void gather() {
     wanted_.assign(given_.own, 0);
     if (mesh_.triangles.empty()) return take_all();
-    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) final_[t] ? look_at_final(t) : look_at_other(t);
+    const Parts shares(final_.size());
+    std::vector<Found> found(shares.size());
+    shares.run([&](std::size_t share, std::size_t first, std::size_t end) {
+      for (std::size_t t = first; t < end; ++t)
+        final_[t] ? look_at_final(static_cast<std::uint32_t>(t), found[share])
+                  : look_at_other(static_cast<std::uint32_t>(t), found[share]);
+    });
+    for (const Found& some : found) {
+      border.insert(border.end(), some.border.begin(), some.border.end());
+      parts.insert(parts.end(), some.parts.begin(), some.parts.end());
+      for (const std::uint32_t v : some.vertices) wanted_[v] = 1;
+    }
     std::sort(parts.begin(), parts.end());
     parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
     list_vertices();
@@ -35,6 +46,12 @@ class TileShare {
   std::vector<BorderEdge> border;
 
  private:
+  /// What is found at some triangles, in their order; pieces and vertices more than once.
+  struct Found {
+    std::vector<BorderEdge> border;
+    std::vector<std::uint32_t> parts, vertices;
+  };
+
   /// Fewer than three vertices, or all on one line.
   void take_all() {
     for (std::uint32_t v = 0; v < given_.own; ++v) wanted_[v] = mesh_.representative[v] == v;
@@ -42,23 +59,23 @@ class TileShare {
     list_vertices();
   }
 
-  void look_at_final(std::uint32_t t) {
+  void look_at_final(std::uint32_t t, Found& found) const {
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::int32_t other = mesh_.neighbours[t][k];
       const auto [u, v] = edge_of(mesh_, t, k);
       if (other >= 0 ? final_[static_cast<std::uint32_t>(other)] != 0 : is_hull_of_all(u, v)) continue;
-      border.push_back({tile_, t, k});
-      wanted_[u] = wanted_[v] = 1;
-      if (constrained(mesh_, t, k)) parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
+      found.border.push_back({tile_, t, k});
+      found.vertices.insert(found.vertices.end(), {u, v});
+      if (constrained(mesh_, t, k)) found.parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
     }
   }
 
-  void look_at_other(std::uint32_t t) {
+  void look_at_other(std::uint32_t t, Found& found) const {
     for (std::uint32_t k = 0; k < 3; ++k) {
-      if (const std::uint32_t v = mesh_.triangles[t][k]; v < given_.own) wanted_[v] = 1;
+      if (const std::uint32_t v = mesh_.triangles[t][k]; v < given_.own) found.vertices.push_back(v);
       if (!constrained(mesh_, t, k)) continue;
       const auto [u, v] = edge_of(mesh_, t, k);
-      parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
+      found.parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
     }
   }
 

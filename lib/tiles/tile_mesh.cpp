@@ -31,9 +31,9 @@ class CircleBox {
     const double b2 = bx * bx + by * by, c2 = cx * cx + cy * cy, scale = 1 / (2 * doubled_area);
     centre_[0] = (b2 * cy - c2 * by) * scale;
     centre_[1] = (c2 * bx - b2 * cx) * scale;
-    slack_[0] = std::ldexp((std::abs(b2 * cy) + std::abs(c2 * by)) * scale, -48);
-    slack_[1] = std::ldexp((std::abs(c2 * bx) + std::abs(b2 * cx)) * scale, -48);
-    radius_ = std::hypot(centre_[0], centre_[1]) * (1 + std::ldexp(1.0, -48)) + slack_[0] + slack_[1];
+    slack_[0] = (std::abs(b2 * cy) + std::abs(c2 * by)) * scale * tiny;
+    slack_[1] = (std::abs(c2 * bx) + std::abs(b2 * cx)) * scale * tiny;
+    radius_ = std::sqrt(centre_[0] * centre_[0] + centre_[1] * centre_[1]) * (1 + tiny) + slack_[0] + slack_[1];
   }
 
   Box within(const Box& all) const {
@@ -42,8 +42,9 @@ class CircleBox {
       const double half = half_width(all, 1 - axis) + slack_[axis] + 1;
       const double middle = corner_[axis] + centre_[axis], most = static_cast<double>(all.most[axis]),
                    least = static_cast<double>(all.least[axis]);
-      box.least[axis] = static_cast<std::int64_t>(std::floor(std::clamp(middle - half, least, most)));
-      box.most[axis] = static_cast<std::int64_t>(std::ceil(std::clamp(middle + half, least, most)));
+      // Not below 0, so cutting the digits off rounds down.
+      box.least[axis] = static_cast<std::int64_t>(std::clamp(middle - half, least, most));
+      box.most[axis] = std::min(static_cast<std::int64_t>(std::clamp(middle + half, least, most)) + 1, all.most[axis]);
     }
     return box;
   }
@@ -54,10 +55,11 @@ class CircleBox {
   double half_width(const Box& all, int other) const {
     const double middle = corner_[other] + centre_[other];
     double d = std::max(middle - static_cast<double>(all.most[other]), static_cast<double>(all.least[other]) - middle);
-    d -= slack_[other] + std::ldexp(std::abs(middle), -48) + 1;
-    return d <= 0 ? radius_ : std::sqrt(std::max(0.0, (radius_ - d) * (radius_ + d))) * (1 + std::ldexp(1.0, -48));
+    d -= slack_[other] + std::abs(middle) * tiny + 1;
+    return d <= 0 ? radius_ : std::sqrt(std::max(0.0, (radius_ - d) * (radius_ + d))) * (1 + tiny);
   }
 
+  static constexpr double tiny = 0x1p-48;
   const GridPoint& corner_;
   double centre_[2], slack_[2], radius_;  // the centre from the corner
 };
