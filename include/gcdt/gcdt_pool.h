@@ -97,7 +97,7 @@ typedef struct gcdt_batch_input {
  *
  * A problem that is too large for every device is cut into tiles, and gcdt_options.tiles cuts all of them: each tile is
  * a problem of a batch that all devices share, and what is between them one more (docs/scale.md). The bytes stay the
- * same. The host then needs about 150 bytes a vertex beside input and result. A problem whose rest between the tiles
+ * same. The host then needs about 90 bytes a vertex beside input and result. A problem whose rest between the tiles
  * is too large for every device as well is GCDT_ERROR_OUT_OF_MEMORY. Blocks. */
 GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
                                        gcdt_batch** batch);
