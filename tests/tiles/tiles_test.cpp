@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One problem in tiles: the same arrays as from one device, wherever it is cut.
 #include "corpus.hpp"
+#include "device_list.hpp"
 #include "pool_cases.hpp"
 #include "tiles/tiled.hpp"
 
@@ -10,6 +11,8 @@ using tiles::Cuts;
 using tiles::GridPoint;
 
 namespace {
+
+const std::vector<cl::Device> all_of_them = every_device();  // before anything else lists devices
 
 /// On two halves of a CPU, as two devices.
 DevicePool& halves() {
@@ -35,10 +38,11 @@ struct OneProblem {
 using Cut = std::function<Cuts(const tiles::GridPoints&)>;
 
 /// The mesh, or the error's text.
-std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& cut, const Options& options) {
+std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& cut, const Options& options,
+                                               DevicePool& pool = halves()) {
   const OneProblem problem(work);
   try {
-    const ForestResult made = tiles::triangulate_cut(halves(), problem.view(), options, cut);
+    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, cut);
     return {test::part_of(made, 0), ""};
   } catch (const Error& error) {
     return {{}, error.what()};
@@ -64,8 +68,8 @@ Cut anywhere(std::size_t tiles, Random& random) {
   };
 }
 
-void check_same(const Workload& work, const Cut& cut, const Options& options) {
-  const auto [mesh, error] = in_tiles(work, cut, options);
+void check_same(const Workload& work, const Cut& cut, const Options& options, DevicePool& pool = halves()) {
+  const auto [mesh, error] = in_tiles(work, cut, options, pool);
   const Singles alone({work}, options);
   CHECK(error == alone.errors[0]);
   if (alone.errors[0].empty() && error.empty()) CHECK(difference(mesh, alone.meshes[0]) == "");
@@ -120,5 +124,31 @@ TEST_CASE("regions and domains are those of one device") {
     Options options;
     options.domain = Domain::even_odd;
     check_same(workload(name, 2000), evenly(4), options);
+  }
+}
+
+TEST_CASE("the corpus in tiles gives the bytes and the errors of one device") {
+  const std::string folder = std::string(GCDT_TEST_DATA) + "/corpus";
+  std::size_t entries = 0;
+  for (const CorpusEntry& entry : read_manifest(folder)) {
+    CAPTURE(entry.name);
+    const Workload work = read_poly(folder + "/" + entry.name);
+    for (const std::size_t tiles : {2, 3, 4, 7}) {
+      CAPTURE(tiles);
+      for (const Crossing crossing : {Crossing::reject, Crossing::drop, Crossing::split})
+        check_same(work, evenly(tiles), with(crossing));
+    }
+    ++entries;
+  }
+  CHECK(entries > 20);
+}
+
+TEST_CASE("devices of two vendors share the tiles of one problem") {
+  std::vector<DevicePool::Member> members;
+  for (const cl::Device& device : all_of_them) members.push_back({cl::Context(), device, {}});
+  DevicePool pool(std::move(members), {}, {});
+  for (const char* name : {"uniform", "letters", "closed_comb", "clusters"}) {
+    CAPTURE(name);
+    check_same(workload(name, 4000), evenly(6), with(Crossing::reject), pool);
   }
 }
