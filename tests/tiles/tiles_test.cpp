@@ -127,6 +127,27 @@ TEST_CASE("regions and domains are those of one device") {
   }
 }
 
+TEST_CASE("a route goes through a vertex that no triangle has which its constraint crosses") {
+  // The constraint from (-1, 0) to (20, 1) passes less than half a cell above (9, 0), but the edge from (0, 0) to
+  // (20, 1) is between them, and the triangle below that edge would be final.
+  Workload work;
+  for (const auto& [x, y] :
+       std::vector<std::array<int, 2>>{{-1, 0}, {20, 1}, {9, 0}, {0, 0}, {-12, 1}, {-30, -40}, {9, -50}, {50, -40}})
+    work.points.push_back({1152.0 + x, 1124.0 + y});
+  for (int i = 0; i < 6; ++i) work.points.push_back({5000.0 + 7 * i, 5000.0 + i * i});
+  work.constraints = {{0, 1}, {4, 3}};
+  Options options = with(Crossing::split);
+  options.grid = FixedGrid{};
+  const Triangulation alone = solver().triangulate(work.points, work.constraints, options);
+  REQUIRE(std::count(alone.pieces.begin(), alone.pieces.end(), Constraint{2, 1}) == 1);
+  check_same(
+      work,
+      [](const tiles::GridPoints&) {
+        return Cuts({tiles::code_of({4096, 4096})});
+      },
+      options);
+}
+
 TEST_CASE("the corpus in tiles gives the bytes and the errors of one device") {
   const std::string folder = std::string(GCDT_TEST_DATA) + "/corpus";
   std::size_t entries = 0;
