@@ -53,10 +53,15 @@ class Order {
     finals_before_.resize(ranks_.size());
     seam_place_.assign(solved.between.kept.size(), 0);
     std::vector<std::vector<std::uint32_t>> own(ranks_.size());
-    for (std::uint32_t t = 0; t < solved.between.kept.size(); ++t) {
+    std::vector<std::uint32_t> before(solved.between.kept.size());
+    for_each_in_threads(before.size(), [&](std::size_t t) {
+      const auto of_seam = static_cast<std::uint32_t>(t);
+      if (solved.between.kept[t]) before[t] = finals_before(tile_of(of_seam), of_seam);
+    });
+    for (std::uint32_t t = 0; t < before.size(); ++t) {
       if (!solved.between.kept[t]) continue;
-      const std::size_t tile = solved.all.tile_of[solved.seam.ids[solved.between.mesh.triangles[t][0]]];
-      finals_before_[tile].push_back(finals_before(tile, t));
+      const std::size_t tile = tile_of(t);
+      finals_before_[tile].push_back(before[t]);
       own[tile].push_back(t);
     }
     make_buckets();
@@ -95,6 +100,10 @@ class Order {
     }
   }
 
+  /// The tile that has the first vertex of a triangle of the seam.
+  std::size_t tile_of(std::uint32_t of_seam) const {
+    return solved_.all.tile_of[solved_.seam.ids[solved_.between.mesh.triangles[of_seam][0]]];
+  }
   std::uint32_t finals_before(std::size_t tile, std::uint32_t of_seam) const {
     const auto key = [](const Triangle& t, const GridPoints& points) {
       return Key(code_of(points[t[0]]), code_of(points[t[1]]));
@@ -256,10 +265,9 @@ class PieceWriter {
   void add_of_seam(std::uint32_t piece) {
     const ProblemMesh& mesh = solved_.between.mesh;
     const std::size_t before = sources_.size();
-    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i) {
-      const auto some = solved_.seam.sources_of(mesh.sources[i], solved_.all, solved_.tiles);
-      sources_.insert(sources_.end(), some.begin(), some.end());
-    }
+    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
+      solved_.seam.for_sources(mesh.sources[i], solved_.all, solved_.tiles,
+                               [&](std::uint32_t c) { sources_.push_back(c); });
     if (sources_.size() == before) return;  // of the border alone
     std::sort(sources_.begin() + static_cast<std::ptrdiff_t>(before), sources_.end());
     const Constraint& ends = mesh.pieces[piece];

@@ -141,13 +141,8 @@ std::vector<std::uint32_t> open_constraints(const Partition& all, const std::vec
 
 std::vector<std::uint32_t> Seam::sources_of(std::size_t constraint, const Partition& all,
                                             const std::vector<SolvedTile>& tiles) const {
-  if (constraint < first_part()) return {};
-  if (constraint >= first_open()) return {open[constraint - first_open()]};
-  const auto& [tile, piece] = parts[constraint - first_part()];
-  const ProblemMesh& mesh = tiles[tile].mesh;
   std::vector<std::uint32_t> sources;
-  for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
-    sources.push_back(all.tiles[tile].constraint_ids[mesh.sources[i]]);
+  for_sources(constraint, all, tiles, [&](std::uint32_t c) { sources.push_back(c); });
   return sources;
 }
 
@@ -193,8 +188,8 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
   solved.inner.assign(count, {-1, -1, -1});
   std::vector<std::uint8_t> outside(count, 0);
   solved.kept.assign(count, seam.border.empty() ? 1 : 0);
-  std::vector<std::uint32_t> reached;
-  for (std::uint32_t t = 0; t < count; ++t)
+  for_each_in_threads(count, [&](std::size_t number) {
+    const auto t = static_cast<std::uint32_t>(number);
     for (std::uint32_t k = 0; k < 3; ++k) {
       if (!constrained(mesh, t, k)) continue;
       const Constraint edge = edge_of(mesh, t, k);
@@ -203,14 +198,16 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
         const std::uint32_t source = mesh.sources[i];
         if (source >= seam.first_part()) {
           solved.inner[t][k] = static_cast<std::int32_t>(piece);
-        } else if (solved.border[t][k] = static_cast<std::int32_t>(source); seam.constraints[source] != edge) {
-          outside[t] = 1;
-        } else if (!solved.kept[t]) {
-          solved.kept[t] = 1;
-          reached.push_back(t);
+          continue;
         }
+        solved.border[t][k] = static_cast<std::int32_t>(source);
+        (seam.constraints[source] == edge ? solved.kept : outside)[t] = 1;
       }
     }
+  });
+  std::vector<std::uint32_t> reached;
+  for (std::uint32_t t = 0; t < count; ++t)
+    if (solved.kept[t]) reached.push_back(t);
   // Ends: every triangle is reached once.
   while (!reached.empty()) {
     const std::uint32_t t = reached.back();

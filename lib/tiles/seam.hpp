@@ -34,7 +34,18 @@ struct Seam {
   std::vector<std::uint32_t> open;  ///< input numbers, ascending
   std::size_t first_part() const { return border.size(); }
   std::size_t first_open() const { return border.size() + parts.size(); }
-  /// The input constraints that a constraint of the seam stands for; none for the border.
+  /// Calls use(c) for the input constraints that a constraint of the seam stands for; none for the border.
+  template <class Use>
+  void for_sources(std::size_t constraint, const Partition& all, const std::vector<SolvedTile>& tiles,
+                   Use&& use) const {
+    if (constraint < first_part()) return;
+    if (constraint >= first_open()) return use(open[constraint - first_open()]);
+    const auto& [tile, piece] = parts[constraint - first_part()];
+    const ProblemMesh& mesh = tiles[tile].mesh;
+    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
+      use(all.tiles[tile].constraint_ids[mesh.sources[i]]);
+  }
+  /// The same as a list.
   std::vector<std::uint32_t> sources_of(std::size_t constraint, const Partition& all,
                                         const std::vector<SolvedTile>& tiles) const;
 };
