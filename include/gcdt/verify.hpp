@@ -64,8 +64,8 @@ inline Verification verify_domain(Points points, Constraints constraints, const 
   const gcdt_regions said = {sizeof said, regions.region, regions.depth, regions.winding};
   const gcdt_grid at = detail::grid(grid);
   detail::ProgressCall none;
-  const gcdt_options given = detail::options(options, none);
-  return detail::verification(gcdt_verify_domain(&input, &view, &said, &at, &given));
+  const detail::GivenOptions given(options, none);
+  return detail::verification(gcdt_verify_domain(&input, &view, &said, &at, &given.c));
 }
 
 /// The device's check of a mesh that covers the hull; `pieces`: the constraints after cleaning. Throws check_failed,

@@ -121,6 +121,7 @@ int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const
   return judged([&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
     const Options made = read_options(options);
+    require(!made.refine, "refined meshes are not verified: gcdt_options.refine must be null");
     const MeshView view = read_mesh(mesh, made.crossing);
     proof::RegionView said;
     if (regions) {

@@ -144,7 +144,7 @@ DeviceTriangulation Run::finish() {
   Statistics& s = statistics;
   auto& ms = s.ms;
   ms.core = sort_ms_ + ms.insert + ms.constrain - (ms.clean - ms.walk) + ms.flip + ms.gather;
-  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain;
+  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain + ms.refine;
   ms.build = runtime.build_ms() - built_;
   s.launches = runtime.launches() - launches_;
   s.read_backs = runtime.read_backs() - read_backs_;
