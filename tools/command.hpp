@@ -11,6 +11,7 @@
 
 #include "io/failure.hpp"
 #include "io/triangle_files.hpp"
+#include "refinement.hpp"
 
 namespace gcdt::command {
 
@@ -19,6 +20,7 @@ struct TriangulateArguments {
   std::vector<std::string> outputs;
   std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
   bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
+  RefineArguments refine;
 };
 
 /// A mesh that is made of INPUT, or read, to be asked something.

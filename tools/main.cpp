@@ -93,6 +93,7 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
                 "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   add_distinct(*app, arguments.distinct);
+  command::add_refinement(*app, arguments.refine);
   app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
   app->add_flag(
       "--assess", arguments.assess,

@@ -59,8 +59,12 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
   };
   try {
     const auto log = [&](int, const char* message) {
-      const std::string text = message, plan = "plan: ";
+      const std::string text = message, plan = "plan: ", refine = "refine: ";
       if (text.compare(0, plan.size(), plan) == 0) measured.plan = text.substr(plan.size());
+      if (text.compare(0, refine.size(), refine) != 0 || arguments.quiet) return;
+      line.clear();
+      note(text.substr(refine.size()));  // before the work: it may take long
+      measured.noted = text.substr(refine.size());
     };
     Solver solver(device_number(arguments.device, arguments.quiet), log,
                   arguments.trace.empty() ? Trace() : trace.sink());
@@ -132,6 +136,9 @@ void triangulate(const TriangulateArguments& arguments) {
   check_overwrites_no_input(arguments, {arguments.input});
   if (arguments.assess && arguments.domain != "hull")
     throw Failure(Exit::usage, "--assess looks at the whole mesh: it needs --domain hull");
+  check_refinement(arguments.refine);
+  if (arguments.refine.angle && (arguments.verify || arguments.assess))
+    throw Failure(Exit::usage, "--verify and --assess do not go with --refine");
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
@@ -143,10 +150,13 @@ void triangulate(const TriangulateArguments& arguments) {
   set_domain(arguments.domain, input, options);
   options.regions = arguments.regions;
   options.distinct = arguments.distinct;
+  const InputRefinement refinement(arguments.refine, input);
+  options.refine = refinement.wanted();
   stop_if_interrupted();
 
   TraceRecord trace;
   Measured measured;
+  measured.refined = options.refine.has_value();
   Triangulation mesh = computed(input, arguments, options, trace, measured);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
@@ -162,7 +172,8 @@ void triangulate(const TriangulateArguments& arguments) {
   Statistics statistics = mesh.statistics;
   write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, measured, trace);
   if (arguments.quiet) return;
-  for (const std::string& text : statistics.notes) note(text);
+  for (const std::string& text : statistics.notes)
+    if (text != measured.noted) note(text);
   if (arguments.outputs.empty()) print(statistics_table(statistics, measured));
 }
 
