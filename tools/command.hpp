@@ -47,6 +47,7 @@ struct VerifyArguments {
   std::string input, output;
   std::string crossing = "reject", domain = "hull", grid;
   bool quiet = false;
+  RefineArguments refine;
 };
 
 struct BatchArguments {

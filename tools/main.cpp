@@ -158,6 +158,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
   add_crossing(*app, arguments.crossing);
   add_domain(*app, arguments.domain);
+  command::add_refinement(*app, arguments.refine);
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(verify_help) + status_help);

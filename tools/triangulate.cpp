@@ -110,8 +110,9 @@ void prove(const io::Input& input, const Triangulation& mesh, const Options& opt
   const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
   const Grid& grid = mesh.statistics.grid;
   const Verification verification =
-      regions ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
-              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
+      options.refine ? gcdt::verify_refined(input.vertices, input.constraints, view, grid, options)
+      : regions      ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+                     : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!verification.valid)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
@@ -137,8 +138,10 @@ void triangulate(const TriangulateArguments& arguments) {
   if (arguments.assess && arguments.domain != "hull")
     throw Failure(Exit::usage, "--assess looks at the whole mesh: it needs --domain hull");
   check_refinement(arguments.refine);
-  if (arguments.refine.angle && (arguments.verify || arguments.assess))
-    throw Failure(Exit::usage, "--verify and --assess do not go with --refine");
+  if (arguments.refine.angle && arguments.assess)
+    throw Failure(Exit::usage, "--assess does not go with --refine, which may bend the outline");
+  if (arguments.refine.angle && arguments.verify && arguments.crossing == "split")
+    throw Failure(Exit::usage, "--verify does not go with both --refine and --crossing split");
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);

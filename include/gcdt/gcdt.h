@@ -309,7 +309,7 @@ typedef struct gcdt_options {
   const gcdt_host_memory* host_room; /* null if there is none */
   uint64_t host_room_count;
   /* What the triangles of the domain are refined to; null: nothing. The caller's, read only during the call. For
-   * gcdt_triangulate and gcdt_cl_triangulate, and to verify what they made (gcdt_verify_domain); others refuse it. */
+   * gcdt_triangulate and gcdt_cl_triangulate, and to verify what they made (gcdt_verify_refined); others refuse it. */
   const gcdt_refinement* refine;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \
@@ -558,8 +558,8 @@ struct gcdt_mesh {
   uint64_t triangle_count;
   const int32_t* neighbours;  /* triangle_count x 3, or null: not verified */
   const uint8_t* constrained; /* triangle_count, or null: not verified */
-  const int32_t* added;       /* GCDT_CROSSING_SPLIT: added_count x 2, the added vertices on the grid; or null */
-  uint64_t added_count;       /* their numbers follow those of the input */
+  const int32_t* added; /* GCDT_CROSSING_SPLIT, refine: added_count x 2, the added vertices on the grid; or null */
+  uint64_t added_count; /* their numbers follow those of the input */
 };
 #define GCDT_MESH_INIT \
   { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
@@ -585,6 +585,33 @@ typedef struct gcdt_regions {
  * whole triangulation is made once more for that, by another algorithm on the host, and proved. */
 GCDT_API int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_regions* regions,
                                     const gcdt_grid* grid, const gcdt_options* options);
+
+/* Why a triangle of a refined mesh may be worse than wanted. */
+enum {
+  GCDT_EXCUSE_NONE = 0,         /* it is as wanted */
+  GCDT_EXCUSE_INPUT_ANGLE = 1,  /* its least angle is between two constraints, or edges of the hull */
+  GCDT_EXCUSE_BESIDE_ANGLE = 2, /* its shortest side joins two of them beside their common end, about as far from it */
+  GCDT_EXCUSE_SHORT_SIDE = 3,   /* a side is shorter than 8 cells, or than least_length */
+  GCDT_EXCUSE_CALL = 4          /* none of these, but the call had a limit of vertices, or might not split everything */
+};
+typedef struct gcdt_refined_report {
+  size_t struct_size;
+  uint64_t input_angle, beside_angle, short_side, call; /* triangles that are not as wanted, by their excuse */
+  uint64_t on_constraints, far; /* added vertices on constraints and edges of the hull; more than half a cell off */
+  double move;                  /* the largest distance of one from there, in units of the input */
+} gcdt_refined_report;
+
+/* Proves that `mesh` is the domain of `input` refined as `options` say, of which refine, crossing (not
+ * GCDT_CROSSING_SPLIT), domain and hole seeds are read; from these alone, as gcdt_verify does. The triangles are
+ * exactly those of the domain in the CDT (with the tie rule) of all vertices under chains of edges, into which the
+ * constraints, cut where vertices of the input are on them, and the edges of the hull have gone: each chain in order,
+ * within half a cell on one axis, or a cell beside what is not of the domain; no vertex of the input is on another side
+ * of it. No chain that refine.splits fixes is split. Angles and areas are at least and at most what least_angle and
+ * most_area say, or the triangle is excused: excuses[t] (null, or one for each triangle) is GCDT_EXCUSE_..., and
+ * `report`, which may be null, has their sums. What regions, sizes and conforming say is not looked at. Without
+ * mesh->constrained chains are sought among all edges. Costs about as much as gcdt_verify_domain twice. */
+GCDT_API int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid,
+                                     const gcdt_options* options, gcdt_refined_report* report, uint8_t* excuses);
 
 /* The check that gcdt_triangulate makes of its own meshes, on the device, of any mesh in host memory that covers the
  * convex hull: neighbours and constrained must be there, triangles may stand in any order and begin with any corner.

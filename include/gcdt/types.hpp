@@ -224,7 +224,7 @@ struct Options {
   /// Points in the input's coordinates, rounded to the grid; on an edge or vertex: in the least triangle there.
   std::vector<std::array<double, 2>> hole_seeds, region_seeds;
   bool distinct = false;  ///< vertices that differ as given must differ on the grid: else throw vertices_coincide
-  /// Refines the triangles of the domain. For Solver, and to verify what that made; others refuse it.
+  /// Refines the triangles of the domain. For Solver, and to verify what that made (verify_refined); others refuse it.
   std::optional<Refinement> refine = std::nullopt;
 };
 
@@ -373,7 +373,7 @@ struct MeshView {
   Span<std::array<std::uint32_t, 3>> triangles;
   const std::array<std::int32_t, 3>* neighbours = nullptr;  ///< one per triangle, or null: not checked
   const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
-  /// Crossing::split: the vertices after those of the input, on the grid.
+  /// Crossing::split, Options::refine: the vertices after those of the input, on the grid.
   Span<std::array<std::int32_t, 2>> added = {};
 };
 

@@ -41,8 +41,8 @@ TEST_CASE("values that make no sense are status 2, and inputs that lack what is 
        {"--refine 40", "--refine 0.5", "--refine -1", "--refine nan", "--refine", "--refine x", "--max-area 1",
         "--conforming", "--refine 20 --max-area 0", "--refine 20 --max-area -1", "--refine 20 --max-area nan",
         "--refine 20 --min-length 0", "--refine 20 --min-length inf", "--refine 20 --max-vertices -1",
-        "--refine 20 --size 0", "--refine 20 --no-split --no-border-split", "--refine 20 --verify",
-        "--refine 20 --assess"})
+        "--refine 20 --size 0", "--refine 20 --no-split --no-border-split", "--refine 20 --assess",
+        "--refine 20 --verify --crossing split"})
     session.bad(2, std::string("triangulate in.poly -o out.ele ") + options);
   CHECK(contains(session.bad(3, "triangulate in.poly --refine 20 --size 2"), "the vertices have 1 attributes"));
   CHECK(contains(session.bad(3, "triangulate square.poly --refine 20 --region-areas"), "no region has an area"));
@@ -125,4 +125,24 @@ TEST_CASE("a grid that is too coarse is said once, whatever comes of it") {
   CHECK(contains(outcome.err, said));
   CHECK(outcome.err.find(said) == outcome.err.rfind(said));
   CHECK(contains(outcome.out, "by the grid or the least length"));
+}
+
+TEST_CASE("refined meshes are verified from the files, and triangles that are excused are named") {
+  Session session;
+  session.write("in.poly", ell);
+  const std::string how = " --domain outer --refine 25 --max-area 0.1";
+  session.run("\"$gcdt\" triangulate in.poly --verify --quiet -o o.ele -o o.vtu" + how);
+  for (const char* file : {"o.ele", "o.vtu"})
+    CHECK(contains(session.good("verify in.poly " + std::string(file) + how), "0 triangles are excused"));
+  CHECK(contains(session.bad(5, "verify in.poly o.vtu --domain outer --refine 25 --max-area 0.02"), "largest area"));
+  CHECK(contains(session.bad(5, "verify in.poly o.ele --domain outer --refine 34"), "angle below the least one"));
+  session.bad(5, "verify in.poly o.vtu --domain hull --refine 25 --max-area 0.1");
+  session.bad(2, "verify in.poly o.ele --refine 99");
+  session.bad(2, "verify in.poly o.ele --refine 20 --crossing split");
+  // A needle: its tip stays sharp.
+  session.write("needle.poly", "3 2 0 0\n1 0 0\n2 10 0\n3 10 1\n3 0\n1 1 2\n2 2 3\n3 3 1\n0\n");
+  session.run("\"$gcdt\" triangulate needle.poly --quiet -o n.ele --refine 20");
+  const std::string found = session.good("verify needle.poly n.ele --refine 20");
+  CHECK(contains(found, "1 triangles are excused"));
+  CHECK(contains(found, "in an angle between constraints"));
 }
