@@ -9,7 +9,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # A room includes itself and those before it. lib/proof is not in the order: it includes itself, lib/exact and
 # kernels/common, and only lib/api includes it.
 declare -A order=(
-  [lib]="exact device mesh phases query solve batch api"
+  [lib]="exact device mesh phases query solve batch tiles api"
   [kernels]="common sort order flip insert constrain output check domain refine query programs"
 )
 declare -A place=([lib/proof]=0)

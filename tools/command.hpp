@@ -20,7 +20,11 @@ struct TriangulateArguments {
   std::vector<std::string> outputs;
   std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
   bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
+  std::uint32_t tiles = 0;   ///< 0: as memory asks for
+  std::uint64_t memory = 0;  ///< bytes of each device at most; 0: all
   RefineArguments refine;
+  std::optional<std::string> triangle;  ///< switches of Triangle (triangle_switches.hpp)
+  bool jettison = false;                ///< vertices without triangles are left out
 };
 
 /// A mesh that is made of INPUT, or read, to be asked something.

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 /// What the file has: statistics, and what was asked for beside them.
 struct Shown : Statistics {
   Shown(const Statistics& statistics, const Measured& measured) : Statistics(statistics), quality(measured.quality) {}
-  Quality quality;
+  std::optional<Quality> quality;
 };
 
 template <class T>
@@ -34,7 +34,9 @@ Json value_of(const Grid& grid) {
           {"largest_move", grid.largest_move}};
 }
 
-Json value_of(const Quality& q) {
+Json value_of(const std::optional<Quality>& quality) {
+  if (!quality) return nullptr;
+  const Quality& q = *quality;
   return {{"least_angle", q.least_angle},
           {"least_angle_triangle", q.least_angle_triangle},
           {"largest_angle", q.largest_angle},
@@ -102,6 +104,8 @@ std::string statistics_json(const Statistics& statistics, const Measured& measur
 #include <gcdt/statistics.def>
   if (s.vertices_rounded_together == 0) json["rounded_pair"] = nullptr;
   json["plan"] = measured.plan;
+  if (measured.tiles.tiles > 0)
+    json["tiles"] = {{"count", measured.tiles.tiles}, {"seam_vertices", measured.tiles.seam_vertices}};
   if (measured.given) json["given"] = value_of(*measured.given);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -132,6 +136,13 @@ std::string statistics_table(const Statistics& s, const Measured& measured) {
     line("as given", fmt::format("{}: {} triangles inverted, {} flat, {} vertices lost, {} edges not Delaunay",
                                  given->valid ? "valid" : "not valid", given->triangles_inverted, given->triangles_flat,
                                  given->vertices_lost, given->edges_not_delaunay));
+  if (measured.tiles.tiles > 0) {
+    line("tiles",
+         fmt::format("{}, {} vertices in the seam between them", measured.tiles.tiles, measured.tiles.seam_vertices));
+    line("time", fmt::vformat("{ms_call:.1f} ms", values) + fmt::format(", read {:.1f}", s.ms.read));
+    row("devices", "{device}");
+    return table;
+  }
   row("rounds", "{rounds_insert} insert, {rounds_flip} flip ({flips} flips)");
   line("time",
        fmt::vformat("{ms_call:.1f} ms (building {ms_build:.1f}, phases {ms_full:.1f}; core {ms_core:.1f})", values) +

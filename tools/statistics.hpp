@@ -5,13 +5,14 @@
 #include <optional>
 #include <string>
 
-#include <gcdt/gcdt.hpp>
+#include <gcdt/gcdt_pool.hpp>
 
 namespace gcdt::command {
 
 /// What was found of a result by asking further.
 struct Measured {
-  Quality quality;                  ///< as `quality`
+  std::optional<Quality> quality;   ///< as `quality`
+  TilesReport tiles;                ///< as `tiles`
   std::string plan;                 ///< as `plan`: which way the input went, as the library's log says
   std::optional<Assessment> given;  ///< as `given`, if it was asked for
   bool refined = false;             ///< that was asked for

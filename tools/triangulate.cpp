@@ -14,7 +14,9 @@
 #include "progress.hpp"
 #include "solved.hpp"
 #include "statistics.hpp"
+#include "tiled.hpp"
 #include "trace.hpp"
+#include "triangle_switches.hpp"
 
 namespace gcdt::command {
 
@@ -66,11 +68,18 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
       note(text.substr(refine.size()));  // before the work: it may take long
       measured.noted = text.substr(refine.size());
     };
-    Solver solver(device_number(arguments.device, arguments.quiet), log,
-                  arguments.trace.empty() ? Trace() : trace.sink());
-    const Result result = solver.solve(input.vertices, input.constraints, options);
-    if (!arguments.statistics.empty()) measured.quality = result.quality();
-    return result.download();
+    const auto sink = [&] { return arguments.trace.empty() ? Trace() : trace.sink(); };
+    if (wants_pool(arguments)) return triangulate_on_pool(input, arguments, options, sink(), measured);
+    try {
+      Solver solver(device_number(arguments.device, arguments.quiet), log, sink());
+      const Result result = solver.solve(input.vertices, input.constraints, options);
+      if (!arguments.statistics.empty()) measured.quality = result.quality();
+      return result.download();
+    } catch (const Error& error) {
+      if (error.status() != Status::out_of_memory || options.refine) throw;
+      if (!arguments.quiet) note(fmt::format("in tiles, since {}", error.what()));
+    }
+    return triangulate_on_pool(input, arguments, options, sink(), measured);
   } catch (const Error& error) {
     throw explained(error, input, options);
   }
@@ -138,6 +147,8 @@ void triangulate(const TriangulateArguments& arguments) {
   if (arguments.assess && arguments.domain != "hull")
     throw Failure(Exit::usage, "--assess looks at the whole mesh: it needs --domain hull");
   check_refinement(arguments.refine);
+  if (arguments.refine.angle && wants_pool(arguments))
+    throw Failure(Exit::usage, "--refine is done on one device, without --tiles and --memory");
   if (arguments.refine.angle && arguments.assess)
     throw Failure(Exit::usage, "--assess does not go with --refine, which may bend the outline");
   if (arguments.refine.angle && arguments.verify && arguments.crossing == "split")
@@ -173,7 +184,14 @@ void triangulate(const TriangulateArguments& arguments) {
   if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, measured, trace);
+  const std::vector<std::string> paths = with_nodes(arguments, mesh, input.files);
+  const io::Result result(input, mesh);
+  if (arguments.jettison) {
+    const auto [used, used_mesh] = jettisoned(result);
+    write_outputs(arguments, paths, {used, used_mesh}, statistics, measured, trace);
+  } else {
+    write_outputs(arguments, paths, result, statistics, measured, trace);
+  }
   if (arguments.quiet) return;
   for (const std::string& text : statistics.notes)
     if (text != measured.noted) note(text);

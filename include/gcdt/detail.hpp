@@ -148,6 +148,7 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
   c.hole_seeds = seeds(options.hole_seeds), c.hole_seed_count = options.hole_seeds.size();
   c.region_seeds = seeds(options.region_seeds), c.region_seed_count = options.region_seeds.size();
   c.distinct = options.distinct;
+  c.tiles = options.tiles;
   return c;
 }
 

@@ -171,6 +171,7 @@ GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
 
 /* Triangle numbers are 30 bits wide. */
 #define GCDT_MAX_VERTICES 536870910u /* 2^29 - 2 */
+#define GCDT_MAX_TILES 65534u        /* see gcdt_options.tiles */
 #define GCDT_MAX_CONSTRAINTS 2147483647u
 
 enum { GCDT_FLOAT64 = 0, GCDT_FLOAT32 = 1, GCDT_INT32 = 2, GCDT_INT64 = 3 };
@@ -308,6 +309,9 @@ typedef struct gcdt_options {
    * alone. */
   const gcdt_host_memory* host_room; /* null if there is none */
   uint64_t host_room_count;
+  /* Of gcdt_pool_triangulate, which says more: how many tiles each problem is cut into, at most GCDT_MAX_TILES; 0: as
+   * many as memory asks for, mostly 1. All other functions want 0 or 1. */
+  uint32_t tiles;
   /* What the triangles of the domain are refined to; null: nothing. The caller's, read only during the call. For
    * gcdt_triangulate and gcdt_cl_triangulate, and to verify what they made (gcdt_verify_refined); others refuse it. */
   const gcdt_refinement* refine;
@@ -315,7 +319,7 @@ typedef struct gcdt_options {
 #define GCDT_OPTIONS_INIT                                                                                          \
   {                                                                                                                \
     sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
-        NULL, 0, 0, NULL, 0, NULL                                                                                  \
+        NULL, 0, 0, NULL, 0, 0, NULL                                                                               \
   }
 
 /* ---- Triangulation ----------------------------------------------------------------------------------------- */
@@ -548,6 +552,11 @@ GCDT_API int32_t gcdt_refined_values(const gcdt_input* input, const double* adde
  * with memory of its own keeps what it has used for its next calls, up to half as much again, and does with less where
  * the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
+
+/* The same for a call with gcdt_options.refine that adds at most `added` vertices (gcdt_refinement.most_added):
+ * UINT64_MAX if that is no limit. Memory is taken as vertices are added, by half of them at a time, so that most calls
+ * need much less. */
+GCDT_API uint64_t gcdt_required_bytes_refined(uint64_t n, uint64_t m, uint64_t crossed, uint64_t added);
 
 /* ---- Verification, on the host and on the device ----------------------------------------------------------- */
 

@@ -306,6 +306,12 @@ inline std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint6
   return gcdt_required_bytes(n, m, crossed);
 }
 
+/// See gcdt_required_bytes_refined. `added`: Refinement::most_added.
+inline std::uint64_t required_bytes_refined(std::uint64_t n, std::uint64_t m, std::uint64_t added,
+                                            std::uint64_t crossed = ~std::uint64_t(0)) {
+  return gcdt_required_bytes_refined(n, m, crossed, added);
+}
+
 /// "major.minor.patch" of the library.
 inline const char* version() { return gcdt_version(); }
 

@@ -30,9 +30,10 @@ typedef struct gcdt_pool_options {
   void* log_user;
   gcdt_trace_function trace;
   void* trace_user;
+  uint64_t memory_bytes; /* each device is used as if it had no more memory; 0: all that it has */
 } gcdt_pool_options;
 #define GCDT_POOL_OPTIONS_INIT \
-  { sizeof(gcdt_pool_options), NULL, NULL, NULL, NULL, NULL }
+  { sizeof(gcdt_pool_options), NULL, NULL, NULL, NULL, NULL, 0 }
 
 /* A pool of the devices that `options` (may be null) choose. *pool is the caller's, for gcdt_pool_release. Blocks while
  * programs are built. As a solver, a pool belongs to one thread at a time, distinct pools to distinct threads; it
@@ -92,7 +93,12 @@ typedef struct gcdt_batch_input {
  * GCDT_ERROR_DEVICE_FAILED. Problems that are invalid, or too large for every device, fail alone
  * (gcdt_batch_problem). Under GCDT_CROSSING_SPLIT problems that cross are run one by one, after the others of their
  * run: they take as long as they would take a solver. Domains and regions are each problem's own; hole and region
- * seeds, which would be of one problem, are GCDT_ERROR_INVALID_ARGUMENT. Blocks. */
+ * seeds, which would be of one problem, are GCDT_ERROR_INVALID_ARGUMENT.
+ *
+ * A problem that is too large for every device is cut into tiles, and gcdt_options.tiles cuts all of them: each tile is
+ * a problem of a batch that all devices share, and what is between them one more (docs/scale.md). The bytes stay the
+ * same. The host then needs about 150 bytes a vertex beside input and result. A problem whose rest between the tiles
+ * is too large for every device as well is GCDT_ERROR_OUT_OF_MEMORY. Blocks. */
 GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
                                        gcdt_batch** batch);
 
@@ -111,6 +117,8 @@ typedef struct gcdt_problem {
   double constraint_move;
   uint64_t vertices_rounded_together; /* as in gcdt_statistics */
   uint32_t rounded_pair[2];
+  uint32_t tiles;         /* that the problem was cut into; 0: it was not */
+  uint64_t seam_vertices; /* of the problem between the tiles; 0 without tiles */
 } gcdt_problem;
 
 GCDT_API int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_problem* info);

@@ -46,6 +46,12 @@ struct SplitReport {
   double constraint_move = 0;
 };
 
+/// How a problem was cut; see the members of gcdt_problem.
+struct TilesReport {
+  std::uint32_t tiles = 0;
+  std::uint64_t seam_vertices = 0;
+};
+
 /// The results of a batch, in host memory until the object is gone; views are into it. Move-only.
 class BatchResult {
  public:
@@ -74,6 +80,11 @@ class BatchResult {
   SplitReport split(std::size_t problem) const {
     const gcdt_problem c = info(problem);
     return {c.crossings, c.vertices_added, c.constraints_split, c.constraint_move};
+  }
+
+  TilesReport tiles(std::size_t problem) const {
+    const gcdt_problem c = info(problem);
+    return {c.tiles, c.seam_vertices};
   }
 
   /// Vertices that rounding made one, and the first of them with the one that stands for it; see Statistics.
@@ -159,12 +170,13 @@ inline gcdt_pool_options pool_options(LogFunction* log, Trace* trace) {
 /// Triangulates batches on any set of devices. One object by one thread at a time. Move-only.
 class Pool {
  public:
-  /// `devices`: see gcdt_pool_options. Log and trace are called by the pool's threads, one at a time. Throws no_device,
-  /// or what all devices failed with.
-  explicit Pool(const std::string& devices = {}, Log log = {}, Trace trace = {})
+  /// `devices`, `memory_bytes`: see gcdt_pool_options. Log and trace are called by the pool's threads, one at a time.
+  /// Throws no_device, or what all devices failed with.
+  explicit Pool(const std::string& devices = {}, Log log = {}, Trace trace = {}, std::uint64_t memory_bytes = 0)
       : log_(detail::boxed(std::move(log))), trace_(detail::boxed(std::move(trace))) {
     gcdt_pool_options options = detail::pool_options(log_.get(), trace_.get());
     options.devices = devices.c_str();
+    options.memory_bytes = memory_bytes;
     gcdt_pool* pool = nullptr;
     detail::check(gcdt_pool_create(&options, &pool));
     handle_.reset(pool);

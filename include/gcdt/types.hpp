@@ -224,6 +224,8 @@ struct Options {
   /// Points in the input's coordinates, rounded to the grid; on an edge or vertex: in the least triangle there.
   std::vector<std::array<double, 2>> hole_seeds, region_seeds;
   bool distinct = false;  ///< vertices that differ as given must differ on the grid: else throw vertices_coincide
+  /// Of Pool: how many tiles each problem is cut into; 0: as many as memory asks for. See gcdt_pool_triangulate.
+  std::uint32_t tiles = 0;
   /// Refines the triangles of the domain. For Solver, and to verify what that made (verify_refined); others refuse it.
   std::optional<Refinement> refine = std::nullopt;
 };

@@ -4,6 +4,7 @@
 #include <gcdt/detail.hpp>
 
 #include "api/pool.hpp"
+#include "tiles/tiled.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -84,11 +85,13 @@ void require_problem(const gcdt_batch* batch, std::uint64_t problem) {
 namespace gcdt::api {
 
 gcdt_pool_options read_pool_options(const gcdt_pool_options* options) {
-  if (options) return read_struct(options, "gcdt_pool_options");
+  if (options) return read_struct(options, "gcdt_pool_options", offsetof(gcdt_pool_options, memory_bytes));
   return GCDT_POOL_OPTIONS_INIT;
 }
 
 void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options& options, gcdt_pool** pool) {
+  if (options.memory_bytes > 0)
+    for (DevicePool::Member& member : members) member.hook.tuning.memory_bytes = options.memory_bytes;
   auto made = std::make_unique<gcdt_pool>();
   made->devices = std::make_unique<DevicePool>(std::move(members), read_log(options.log, options.log_user),
                                                read_trace(options.trace, options.trace_user));
@@ -160,10 +163,10 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
     require(pool, "pool is null");
     require(batch, "batch is null");
     const ReadBatch read = read_batch(input);
-    const Options wanted = read_options(options);
+    const Options wanted = read_options(options, GCDT_MAX_TILES);
     require(!wanted.refine, "batches are not refined: gcdt_options.refine must be null");
     auto made = std::make_unique<gcdt_batch>();
-    made->made = pool->devices->triangulate(read.batch, wanted);
+    made->made = tiles::triangulate(*pool->devices, read.batch, wanted);
     gcdt_batch_statistics& s = made->statistics;
     s.problems = read.batch.problems;
     if (s.problems > 0) {
@@ -205,6 +208,7 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
         c.vertices_rounded_together = result->together[place].count;
         std::copy_n(result->together[place].first.begin(), 2, c.rounded_pair);
       }
+      c.tiles = result->tiles.tiles, c.seam_vertices = result->tiles.seam_vertices;
     }
     write_struct(c, info, "gcdt_problem", offsetof(gcdt_problem, crossings));
   });

@@ -112,7 +112,7 @@ Refinement read_refinement(const gcdt_refinement* given) {
 
 }  // namespace
 
-Options read_options(const gcdt_options* given) {
+Options read_options(const gcdt_options* given, std::uint32_t most_tiles) {
   Options options;
   if (!given) return options;
   const gcdt_options c = read_struct(given, "gcdt_options", least_options);
@@ -125,6 +125,10 @@ Options read_options(const gcdt_options* given) {
   options.domain = static_cast<Domain>(c.domain);
   options.regions = c.regions != 0;
   options.distinct = c.distinct != 0;
+  if (c.tiles > most_tiles)
+    throw Error(Status::invalid_argument, most_tiles == 1 ? "gcdt_options.tiles: only a pool cuts a problem into tiles"
+                                                          : "gcdt_options.tiles is more than GCDT_MAX_TILES");
+  options.tiles = c.tiles;
   options.hole_seeds = read_seeds("gcdt_options.hole_seeds", c.hole_seeds, c.hole_seed_count);
   options.region_seeds = read_seeds("gcdt_options.region_seeds", c.region_seeds, c.region_seed_count);
   if (c.refine) options.refine = read_refinement(c.refine);

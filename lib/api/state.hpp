@@ -118,7 +118,8 @@ void write_struct(T value, T* to, const char* name, std::size_t least = sizeof(T
   std::memcpy(to, &value, size);
 }
 
-Options read_options(const gcdt_options* options);
+/// Only pools take more than one tile.
+Options read_options(const gcdt_options* options, std::uint32_t most_tiles = 1);
 Crossing read_crossing(std::int32_t crossing, const char* name);
 Points::Type read_type(std::int32_t coordinate_type);
 Points read_points(const gcdt_input& input);

@@ -100,6 +100,10 @@ int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint6
 
 uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return device_bytes_needed(n, m, crossed); }
 
+uint64_t gcdt_required_bytes_refined(uint64_t n, uint64_t m, uint64_t crossed, uint64_t added) {
+  return refined_bytes_needed(n, m, crossed, added);
+}
+
 int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
   return guarded(nullptr, [&] {
     const Points points = read_points(read_struct(input, "gcdt_input"));

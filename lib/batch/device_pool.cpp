@@ -32,8 +32,8 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
       trace(span);
     };
   for (const Member& member : members) {
-    const DeviceInfo info = runtime::describe(member.device);
     const Tuning& tuning = member.hook.tuning;
+    const DeviceInfo info = runtime::describe(member.device, tuning);
     devices_.push_back({runtime::kind_of(info, tuning), info.memory_bytes, bool(member.context()), false, tuning});
   }
   const std::vector<DevicePlan> plans = plan_pool(devices_);
@@ -41,7 +41,7 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
     try {
       Member& member = members[i];
       if (plans[i].cores_left > 0) member.device = runtime::part_of(member.device, plans[i].cores_left);
-      reports_[i].info = runtime::describe(member.device);
+      reports_[i].info = runtime::describe(member.device, member.hook.tuning);
       devices_[i].memory_bytes = reports_[i].info.memory_bytes;
       open(member, i, plans[i]);
     } catch (const Error& error) {
@@ -125,6 +125,16 @@ std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans
     all.push_back(state);
   }
   return all;
+}
+
+std::uint64_t DevicePool::capacity() const {
+  std::vector<PooledDevice> devices = devices_;
+  for (std::size_t i = 0; i < devices.size(); ++i) devices[i].lost = reports_[i].lost.has_value();
+  const std::vector<DevicePlan> plans = plan_pool(devices);
+  std::uint64_t most = 0;
+  for (std::size_t i = 0; i < plans.size(); ++i)
+    if (!devices[i].lost) most = std::max(most, plans[i].capacity);
+  return most;
 }
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {

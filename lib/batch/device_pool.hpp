@@ -42,6 +42,8 @@ class DevicePool {
   PoolResult triangulate(const BatchInput& batch, const Options& options);
 
   std::size_t size() const { return reports_.size(); }
+  /// Bytes that one problem may need, on the device that has most.
+  std::uint64_t capacity() const;
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
 
  private:

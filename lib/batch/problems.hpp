@@ -38,6 +38,15 @@ struct InvalidProblems {
   std::vector<std::pair<std::uint32_t, Error>> errors;
 };
 
+/// What a problem in tiles has cost (lib/tiles).
+struct TiledReport {
+  std::uint32_t tiles = 0;  ///< 0: it was not cut
+  std::uint64_t seam_vertices = 0, seam_constraints = 0;
+  /// Of the steps: placing vertices on the grid and sharing out the input; the tiles' calls; finding final triangles;
+  /// making the seam's problem and its call; joining, with its check.
+  double ms_share = 0, ms_tiles = 0, ms_final = 0, ms_seam = 0, ms_join = 0;
+};
+
 /// What one run made of some problems of a batch. Every problem's arrays are what it would have by itself, but of those
 /// that are refused or to be split: there they mean nothing.
 struct ForestResult {
@@ -50,6 +59,8 @@ struct ForestResult {
   // By number.
   std::array<HostArray, array_slots> arrays;
   std::array<std::vector<std::uint64_t>, array_slots> begins;  ///< elements; P + 1, or none if there is no such array
+  std::vector<std::uint32_t> routed;  ///< of a single: the constraints that splitting has replaced, ascending
+  TiledReport tiles;                  ///< of a result of one problem
   Statistics statistics;
   std::vector<ForestResult> singles;  ///< results of one problem each (single.hpp)
 

@@ -19,6 +19,11 @@ void copy_single(Runtime& runtime, const DeviceTriangulation& made, ForestResult
     result.begins[slot] = {0, count};
     runtime.read_bytes(array.memory(made), 0, result.arrays[slot].make<unsigned char>(bytes), bytes);
   }
+  if (!made.routed.allocated()) return;
+  std::vector<cl_uint> marks(made.routed.size());
+  runtime.read(made.routed, marks.data(), marks.size());
+  for (std::uint32_t c = 0; c < marks.size(); ++c)
+    if (marks[c] != 0) result.routed.push_back(c);
 }
 
 }  // namespace

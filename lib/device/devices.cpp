@@ -86,6 +86,14 @@ DeviceInfo describe(const cl::Device& device) {
   return info;
 }
 
+DeviceInfo describe(const cl::Device& device, const Tuning& tuning) {
+  DeviceInfo info = describe(device);
+  if (!tuning.memory_bytes) return info;
+  info.memory_bytes = std::min(info.memory_bytes, *tuning.memory_bytes);
+  info.largest_buffer_bytes = std::min(info.largest_buffer_bytes, *tuning.memory_bytes);
+  return info;
+}
+
 DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning) {
   if (tuning.kind) return *tuning.kind;
   if (info.is_gpu) return DeviceKind::gpu;

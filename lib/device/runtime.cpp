@@ -66,7 +66,7 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
                  const Runtime* sibling)
     : device_(device),
       hook_(std::move(hook)),
-      info_(describe(device)),
+      info_(describe(device, hook_.tuning)),
       kind_(kind_of(info_, hook_.tuning)),
       context_(context),
       log_(std::move(log)),

@@ -374,6 +374,8 @@ cl::Program build_program(Runtime& runtime, const char* name);
 
 /// What `device` is and has.
 DeviceInfo describe(const cl::Device& device);
+/// As it is to be taken: with no more memory than the tuning allows.
+DeviceInfo describe(const cl::Device& device, const Tuning& tuning);
 
 /// As what such a device is treated.
 DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning);

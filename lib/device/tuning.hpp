@@ -78,6 +78,8 @@ struct Tuning {
   /// the device takes 55. Bytes that are worth one more, for which a thread is started (NOTES, "The caller's clock").
   std::uint32_t copy_threads = 6;
   std::size_t copied_by_thread = std::size_t{1} << 22;
+  /// Memory that the device is taken to have, if it has more; none: all.
+  std::optional<std::uint64_t> memory_bytes;
   /// Workers of a pool on a device, each with one run at a time; none: by the kind of device (pool_plan.cpp).
   std::optional<std::uint32_t> workers;
   /// Milliseconds that a run of a pool takes whatever is in it; none: by the kind of device.

@@ -91,19 +91,27 @@ Error together_error(const RoundedTogether& together) {
                {a, b});
 }
 
+double largest_move(std::size_t vertices, const std::function<std::uint64_t(std::size_t)>& bits_at, std::uint64_t key,
+                    const device::Scale& scale) {
+  if (!is_cut(key)) return move_length(key, scale);
+  Scaled most;
+  for (std::size_t i = 0; i < 2 * vertices; ++i) {
+    const auto axis = static_cast<int>(i % 2);
+    const std::uint64_t bits = bits_at(i);
+    const device::Quantised placed = device::gcdt_quantise(bits, &scale, axis);
+    if (placed.move == 0) continue;
+    const Scaled move = move_of(bits, placed.value, scale, axis);
+    if ((move - most).number.sign() > 0) most = move;
+  }
+  return exact::nearest_double(most.number.size(), most.unit, scale.five);
+}
+
 double largest_move(runtime::Runtime& runtime, const InputPoints& points, cl_uint first, cl_uint end, std::uint64_t key,
                     const device::Scale& scale) {
   if (!is_cut(key)) return move_length(key, scale);
   const std::vector<std::uint64_t> bits = read_coordinates(runtime, points, first, end);
-  Scaled most;
-  for (std::size_t i = 0; i < bits.size(); ++i) {
-    const auto axis = static_cast<int>(i % 2);
-    const device::Quantised placed = device::gcdt_quantise(bits[i], &scale, axis);
-    if (placed.move == 0) continue;
-    const Scaled move = move_of(bits[i], placed.value, scale, axis);
-    if ((move - most).number.sign() > 0) most = move;
-  }
-  return exact::nearest_double(most.number.size(), most.unit, scale.five);
+  return largest_move(
+      end - first, [&](std::size_t i) { return bits[i]; }, key, scale);
 }
 
 bool given_on_one_line(runtime::Runtime& runtime, const InputPoints& points) {

@@ -2,6 +2,7 @@
 // What rounding to the grid did to the vertices: how far they moved, and which became one.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "mesh/grid.hpp"
@@ -30,9 +31,13 @@ std::vector<RoundedTogether> rounded_together(runtime::Runtime& runtime, const I
 /// The error for Options::distinct, which forbids that rounding makes vertices one.
 Error together_error(const RoundedTogether& together);
 
-/// The largest move of a coordinate of the vertices first to end - 1. `key` is their greatest gcdt_move_key, and the
-/// result is its move_length(). If the key has no place for all digits, the coordinates are read back and the move is
-/// computed exactly.
+/// The largest move of a coordinate. `key` is the greatest gcdt_move_key of all, and the result is its move_length().
+/// If the key has no place for all digits, the move is computed exactly from the coordinates: bits_at(i) are the bits
+/// of coordinate i = 2 * vertex + axis.
+double largest_move(std::size_t vertices, const std::function<std::uint64_t(std::size_t)>& bits_at, std::uint64_t key,
+                    const device::Scale& scale);
+
+/// The same of the vertices first to end - 1 in device memory, which are read back if the coordinates are needed.
 double largest_move(runtime::Runtime& runtime, const InputPoints& points, cl_uint first, cl_uint end, std::uint64_t key,
                     const device::Scale& scale);
 

@@ -48,6 +48,8 @@ class Splitter {
   void name_sources(Pieces& pieces);
 
   AddedVertices& added() { return added_; }
+  /// One word for each constraint, 1 for those that were marked. The splitter has none then.
+  runtime::Buffer<cl_uint> take_marks() { return std::move(touched_); }
   std::uint32_t marked() const { return marked_; }
   /// The largest distance of a constraint from its links, in cells, after the last route; below sqrt(1/2).
   double largest_move() const { return largest_move_; }

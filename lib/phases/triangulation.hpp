@@ -53,6 +53,7 @@ struct DeviceTriangulation {
   OrderedMesh hull;              ///< all triangles, where a domain has left some out
   runtime::Buffer<cl_int> kept;  ///< the place of each of them in `mesh`, or -1
   AddedVertices added;
+  runtime::Buffer<cl_uint> routed;  ///< of splitting: 1 for each constraint that was replaced by its route
   RefineResult refined;
   Statistics statistics;
 };

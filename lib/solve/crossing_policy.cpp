@@ -46,6 +46,7 @@ void split(Run& run) {
   run.result.added = std::move(splitter->added());
   s.vertices_added = run.result.added.count;
   s.constraints_split = splitter->marked();
+  run.result.routed = splitter->take_marks();
   s.constraint_move = splitter->largest_move() * run.vertices.grid.cell();
 }
 

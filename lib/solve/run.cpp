@@ -170,7 +170,10 @@ DeviceTriangulation Run::finish() {
 Error Run::with_bytes_needed(const Error& error) const {
   const device::Counters& c = counters.last();
   const std::uint64_t pairs = std::max(statistics.crossed_pairs, wide(c.pairs_low, c.pairs_high));
-  const std::uint64_t needed = std::max(error.indices().at(0), device_bytes_needed(n, m, pairs));
+  const bool limited = options.refine && options.refine->most_added != UINT64_MAX;
+  const std::uint64_t all =
+      limited ? refined_bytes_needed(n, m, pairs, options.refine->most_added) : device_bytes_needed(n, m, pairs);
+  const std::uint64_t needed = std::max(error.indices().at(0), all);
   return Error(Status::workspace_too_small, std::string(error.what()) + ", and should have " + std::to_string(needed),
                {needed});
 }

@@ -300,3 +300,24 @@ TEST_CASE("nothing to refine is nothing added") {
     CHECK(mesh.statistics.refine.complete);
   }
 }
+
+TEST_CASE("the memory that is said for a limit of vertices is enough, and more than without one it is not") {
+  CHECK(required_bytes_refined(1000, 10, UINT64_MAX) == UINT64_MAX);
+  CHECK(required_bytes_refined(1000, 10, 0) >= required_bytes(1000, 10));
+  for (const std::size_t n : {2000u, 20000u}) {
+    const Workload work = n == 2000 ? random_pslg(n, 1 << 20, n, 1) : uniform(n);
+    for (const std::uint64_t limit : {std::uint64_t{n} / 4, 4 * std::uint64_t{n}, 20 * std::uint64_t{n}}) {
+      CAPTURE(n);
+      CAPTURE(limit);
+      Options options = refining(20);
+      options.refine->most_area = std::ldexp(1.0, 2 * 20) / double(20 * n);
+      if (n != 2000) options.refine->most_area = HUGE_VAL, options.refine->least_angle = 33;
+      options.refine->most_added = limit;
+      options.regions = true;
+      solver().trim();
+      const Statistics s = solver().solve(work.points, work.constraints, options).statistics();
+      const std::uint64_t m = std::max(s.m, s.constraints_pieces);
+      CHECK(s.peak_device_bytes <= required_bytes_refined(n, m, limit, s.crossed_pairs) - required_bytes(0, 0, 0));
+    }
+  }
+}

@@ -37,12 +37,26 @@ TEST_CASE("values that make no sense are status 2, and inputs that lack what is 
   Session session;
   session.write("in.poly", ell);
   session.write("square.poly", square);
-  for (const char* options :
-       {"--refine 40", "--refine 0.5", "--refine -1", "--refine nan", "--refine", "--refine x", "--max-area 1",
-        "--conforming", "--refine 20 --max-area 0", "--refine 20 --max-area -1", "--refine 20 --max-area nan",
-        "--refine 20 --min-length 0", "--refine 20 --min-length inf", "--refine 20 --max-vertices -1",
-        "--refine 20 --size 0", "--refine 20 --no-split --no-border-split", "--refine 20 --assess",
-        "--refine 20 --verify --crossing split"})
+  for (const char* options : {"--refine 40",
+                              "--refine 0.5",
+                              "--refine -1",
+                              "--refine nan",
+                              "--refine",
+                              "--refine x",
+                              "--max-area 1",
+                              "--conforming",
+                              "--refine 20 --max-area 0",
+                              "--refine 20 --max-area -1",
+                              "--refine 20 --max-area nan",
+                              "--refine 20 --min-length 0",
+                              "--refine 20 --min-length inf",
+                              "--refine 20 --max-vertices -1",
+                              "--refine 20 --size 0",
+                              "--refine 20 --no-split --no-border-split",
+                              "--refine 20 --assess",
+                              "--refine 20 --verify --crossing split",
+                              "--refine 20 --tiles 2",
+                              "--refine 20 --memory 1GB"})
     session.bad(2, std::string("triangulate in.poly -o out.ele ") + options);
   CHECK(contains(session.bad(3, "triangulate in.poly --refine 20 --size 2"), "the vertices have 1 attributes"));
   CHECK(contains(session.bad(3, "triangulate square.poly --refine 20 --region-areas"), "no region has an area"));
@@ -145,4 +159,55 @@ TEST_CASE("refined meshes are verified from the files, and triangles that are ex
   const std::string found = session.good("verify needle.poly n.ele --refine 20");
   CHECK(contains(found, "1 triangles are excused"));
   CHECK(contains(found, "in an angle between constraints"));
+}
+
+TEST_CASE("Triangle's switches") {
+  Session session;
+  session.write("in.poly", ell);
+  session.write("in.node", "4 2 0 0\n0 0 0\n1 1 0\n2 0 1\n3 1 1\n");
+  session.good("triangulate in.poly --triangle pq25a0.05enQ");
+  for (const char* name : {"in.1.node", "in.1.ele", "in.1.poly", "in.1.edge", "in.1.neigh"})
+    CHECK(!session.read(name).empty());
+  session.run(
+      "\"$gcdt\" triangulate in.poly --domain outer-holes --crossing split --refine 25 --max-area 0.05 --quiet"
+      " -o other.ele -o other.node");
+  CHECK(session.read("in.1.ele") == session.read("other.ele"));
+  CHECK(session.read("in.1.node") == session.read("other.node"));
+  session.good("triangulate in.1.poly --triangle pq25a0.05Q");
+  CHECK(data_lines(session.read("in.2.node")) == data_lines(session.read("in.1.node")));
+  session.good("triangulate in.node --triangle qa0.1zQNP");
+  CHECK(rows(session.read("in.1.ele"), 1).size() > 10);
+  const auto with = [&](const std::string& switches) {
+    return statistics(session, "in.poly -o t.ele --triangle " + switches);
+  };
+  CHECK(with("pqaQ")["quality"]["largest_area"] <= 0.01);
+  CHECK(with("pqYYa0.05Q")["refine"]["on_subsegments"] == 0);
+  CHECK(with("pqS7a0.001Q")["refine"]["added"] == 7);
+  CHECK(with("pDQ")["refine"]["encroached"] == 0);
+  CHECK(with("-pcQ")["triangles"] == 5);
+  CHECK(with("pQ")["triangles"] == 4);
+  CHECK(with("pAq20Q")["regions"] > 0);
+  for (const char* arguments :
+       {"in.poly --triangle q", "in.node --triangle p", "in.poly --triangle pr", "in.poly --triangle pq40",
+        "in.poly --triangle po2", "in.poly --triangle p --domain hull", "in.poly --triangle p --refine 20"})
+    session.bad(2, std::string("triangulate ") + arguments);
+}
+
+TEST_CASE("Triangle's switch j leaves out what no triangle has") {
+  Session session;
+  // A square with a hole that has a vertex inside, and a vertex given twice; the first vertex is far outside.
+  session.write("in.poly",
+                "11 2 1 1\n0 9 9 3 4\n1 0 0 1 0\n2 6 0 1 0\n3 6 6 1 0\n4 0 6 1 0\n5 2 2 2 0\n6 4 2 2 0\n7 4 4 2 0\n"
+                "8 2 4 2 0\n9 3 3 5 0\n10 6 6 1 0\n8 1\n0 1 2 1\n1 2 3 1\n2 3 4 1\n3 4 1 1\n4 5 6 2\n5 6 7 2\n"
+                "6 7 8 2\n7 8 5 2\n1\n0 3 3\n");
+  session.good("triangulate in.poly --triangle pjQ");
+  const auto nodes = rows(session.read("in.1.node"), 1);
+  REQUIRE(nodes.size() == 8);
+  CHECK(nodes[0] == std::vector<double>{0, 0, 0, 1, 0});
+  CHECK(nodes[7] == std::vector<double>{7, 2, 4, 2, 0});
+  for (const auto& triangle : rows(session.read("in.1.ele"), 1))
+    for (std::size_t k = 1; k < 4; ++k) CHECK(triangle[k] < 8);
+  CHECK(rows(session.read("in.1.poly"), 9)[0] == std::vector<double>{8, 1});
+  session.good("triangulate in.1.poly --triangle pQ");
+  CHECK(rows(session.read("in.2.ele"), 1) == rows(session.read("in.1.ele"), 1));
 }

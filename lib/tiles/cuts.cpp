@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/cuts.hpp"
+
+#include <algorithm>
+
+namespace gcdt::tiles {
+
+namespace {
+
+// A tile's share of n points is off by about sqrt(1 / sample) of n.
+constexpr std::size_t sample_size = 1u << 16;
+
+}  // namespace
+
+std::size_t Cuts::tile_of(std::uint64_t code) const {
+  return static_cast<std::size_t>(std::upper_bound(first_codes_.begin(), first_codes_.end(), code) -
+                                  first_codes_.begin());
+}
+
+std::array<std::size_t, 2> Cuts::tiles_of(const Box& box) const {
+  const auto tile_at = [&](const std::array<std::int64_t, 2>& corner) {
+    return tile_of(code_of({static_cast<std::int32_t>(corner[0]), static_cast<std::int32_t>(corner[1])}));
+  };
+  return {tile_at(box.least), tile_at(box.most)};
+}
+
+Cuts even_cuts(const std::vector<GridPoint>& points, std::size_t tiles) {
+  const std::size_t count = std::min(points.size(), std::max(sample_size, 256 * tiles));
+  std::vector<std::uint64_t> sample(count);
+  for (std::size_t i = 0; i < count; ++i) sample[i] = code_of(points[points.size() * i / count]);
+  std::sort(sample.begin(), sample.end());
+  std::vector<std::uint64_t> first_codes;
+  for (std::size_t t = 1; t < tiles; ++t) first_codes.push_back(count == 0 ? 0 : sample[count * t / tiles]);
+  return Cuts(std::move(first_codes));
+}
+
+}  // namespace gcdt::tiles

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a plane is cut into tiles.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/levels.h"
+#include "tiles/placed.hpp"
+
+namespace gcdt::tiles {
+
+/// A box of grid points, its border included.
+struct Box {
+  std::array<std::int64_t, 2> least, most;
+};
+
+/// The Morton code of a grid point, by which the Z-order goes.
+inline std::uint64_t code_of(const GridPoint& p) {
+  return device::gcdt_morton(static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1]));
+}
+
+/// Tiles are ranges of the Z-order: tile t has the grid points with codes from begin(t) up to begin(t + 1). The code of
+/// a point grows with either coordinate, so those of a box lie between the codes of its least and its greatest corner:
+/// if both are of one tile, the whole box is (docs/scale.md, T1). And the vertices of a tile follow each other in the
+/// canonical order, so that the triangles of a result come tile by tile.
+class Cuts {
+ public:
+  /// The first code of each tile but the first, ascending; equal ones make tiles without points.
+  explicit Cuts(std::vector<std::uint64_t> first_codes) : first_codes_(std::move(first_codes)) {}
+
+  std::size_t tiles() const { return first_codes_.size() + 1; }
+  std::size_t tile_of(std::uint64_t code) const;
+  /// The first and the last tile that points of the box may be of.
+  std::array<std::size_t, 2> tiles_of(const Box& box) const;
+
+ private:
+  std::vector<std::uint64_t> first_codes_;
+};
+
+/// Cuts that give each of so many tiles about as many of the points, from a sample of them.
+Cuts even_cuts(const std::vector<GridPoint>& points, std::size_t tiles);
+
+}  // namespace gcdt::tiles

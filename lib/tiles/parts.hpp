@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Work on host arrays, shared out to threads.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace gcdt::tiles {
+
+/// A range of numbers in parts of consecutive ones, one a thread. What is made part by part, in the order of the parts,
+/// is in the order of the numbers.
+class Parts {
+ public:
+  /// A part has `least` numbers or more, but the only one: a thread takes time to start.
+  explicit Parts(std::size_t count, std::size_t least = 4096) : count_(count) {
+    const std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
+    parts_ = std::max<std::size_t>(1, std::min(threads, count / least));
+  }
+  std::size_t size() const { return parts_; }
+  /// Calls use(part, first, end) for each part, at once. Throws what the first part throws that does.
+  template <class Use>
+  void run(Use&& use) const {
+    std::vector<std::exception_ptr> failed(parts_);
+    const auto one = [&](std::size_t part) {
+      try {
+        use(part, count_ * part / parts_, count_ * (part + 1) / parts_);
+      } catch (...) {
+        failed[part] = std::current_exception();
+      }
+    };
+    std::vector<std::thread> threads;
+    for (std::size_t part = 1; part < parts_; ++part) threads.emplace_back(one, part);
+    one(0);
+    for (std::thread& thread : threads) thread.join();
+    for (const std::exception_ptr& error : failed)
+      if (error) std::rethrow_exception(error);
+  }
+
+ private:
+  std::size_t count_, parts_;
+};
+
+/// Calls use(i) for each i below `count`, in threads.
+template <class Use>
+void for_each_in_threads(std::size_t count, Use&& use, std::size_t least = 4096) {
+  Parts(count, least).run([&](std::size_t, std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) use(i);
+  });
+}
+
+}  // namespace gcdt::tiles

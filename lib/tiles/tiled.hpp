@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// One problem in tiles: each tile is a problem of a batch, and what is left between them is one more.
+#pragma once
+
+#include "batch/device_pool.hpp"
+#include "tiles/cuts.hpp"
+
+namespace gcdt::tiles {
+
+/// As pool.triangulate(), but problems are cut into options.tiles tiles; if that is 0, those that are too large for
+/// every device, into as many as it takes. A problem in tiles has a result of its own, in canonical order, with the
+/// bytes that one device would give (docs/scale.md).
+PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options);
+
+/// One problem, the batch's first, cut where the caller wants: `cut` is given its vertices on their grid. Throws what
+/// gcdt::triangulate() does, and out_of_memory if a tile or the seam is too large for every device.
+ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
+                             const std::function<Cuts(const std::vector<GridPoint>&)>& cut);
+
+}  // namespace gcdt::tiles

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tiles behind the interface: options, memory, devices that fail, errors.
+#include "faulty_device.hpp"
+#include "pool_cases.hpp"
+#include "tiles/tiled.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+Options in_tiles(std::uint32_t tiles) {
+  Options options;
+  options.tiles = tiles;
+  return options;
+}
+
+BatchResult cut(const Workload& work, std::uint32_t tiles, const Options& options = {}) {
+  Pool pool(test_device());
+  Options own = options;
+  own.tiles = tiles;
+  return pool.triangulate(batch_of({work}), own);
+}
+
+}  // namespace
+
+TEST_CASE("a pool cuts every problem of a batch into so many tiles, and says what that took") {
+  const std::vector<Workload> problems = {
+      uniform(2000),     workload("letters", 1500),           problem({}),
+      problem({{1, 2}}), problem({{0, 0}, {1, 1}}, {{0, 5}}), workload("line", 300)};
+  Pool pool(test_device());
+  const BatchResult result = pool.triangulate(batch_of(problems), in_tiles(3));
+  Singles(problems).check(result);
+  CHECK(result.tiles(0).tiles == 3);
+  CHECK(result.tiles(0).seam_vertices > 0);
+  CHECK(result.tiles(0).seam_vertices < 1000);
+  CHECK(pool.triangulate(batch_of(problems)).tiles(0).tiles == 0);
+  CHECK(pool.triangulate(batch_of(problems), in_tiles(1)).tiles(0).tiles == 0);
+}
+
+TEST_CASE("errors of a problem in tiles are those of one device") {
+  const auto inf = std::numeric_limits<double>::infinity();
+  std::vector<Workload> problems = {problem({{0, 0}, {inf, 1}, {2, 2}}), problem({{0, 0}, {1, 0}, {0, 1}}, {{0, 3}}),
+                                    random_crossing(60, 20, 40, 3), random_crossing(2000, 5000, 40, 4)};
+  Pool pool(test_device());
+  Singles(problems).check(pool.triangulate(batch_of(problems), in_tiles(4)));
+}
+
+TEST_CASE("rounding makes the same vertices one in tiles as on one device") {
+  Workload work = uniform(500);
+  for (Point& p : work.points) p[0] += 1e9;  // so that x is rounded to 2^-23, and to 2^-31 of the extent
+  work.points.push_back({work.points[7][0] + 1e-7, work.points[7][1]});
+  work.points.push_back({0, 0});
+  const Triangulation alone = solver().triangulate(work.points, work.constraints);
+  REQUIRE(alone.statistics.vertices_rounded_together > 0);
+  const BatchResult made = cut(work, 3);
+  CHECK(made.rounded_together(0).first == alone.statistics.vertices_rounded_together);
+  CHECK(made.rounded_together(0).second == alone.statistics.rounded_pair);
+  Options distinct;
+  distinct.distinct = true;
+  CHECK(cut(work, 3, distinct).error(0)->status() == Status::vertices_coincide);
+}
+
+TEST_CASE("what tiles do not take is refused") {
+  Solver alone(test_device());
+  const std::vector<Point> points = uniform(20).points;
+  CHECK(error_of([&] { alone.triangulate(points, {}, in_tiles(2)); }).status() == Status::invalid_argument);
+  Pool pool(test_device());
+  Options seeds = in_tiles(2);
+  seeds.domain = Domain::holes;
+  seeds.hole_seeds = {{0.5, 0.5}};
+  const auto refused = [&](const Options& options) {
+    return error_of([&] { pool.triangulate(batch_of({uniform(20)}), options); }).status();
+  };
+  CHECK(refused(seeds) == Status::invalid_argument);
+  CHECK(refused(in_tiles(GCDT_MAX_TILES + 1)) == Status::invalid_argument);
+  Options grid = in_tiles(2);
+  grid.grid = FixedGrid{0, 0, "zero"};
+  CHECK(refused(grid) == Status::invalid_argument);
+}
+
+TEST_CASE("a problem that is too large for a device is cut into as many tiles as fit") {
+  constexpr std::uint64_t memory = 72u << 20;  // half of it is needed whatever the problem
+  Pool small(test_device(), {}, {}, memory), whole(test_device());
+  for (const std::string name : {"uniform", "spiral"}) {
+    CAPTURE(name);
+    const Workload work = workload(name, 200000);
+    const BatchResult expected = whole.triangulate(batch_of({work})), made = small.triangulate(batch_of({work}));
+    CHECK((made.error(0) ? std::string(made.error(0)->what()) : "") == "");
+    if (made.error(0)) continue;
+    CHECK(expected.tiles(0).tiles == 0);
+    CHECK(made.tiles(0).tiles > 1);
+    CHECK(difference(detail::triangulation(made, 0), detail::triangulation(expected, 0)) == "");
+  }
+  // One vertex far below a row: all but a few vertices are in the seam, whatever the tiles are.
+  const BatchResult refused = small.triangulate(batch_of({workload("row", 400000)}));
+  CHECK(refused.error(0)->status() == Status::out_of_memory);
+  CHECK(std::string(refused.error(0)->what()).find("seam") != std::string::npos);
+  CHECK(small.triangulate(batch_of({workload("uniform", 300000)}), in_tiles(1)).error(0)->status() ==
+        Status::out_of_memory);
+}
+
+TEST_CASE("tiles can be cancelled, and the pool is usable afterwards") {
+  Pool pool(test_device());
+  const Workload work = workload("letters", 5000);
+  for (const char* last : {"tiles", "seam", "join"}) {
+    CAPTURE(last);
+    Options options = in_tiles(4);
+    options.progress = [&](const char* phase, double) { return std::string(phase) != last; };
+    CHECK(error_of([&] { pool.triangulate(batch_of({work}), options); }).status() == Status::cancelled);
+  }
+  Singles({work}).check(pool.triangulate(batch_of({work}), in_tiles(4)));
+}
+
+TEST_CASE("a device that fails at its k-th OpenCL call changes no byte of a problem in tiles") {
+  const Workload work = workload("letters", 800);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const auto run = [&](std::uint64_t k, bool for_good) {
+    *calls = 0;
+    DevicePool pool({{cl::Context(), app_device(), failing(calls, k, for_good, CL_INVALID_COMMAND_QUEUE)},
+                     {cl::Context(), app_device(), healthy()}},
+                    {}, {});
+    expected.check(tiles::triangulate(pool, batch.view(), in_tiles(4)));
+    return pool.report(0).lost.has_value();
+  };
+  CHECK(!run(0, false));
+  const std::uint64_t all = *calls;
+  REQUIRE(all > 300);
+  std::uint64_t lost = 0;
+  for (std::uint64_t i = 0; i < 24; ++i) lost += run(1 + i * all / 24, i % 2 == 0);
+  CHECK(lost > 8);
+}
