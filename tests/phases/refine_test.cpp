@@ -202,11 +202,12 @@ TEST_CASE("every device gives the same bytes, in every way") {
   const auto all = inputs(1, 2);
   for (std::size_t i = 0; i < all.size(); ++i) {
     Options options = refining(i % 2 == 0 ? 25 : 20);
-    const std::vector<double> sizes(all[i].points.size(), 200);
+    const std::vector<double> sizes(all[i].points.size(), 200), areas = {5e4};
     options.refine->most_added = 300;
     if (i % 5 == 0) options.refine->sizes = sizes;     // points
     if (i % 5 == 4) options.domain = Domain::nonzero;  // rings; regions go with the triangles
-    if (i % 5 == 4) options.refine->most_area = 1e5;
+    if (i % 5 == 4) options.refine->most_area = 1e5, options.region_seeds = {all[i].points[0]};
+    if (i % 5 == 4) options.refine->region_areas = areas;
     const RefinedResult expected = result_of(usual(), all[i], options);
     for (Treated& device : devices_as_all_kinds()) {
       CAPTURE(device.name);
