@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the distribution's packages that building and running gcdt needs, and nothing else.
 # Usage: scripts/setup.sh [--tests]
-#   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, PyOpenCL, abidiff, FreeType, clang-format
+#   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, PyOpenCL, abidiff, FreeType, Eigen, clang-format
 # Packages that are there already are left alone; if none is missing, neither the network nor root is needed.
 set -euo pipefail
 
@@ -10,7 +10,7 @@ build=(g++ cmake make pkg-config ca-certificates
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
   libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev libpng-dev)
 tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14
-  python3-pyopencl abigail-tools binutils libfreetype-dev fonts-dejavu-core)
+  python3-pyopencl abigail-tools binutils libfreetype-dev fonts-dejavu-core libeigen3-dev)
 
 wanted=("${build[@]}")
 for argument in "$@"; do

@@ -11,6 +11,7 @@
 
 #include "io/failure.hpp"
 #include "io/triangle_files.hpp"
+#include "refinement.hpp"
 
 namespace gcdt::command {
 
@@ -21,6 +22,9 @@ struct TriangulateArguments {
   bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
   std::uint32_t tiles = 0;   ///< 0: as memory asks for
   std::uint64_t memory = 0;  ///< bytes of each device at most; 0: all
+  RefineArguments refine;
+  std::optional<std::string> triangle;  ///< switches of Triangle (triangle_switches.hpp)
+  bool jettison = false;                ///< vertices without triangles are left out
 };
 
 /// A mesh that is made of INPUT, or read, to be asked something.
@@ -47,6 +51,7 @@ struct VerifyArguments {
   std::string input, output;
   std::string crossing = "reject", domain = "hull", grid;
   bool quiet = false;
+  RefineArguments refine;
 };
 
 struct BatchArguments {

@@ -138,7 +138,8 @@ void add_unused(const io::Input& input, const Options& options, std::vector<std:
   if (holes_used && input.holes.empty()) notes.push_back("the input has no holes");
   if (!holes_used && !input.holes.empty())
     notes.push_back(fmt::format("holes ({}) of the input are not used: see --domain", input.holes.size()));
-  if (!input.regions.empty() && options.domain == Domain::hull && !options.regions)
+  if (!input.regions.empty() && options.domain == Domain::hull && !options.regions &&
+      !(options.refine && !options.refine->region_areas.empty()))
     notes.push_back(fmt::format("regions ({}) of the input are not used: see --regions", input.regions.size()));
 }
 

@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "progress.hpp"
+#include "triangle_switches.hpp"
 
 namespace {
 
@@ -77,6 +78,16 @@ void add_distinct(CLI::App& app, bool& distinct) {
   app.add_flag("--distinct", distinct, "Refuse input of which rounding to the grid makes vertices one that differ");
 }
 
+void add_triangle(CLI::App& app, command::TriangulateArguments& arguments) {
+  CLI::Option* triangle =
+      app.add_option("--triangle", arguments.triangle,
+                     "Switches of Triangle, such as pq30a0.1A, say what is done: p q a A D Y YY S e n c j z Q; without "
+                     "-o files are named as Triangle's: NAME.1.node, .ele and so on")
+          ->type_name("SWITCHES");
+  for (const char* other : {"--crossing", "--domain", "--regions", "--refine", "--tiles", "--memory"})
+    triangle->excludes(app.get_option(other));
+}
+
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
   app->add_option("INPUT", arguments.input,
@@ -93,6 +104,7 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
                 "the domain is hull; other domains have them anyway");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   add_distinct(*app, arguments.distinct);
+  command::add_refinement(*app, arguments.refine);
   app->add_option("--device", arguments.device,
                   std::string(device_help) + "; several, separated by commas, or all, share the work in tiles")
       ->type_name("SPEC,...");
@@ -115,7 +127,11 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
       ->type_name("FILE.json");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(triangulate_help) + status_help);
-  app->callback([&arguments] { command::triangulate(arguments); });
+  add_triangle(*app, arguments);
+  app->callback([&arguments] {
+    command::apply_triangle_switches(arguments);
+    command::triangulate(arguments);
+  });
 }
 
 void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
@@ -167,6 +183,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
   add_crossing(*app, arguments.crossing);
   add_domain(*app, arguments.domain);
+  command::add_refinement(*app, arguments.refine);
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(verify_help) + status_help);

@@ -72,6 +72,27 @@ Values values_of(const Statistics& s) {
   return values;
 }
 
+/// Of a refinement: what was added, and what is not as wanted.
+template <class Row>
+void refined_rows(const Statistics& s, Row&& row) {
+  row("refined",
+      "{refine_added} vertices added, {refine_on_subsegments} of them on constraints and borders, in {refine_rounds} "
+      "rounds");
+  if (s.refine.bent > 0)
+    row("", "{refine_bent} are beside their constraint or border, constraints moved by {refine_move} at most");
+  std::string left;
+  const auto reason = [&](std::uint64_t count, const char* why) {
+    if (count > 0) left += fmt::format("{}{} {}", left.empty() ? "" : ", ", count, why);
+  };
+  reason(s.refine.left_input_angle, "in angles between constraints");
+  reason(s.refine.left_beside_angle, "beside such angles");
+  reason(s.refine.left_grid, "by the grid or the least length");
+  reason(s.refine.left_fixed, "by what is not split");
+  reason(s.refine.left_refused, "by constraints that could not be split");
+  reason(s.refine.left_limit, "by the limit of vertices");
+  row("not as wanted", left.empty() ? "nothing" : left);
+}
+
 }  // namespace
 
 std::string statistics_json(const Statistics& statistics, const Measured& measured) {
@@ -93,16 +114,19 @@ std::string statistics_table(const Statistics& s, const Measured& measured) {
   const Values values = values_of(s);
   std::string table;
   const auto line = [&](const char* name, const std::string& value) {
-    table += fmt::format("{:<12}  {}\n", name, value);
+    table += fmt::format("{:<13} {}\n", name, value);
   };
-  const auto row = [&](const char* name, const char* value) { line(name, fmt::vformat(value, values)); };
+  const auto row = [&](const char* name, const std::string& value) { line(name, fmt::vformat(value, values)); };
   row("vertices", "{n} ({vertices_merged} merged, {vertices_rounded_together} of these by rounding)");
   row("constraints", "{m} ({constraints_zero} of length zero, {constraints_dropped} dropped)");
   row("pieces", "{constraints_pieces} ({constraints_overlapping} overlapping)");
-  row("crossings", s.vertices_added + s.constraints_split == 0
+  const std::uint64_t at_crossings = s.vertices_added - s.refine.added;
+  row("crossings", at_crossings + s.constraints_split == 0
                        ? "{crossings}"
-                       : "{crossings} ({vertices_added} vertices added, {constraints_split} constraints split, moved "
-                         "by {constraint_move} at most)");
+                       : "{crossings} (" + std::to_string(at_crossings) +
+                             " vertices added, {constraints_split} constraints split, moved "
+                             "by {constraint_move} at most)");
+  if (measured.refined) refined_rows(s, row);
   row("triangles", "{triangles} ({triangles_removed} removed)");
   if (s.regions != 0)
     row("regions", "{regions}, {deepest} deep ({open_parity} edges open by even-odd, {open_winding} by winding)");
@@ -125,7 +149,8 @@ std::string statistics_table(const Statistics& s, const Measured& measured) {
            fmt::format(", read {:.1f}", s.ms.read));
   row("",
       "order {ms_order:.1f}, insert {ms_insert:.1f}, constrain {ms_constrain:.1f}, flip {ms_flip:.1f}, check "
-      "{ms_check:.1f}, output {ms_output:.1f}");
+      "{ms_check:.1f}, output {ms_output:.1f}" +
+          std::string(measured.refined ? ", refine {ms_refine:.1f}" : ""));
   line("memory", fmt::format("{:.1f} MiB on the device", static_cast<double>(s.peak_device_bytes) / (1 << 20)));
   row("device", "{device} ({platform}, driver {driver})");
   line("plan", measured.plan);

@@ -15,6 +15,8 @@ struct Measured {
   TilesReport tiles;                ///< as `tiles`
   std::string plan;                 ///< as `plan`: which way the input went, as the library's log says
   std::optional<Assessment> given;  ///< as `given`, if it was asked for
+  bool refined = false;             ///< that was asked for
+  std::string noted;                ///< the one of `notes` that was said before the work, if any
 };
 
 /// Every field of Statistics under its own name (docs/statistics.md), and `measured`, indented, with a newline at the

@@ -16,6 +16,7 @@
 #include "statistics.hpp"
 #include "tiled.hpp"
 #include "trace.hpp"
+#include "triangle_switches.hpp"
 
 namespace gcdt::command {
 
@@ -60,8 +61,12 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
   };
   try {
     const auto log = [&](int, const char* message) {
-      const std::string text = message, plan = "plan: ";
+      const std::string text = message, plan = "plan: ", refine = "refine: ";
       if (text.compare(0, plan.size(), plan) == 0) measured.plan = text.substr(plan.size());
+      if (text.compare(0, refine.size(), refine) != 0 || arguments.quiet) return;
+      line.clear();
+      note(text.substr(refine.size()));  // before the work: it may take long
+      measured.noted = text.substr(refine.size());
     };
     const auto sink = [&] { return arguments.trace.empty() ? Trace() : trace.sink(); };
     if (wants_pool(arguments)) return triangulate_on_pool(input, arguments, options, sink(), measured);
@@ -71,7 +76,7 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
       if (!arguments.statistics.empty()) measured.quality = result.quality();
       return result.download();
     } catch (const Error& error) {
-      if (error.status() != Status::out_of_memory) throw;
+      if (error.status() != Status::out_of_memory || options.refine) throw;
       if (!arguments.quiet) note(fmt::format("in tiles, since {}", error.what()));
     }
     return triangulate_on_pool(input, arguments, options, sink(), measured);
@@ -114,8 +119,9 @@ void prove(const io::Input& input, const Triangulation& mesh, const Options& opt
   const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
   const Grid& grid = mesh.statistics.grid;
   const Verification verification =
-      regions ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
-              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
+      options.refine ? gcdt::verify_refined(input.vertices, input.constraints, view, grid, options)
+      : regions      ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+                     : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!verification.valid)
     throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
 }
@@ -140,6 +146,13 @@ void triangulate(const TriangulateArguments& arguments) {
   check_overwrites_no_input(arguments, {arguments.input});
   if (arguments.assess && arguments.domain != "hull")
     throw Failure(Exit::usage, "--assess looks at the whole mesh: it needs --domain hull");
+  check_refinement(arguments.refine);
+  if (arguments.refine.angle && wants_pool(arguments))
+    throw Failure(Exit::usage, "--refine is done on one device, without --tiles and --memory");
+  if (arguments.refine.angle && arguments.assess)
+    throw Failure(Exit::usage, "--assess does not go with --refine, which may bend the outline");
+  if (arguments.refine.angle && arguments.verify && arguments.crossing == "split")
+    throw Failure(Exit::usage, "--verify does not go with both --refine and --crossing split");
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
@@ -151,10 +164,13 @@ void triangulate(const TriangulateArguments& arguments) {
   set_domain(arguments.domain, input, options);
   options.regions = arguments.regions;
   options.distinct = arguments.distinct;
+  const InputRefinement refinement(arguments.refine, input);
+  options.refine = refinement.wanted();
   stop_if_interrupted();
 
   TraceRecord trace;
   Measured measured;
+  measured.refined = options.refine.has_value();
   Triangulation mesh = computed(input, arguments, options, trace, measured);
   mesh.statistics.ms.read = read_milliseconds;
   mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
@@ -168,9 +184,17 @@ void triangulate(const TriangulateArguments& arguments) {
   if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  write_outputs(arguments, with_nodes(arguments, mesh, input.files), {input, mesh}, statistics, measured, trace);
+  const std::vector<std::string> paths = with_nodes(arguments, mesh, input.files);
+  const io::Result result(input, mesh);
+  if (arguments.jettison) {
+    const auto [used, used_mesh] = jettisoned(result);
+    write_outputs(arguments, paths, {used, used_mesh}, statistics, measured, trace);
+  } else {
+    write_outputs(arguments, paths, result, statistics, measured, trace);
+  }
   if (arguments.quiet) return;
-  for (const std::string& text : statistics.notes) note(text);
+  for (const std::string& text : statistics.notes)
+    if (text != measured.noted) note(text);
   if (arguments.outputs.empty()) print(statistics_table(statistics, measured));
 }
 

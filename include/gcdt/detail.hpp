@@ -121,7 +121,19 @@ inline std::int32_t crossing(Crossing crossing) {
                                       : GCDT_CROSSING_REJECT;
 }
 
-/// Refers to `options` and `progress`.
+/// Refers to what `refine` refers to.
+inline gcdt_refinement refinement(const Refinement& refine) {
+  gcdt_refinement c = GCDT_REFINEMENT_INIT;
+  c.least_angle = refine.least_angle, c.most_area = refine.most_area, c.least_length = refine.least_length;
+  c.most_added = refine.most_added;
+  static_assert(static_cast<int>(Splits::none) == GCDT_SPLITS_NONE, "splits are numbered alike");
+  c.splits = static_cast<std::int32_t>(refine.splits), c.conforming = refine.conforming;
+  c.sizes = refine.sizes.data(), c.size_count = refine.sizes.size();
+  c.region_areas = refine.region_areas.data(), c.region_area_count = refine.region_areas.size();
+  return c;
+}
+
+/// Refers to `options` and `progress`; without Options::refine.
 inline gcdt_options options(const Options& options, ProgressCall& progress) {
   gcdt_options c = GCDT_OPTIONS_INIT;
   c.crossing = crossing(options.crossing);
@@ -140,14 +152,30 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
   return c;
 }
 
+/// Options as C has them, together with what they refer to.
+struct GivenOptions {
+  GivenOptions(const Options& options, ProgressCall& progress) : c(detail::options(options, progress)) {
+    if (!options.refine) return;
+    refine_ = refinement(*options.refine);
+    c.refine = &refine_;
+  }
+  GivenOptions(const GivenOptions&) = delete;
+  GivenOptions& operator=(const GivenOptions&) = delete;
+
+  gcdt_options c;
+
+ private:
+  gcdt_refinement refine_ = {};
+};
+
 /// The handle that call(options as C has them, where to put it) makes. What the progress function throws comes through,
 /// and so do errors of the call; `solver`, which may be null, is as for check().
 template <class Handle, class Call>
 Handle* made(const Options& options, const gcdt_solver* solver, void (*release)(Handle*), Call&& call) {
   ProgressCall progress{&options.progress, nullptr};
-  const gcdt_options given = detail::options(options, progress);
+  const GivenOptions given(options, progress);
   Handle* handle = nullptr;
-  const std::int32_t status = call(given, &handle);
+  const std::int32_t status = call(given.c, &handle);
   if (progress.thrown) {
     release(handle);
     std::rethrow_exception(progress.thrown);
@@ -174,8 +202,8 @@ inline std::vector<gcdt_host_memory> room(Triangulation& to, std::size_t n, std:
   Elements likely = most;
   if (options.domain != Domain::hull) likely.triangle /= 2;  // nobody knows what is outside
   const struct {
-    bool always, with_added, with_regions;
-  } wanted = {true, false, options.regions || options.domain != Domain::hull};
+    bool always, with_added, with_origins, with_regions;
+  } wanted = {true, false, false, options.regions || options.domain != Domain::hull};
   std::vector<gcdt_host_memory> used;
   const auto add = [&](auto& array, std::size_t elements, std::size_t elements_used) {
     array.resize(elements);

@@ -132,8 +132,8 @@ typedef struct gcdt_trace_span {
   size_t struct_size;
   const char* device;        /* its name; this and the other strings hold during the call only */
   uint32_t device_number;    /* its place among the devices of a pool; 0 for a solver. See gcdt_pool.h for workers */
-  const char* phase;         /* the outermost phase: order, insert, constrain, flip, check, domain or output; in a
-                                pool also copy, of results to host memory */
+  const char* phase;         /* the outermost phase: order, insert, constrain, flip, check, domain, refine or
+                                output; in a pool also copy, of results to host memory */
   const char* name;          /* the phase's or the kernel's */
   int32_t on_device;         /* 1: a launch; drivers without profiling have none */
   uint64_t begin_ns, end_ns; /* nanoseconds on the host's steady clock */
@@ -240,6 +240,38 @@ enum {
   GCDT_DOMAIN_OUTER_HOLES = 5 /* neither of the two, as with Triangle's switch -p */
 };
 
+/* Quality refinement: vertices are added until the triangles of the result have no small angles and are no larger than
+ * wanted, as far as the input and the grid let them (docs/refinement.md: what is promised, and what is not). The
+ * input's vertices stay; a constraint becomes a chain of edges that is within half a cell of it on one axis (a cell,
+ * outside of the domain's border), and moves across no vertex. The same input gives the same bytes on every device. Up
+ * to some 26 degrees it ends by itself, above that most inputs do: set a limit. A limit that is reached is no error:
+ * the mesh is valid, refine_complete of the statistics is 0, and a note says so. */
+enum {
+  GCDT_SPLITS_ALL = 0,   /* every constraint may be split, and so may the border of the domain */
+  GCDT_SPLITS_INNER = 1, /* only constraints with triangles of the domain on both sides */
+  GCDT_SPLITS_NONE = 2   /* none: vertices are added inside triangles only */
+};
+typedef struct gcdt_refinement {
+  size_t struct_size;
+  double least_angle;  /* degrees, from 1 to 34, to a millionth; 0: angles do not matter */
+  double most_area;    /* of a triangle, in units of the input squared; above 0; HUGE_VAL: no limit */
+  double least_length; /* triangles with a shorter side are left as they are; 0: 8 cells, which is the least there is */
+  uint64_t most_added; /* vertices; UINT64_MAX: no limit. Added ones of GCDT_CROSSING_SPLIT do not count */
+  int32_t splits;      /* GCDT_SPLITS_... */
+  int32_t conforming;  /* 1: edges beside constraints are Delaunay, too, which takes more vertices */
+  const double* sizes; /* size_count lengths wanted, one a vertex of the input, above 0: the longest side of a triangle
+                          is at most sqrt(2) times their mean at its corners, and they are linear between vertices.
+                          Null: none. The caller's, read only during the call. Not with GCDT_CROSSING_SPLIT */
+  uint64_t size_count;
+  const double* region_areas; /* one for each of gcdt_options.region_seeds: most_area for the triangles of its region,
+                                 HUGE_VAL: no limit. Null: none. The caller's, read only during the call; the result
+                                 has regions then (gcdt_options.regions) */
+  uint64_t region_area_count;
+} gcdt_refinement;
+/* HUGE_VAL is math.h's. */
+#define GCDT_REFINEMENT_INIT \
+  { sizeof(gcdt_refinement), 20.0, HUGE_VAL, 0.0, UINT64_MAX, GCDT_SPLITS_ALL, 0, NULL, 0, NULL, 0 }
+
 /* Called between rounds by the thread that is in the call, with the phase's name and the share done in [0, 1]. Return
  * 0 to stop: the call then returns GCDT_ERROR_CANCELLED. The rules of gcdt_log_function hold. */
 typedef int32_t (*gcdt_progress_function)(void* user, const char* phase, double done);
@@ -280,11 +312,14 @@ typedef struct gcdt_options {
   /* Of gcdt_pool_triangulate, which says more: how many tiles each problem is cut into, at most GCDT_MAX_TILES; 0: as
    * many as memory asks for, mostly 1. All other functions want 0 or 1. */
   uint32_t tiles;
+  /* What the triangles of the domain are refined to; null: nothing. The caller's, read only during the call. For
+   * gcdt_triangulate and gcdt_cl_triangulate, and to verify what they made (gcdt_verify_refined); others refuse it. */
+  const gcdt_refinement* refine;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \
   {                                                                                                                \
     sizeof(gcdt_options), GCDT_CROSSING_REJECT, 1, 1, 0, 0.0, 0.0, NULL, NULL, NULL, GCDT_DOMAIN_HULL, 0, NULL, 0, \
-        NULL, 0, 0, NULL, 0, 0                                                                                     \
+        NULL, 0, 0, NULL, 0, 0, NULL                                                                               \
   }
 
 /* ---- Triangulation ----------------------------------------------------------------------------------------- */
@@ -316,11 +351,17 @@ enum {
   GCDT_SOURCES = 6,
   /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
   GCDT_DROPPED = 7,
-  /* Under GCDT_CROSSING_SPLIT, one element per added vertex, which are numbered on from the input's in order of (x, y).
+  /* One element per added vertex, which are numbered on from the input's: those of GCDT_CROSSING_SPLIT in order of
+   * (x, y), then those of gcdt_options.refine in such an order.
    * A x 2 int32: where they are on the grid; gcdt_grid_coordinates makes numbers of that. */
   GCDT_ADDED = 8,
-  /* A x 2 uint32: the least pair of input constraints that cross in the vertex's pixel, the lesser one first. */
+  /* A x 2 uint32: the least pair of input constraints that cross in the vertex's pixel, the lesser one first; of
+   * refinement UINT32_MAX twice. */
   GCDT_ADDED_CROSSINGS = 9,
+  /* A x 4 uint32, only with gcdt_options.refine: what refinement put the vertex on. The corners of a triangle; or the
+   * two ends of an edge and UINT32_MAX. They may be added vertices themselves, and were there before it. Then, if that
+   * edge was part of a constraint, the least one along it, else UINT32_MAX. Of crossings UINT32_MAX four times. */
+  GCDT_ADDED_ORIGINS = 10,
   /* Of the domain, T elements, none unless asked for (gcdt_options.domain, regions). Regions are those of the hull,
    * numbered from 0 in the order of their least triangles there: numbers of removed ones are missing. */
   GCDT_REGIONS = 16,      /* uint32 */
@@ -424,6 +465,18 @@ typedef struct gcdt_statistics {
    * pair: the first of them behind the vertex that stands for it; 0, 0 if there is none. */
   uint64_t vertices_rounded_together;
   uint32_t rounded_pair[2];
+  /* Of gcdt_options.refine, in whose time ms_refine new vertices were ordered and checked, too; vertices_added has
+   * these as well. complete: 0 if most_added ended it. bent: not exactly on their constraint or edge of the hull; far:
+   * more than half a cell off on one axis; move: the largest distance, in units of the input. encroached: sides of
+   * triangles that are constraints, or border, and have the third corner in the lens (docs/refinement.md). Then
+   * triangles that are not as wanted, each by the first reason that holds: the angle is between two constraints; the
+   * shortest side is beside such an angle; a side is shorter than least_length, or the grid has no place; what must not
+   * be split is in the way; what could not be split is; nothing but most_added. */
+  double ms_refine;
+  uint64_t refine_complete, refine_rounds, refine_added, refine_on_subsegments, refine_bent, refine_far;
+  double refine_move;
+  uint64_t refine_encroached, refine_left_input_angle, refine_left_beside_angle, refine_left_grid, refine_left_fixed,
+      refine_left_refused, refine_left_limit;
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
@@ -482,6 +535,13 @@ GCDT_API int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, 
 GCDT_API int32_t gcdt_added_values(const gcdt_input* input, const double* added, const uint32_t* crossings,
                                    uint64_t count, const double* vertex_values, double* values);
 
+/* The same with vertices that gcdt_options.refine has added: at each what is linear on what it was put on, between
+ * the two ends or three corners that `origins` has (GCDT_ADDED_ORIGINS, count x 4), each of which may be added
+ * itself. GCDT_ERROR_INVALID_ARGUMENT, too: origins that do not exist, or that need each other. */
+GCDT_API int32_t gcdt_refined_values(const gcdt_input* input, const double* added, const uint32_t* crossings,
+                                     const uint32_t* origins, uint64_t count, const double* vertex_values,
+                                     double* values);
+
 /* ---- Memory ------------------------------------------------------------------------------------------------ */
 
 /* The device memory that triangulating n vertices and m constraints needs at most, in bytes, and so the size of a
@@ -493,6 +553,11 @@ GCDT_API int32_t gcdt_added_values(const gcdt_input* input, const double* added,
  * the device is short of memory. */
 GCDT_API uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed);
 
+/* The same for a call with gcdt_options.refine that adds at most `added` vertices (gcdt_refinement.most_added):
+ * UINT64_MAX if that is no limit. Memory is taken as vertices are added, by half of them at a time, so that most calls
+ * need much less. */
+GCDT_API uint64_t gcdt_required_bytes_refined(uint64_t n, uint64_t m, uint64_t crossed, uint64_t added);
+
 /* ---- Verification, on the host and on the device ----------------------------------------------------------- */
 
 /* A mesh to be verified; triangle order and first corners are free. The caller's, read only. */
@@ -502,8 +567,8 @@ struct gcdt_mesh {
   uint64_t triangle_count;
   const int32_t* neighbours;  /* triangle_count x 3, or null: not verified */
   const uint8_t* constrained; /* triangle_count, or null: not verified */
-  const int32_t* added;       /* GCDT_CROSSING_SPLIT: added_count x 2, the added vertices on the grid; or null */
-  uint64_t added_count;       /* their numbers follow those of the input */
+  const int32_t* added; /* GCDT_CROSSING_SPLIT, refine: added_count x 2, the added vertices on the grid; or null */
+  uint64_t added_count; /* their numbers follow those of the input */
 };
 #define GCDT_MESH_INIT \
   { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
@@ -529,6 +594,33 @@ typedef struct gcdt_regions {
  * whole triangulation is made once more for that, by another algorithm on the host, and proved. */
 GCDT_API int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_regions* regions,
                                     const gcdt_grid* grid, const gcdt_options* options);
+
+/* Why a triangle of a refined mesh may be worse than wanted. */
+enum {
+  GCDT_EXCUSE_NONE = 0,         /* it is as wanted */
+  GCDT_EXCUSE_INPUT_ANGLE = 1,  /* its least angle is between two constraints, or edges of the hull */
+  GCDT_EXCUSE_BESIDE_ANGLE = 2, /* its shortest side joins two of them beside their common end, about as far from it */
+  GCDT_EXCUSE_SHORT_SIDE = 3,   /* a side is shorter than 8 cells, or than least_length */
+  GCDT_EXCUSE_CALL = 4          /* none of these, but the call had a limit of vertices, or might not split everything */
+};
+typedef struct gcdt_refined_report {
+  size_t struct_size;
+  uint64_t input_angle, beside_angle, short_side, call; /* triangles that are not as wanted, by their excuse */
+  uint64_t on_constraints, far; /* added vertices on constraints and edges of the hull; more than half a cell off */
+  double move;                  /* the largest distance of one from there, in units of the input */
+} gcdt_refined_report;
+
+/* Proves that `mesh` is the domain of `input` refined as `options` say, of which refine, crossing (not
+ * GCDT_CROSSING_SPLIT), domain and hole seeds are read; from these alone, as gcdt_verify does. The triangles are
+ * exactly those of the domain in the CDT (with the tie rule) of all vertices under chains of edges, into which the
+ * constraints, cut where vertices of the input are on them, and the edges of the hull have gone: each chain in order,
+ * within half a cell on one axis, or a cell beside what is not of the domain; no vertex of the input is on another side
+ * of it. No chain that refine.splits fixes is split. Angles and areas are at least and at most what least_angle and
+ * most_area say, or the triangle is excused: excuses[t] (null, or one for each triangle) is GCDT_EXCUSE_..., and
+ * `report`, which may be null, has their sums. What regions, sizes and conforming say is not looked at. Without
+ * mesh->constrained chains are sought among all edges. Costs about as much as gcdt_verify_domain twice. */
+GCDT_API int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid,
+                                     const gcdt_options* options, gcdt_refined_report* report, uint8_t* excuses);
 
 /* The check that gcdt_triangulate makes of its own meshes, on the device, of any mesh in host memory that covers the
  * convex hull: neighbours and constrained must be there, triangles may stand in any order and begin with any corner.

@@ -61,6 +61,22 @@ inline std::vector<double> added_values(Points vertices, Constraints constraints
   return values;
 }
 
+/// The same with vertices that Options::refine has added; see gcdt_refined_values. `origins`: empty, or one for each.
+inline std::vector<double> added_values(Points vertices, Constraints constraints, Span<std::array<double, 2>> added,
+                                        Span<Constraint> crossings, Span<std::array<std::uint32_t, 4>> origins,
+                                        Span<double> vertex_values) {
+  if (origins.empty()) return added_values(vertices, constraints, added, crossings, vertex_values);
+  if (vertex_values.size() != vertices.size() || crossings.size() != added.size() || origins.size() != added.size())
+    throw Error(Status::invalid_argument,
+                "there is not one value for each vertex, or not one origin for each added one");
+  const gcdt_input input = detail::input(vertices, constraints);
+  std::vector<double> values(added.size());
+  detail::check(gcdt_refined_values(
+      &input, reinterpret_cast<const double*>(added.data()), reinterpret_cast<const std::uint32_t*>(crossings.data()),
+      reinterpret_cast<const std::uint32_t*>(origins.data()), added.size(), vertex_values.data(), values.data()));
+  return values;
+}
+
 /// The grid points to which coordinates are rounded; see gcdt_grid_points.
 inline std::vector<std::array<std::int32_t, 2>> grid_points(const Grid& grid, Span<std::array<double, 2>> coordinates) {
   const gcdt_grid at = detail::grid(grid);
@@ -288,6 +304,12 @@ inline Triangulation triangulate(Points points, Constraints constraints = {}, co
 /// See gcdt_required_bytes. Bytes of device memory; the default for `crossed` is the worst case.
 inline std::uint64_t required_bytes(std::uint64_t n, std::uint64_t m, std::uint64_t crossed = ~std::uint64_t(0)) {
   return gcdt_required_bytes(n, m, crossed);
+}
+
+/// See gcdt_required_bytes_refined. `added`: Refinement::most_added.
+inline std::uint64_t required_bytes_refined(std::uint64_t n, std::uint64_t m, std::uint64_t added,
+                                            std::uint64_t crossed = ~std::uint64_t(0)) {
+  return gcdt_required_bytes_refined(n, m, crossed, added);
 }
 
 /// "major.minor.patch" of the library.

@@ -190,6 +190,25 @@ enum class Domain {
   outer_holes  ///< both, as Triangle's switch -p does
 };
 
+/// What refinement may split.
+enum class Splits {
+  all,    ///< every constraint, and the border of the domain
+  inner,  ///< constraints with triangles of the domain on both sides
+  none,   ///< nothing: vertices are added inside triangles only
+};
+
+/// What is wanted of a mesh, in units of the input (docs/refinement.md, gcdt_refinement).
+struct Refinement {
+  double least_angle = 20;                ///< degrees, 1 to 34; 0: angles do not matter
+  double most_area = HUGE_VAL;            ///< of a triangle; above 0
+  double least_length = 0;                ///< triangles with a shorter side are left as they are; at least 8 cells
+  std::uint64_t most_added = UINT64_MAX;  ///< vertices
+  Splits splits = Splits::all;
+  bool conforming = false;    ///< edges beside constraints are Delaunay, too
+  Span<double> sizes;         ///< empty, or one a vertex: the length wanted there, above 0; the caller's
+  Span<double> region_areas;  ///< empty, or one for each of Options::region_seeds: most_area there; the caller's
+};
+
 /// Called between rounds with the phase's name and the share done of the whole in [0, 1].
 /// Return false to stop: the call then throws Status::cancelled.
 using Progress = std::function<bool(const char* phase, double done)>;
@@ -207,6 +226,8 @@ struct Options {
   bool distinct = false;  ///< vertices that differ as given must differ on the grid: else throw vertices_coincide
   /// Of Pool: how many tiles each problem is cut into; 0: as many as memory asks for. See gcdt_pool_triangulate.
   std::uint32_t tiles = 0;
+  /// Refines the triangles of the domain. For Solver, and to verify what that made (verify_refined); others refuse it.
+  std::optional<Refinement> refine = std::nullopt;
 };
 
 /// Counts and times of one call; names as in the statistics file of the command.
@@ -233,6 +254,7 @@ struct Statistics {
     double clean = 0;   ///< part of constrain: cleaning the constraints
     double walk = 0;    ///< part of clean: cutting them into parts and walking along them, as enforcing needs, too
     double gather = 0;  ///< part of output: finding the finite triangles, and writing them and their neighbours
+    double refine = 0;  ///< a phase; ordering and checking what has new vertices are in it
   } ms;
   struct Rounds {
     std::uint64_t insert = 0, flip = 0;
@@ -272,6 +294,17 @@ struct Statistics {
   /// first of them is the second of the pair, and that vertex the first.
   std::uint64_t vertices_rounded_together = 0;
   std::array<std::uint32_t, 2> rounded_pair{0, 0};
+  /// Of Options::refine; see gcdt_statistics.
+  struct Refined {
+    bool complete = true;  ///< it did not end by the limit of vertices
+    std::uint64_t rounds = 0, added = 0;
+    std::uint64_t on_subsegments = 0, bent = 0, far = 0;  ///< of the added ones
+    double move = 0;                                      ///< how far one is from its constraint at most
+    std::uint64_t encroached = 0;
+    /// Triangles that are not as wanted, by the reason.
+    std::uint64_t left_input_angle = 0, left_beside_angle = 0, left_grid = 0, left_fixed = 0, left_refused = 0,
+                  left_limit = 0;
+  } refine;
   std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
 };
 
@@ -303,8 +336,8 @@ using Element = typename ElementOf<T, width>::Type;
 /// A constrained Delaunay triangulation. All vertex numbers are input numbers, from 0.
 struct Triangulation {
   /// One Array (gcdt/array.hpp) for each of gcdt/arrays.def, which says what is in it: triangles, neighbours,
-  /// constrained, representative, pieces, source_offsets, sources, dropped, added_on_grid, added_crossing, region,
-  /// depth, winding and region_seed.
+  /// constrained, representative, pieces, source_offsets, sources, dropped, added_on_grid, added_crossing,
+  /// added_origin, region, depth, winding and region_seed.
 #define GCDT_ARRAY(number, name, type, width, ...) Array<detail::Element<type, width>> name;
 #include <gcdt/arrays.def>
   /// The vertices of added_on_grid, as the doubles nearest to that.
@@ -342,7 +375,7 @@ struct MeshView {
   Span<std::array<std::uint32_t, 3>> triangles;
   const std::array<std::int32_t, 3>* neighbours = nullptr;  ///< one per triangle, or null: not checked
   const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
-  /// Crossing::split: the vertices after those of the input, on the grid.
+  /// Crossing::split, Options::refine: the vertices after those of the input, on the grid.
   Span<std::array<std::int32_t, 2>> added = {};
 };
 

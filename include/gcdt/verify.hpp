@@ -64,8 +64,38 @@ inline Verification verify_domain(Points points, Constraints constraints, const 
   const gcdt_regions said = {sizeof said, regions.region, regions.depth, regions.winding};
   const gcdt_grid at = detail::grid(grid);
   detail::ProgressCall none;
-  const gcdt_options given = detail::options(options, none);
-  return detail::verification(gcdt_verify_domain(&input, &view, &said, &at, &given));
+  const detail::GivenOptions given(options, none);
+  return detail::verification(gcdt_verify_domain(&input, &view, &said, &at, &given.c));
+}
+
+/// Of a refined mesh; see gcdt_refined_report.
+struct RefinedVerification : Verification {
+  std::uint64_t input_angle = 0, beside_angle = 0, short_side = 0, call = 0;  ///< triangles that are excused
+  std::uint64_t on_constraints = 0, far = 0;                                  ///< added vertices
+  double move = 0;
+  std::vector<std::uint8_t> excuses;  ///< one a triangle: GCDT_EXCUSE_...
+};
+
+/// Proves a mesh that was made with Options::refine, by its triangles; see gcdt_verify_refined. Of `options` refine,
+/// crossing, domain and hole seeds are read.
+inline RefinedVerification verify_refined(Points points, Constraints constraints, const MeshView& mesh,
+                                          const Grid& grid, const Options& options) {
+  const gcdt_input input = detail::input(points, constraints);
+  const gcdt_mesh view = detail::mesh(mesh);
+  const gcdt_grid at = detail::grid(grid);
+  detail::ProgressCall none;
+  const detail::GivenOptions given(options, none);
+  gcdt_refined_report c = {};
+  c.struct_size = sizeof c;
+  RefinedVerification found;
+  found.excuses.resize(mesh.triangles.size());
+  static_cast<Verification&>(found) =
+      detail::verification(gcdt_verify_refined(&input, &view, &at, &given.c, &c, found.excuses.data()));
+  if (!found.valid) return found;
+  found.input_angle = c.input_angle, found.beside_angle = c.beside_angle;
+  found.short_side = c.short_side, found.call = c.call;
+  found.on_constraints = c.on_constraints, found.far = c.far, found.move = c.move;
+  return found;
 }
 
 /// The device's check of a mesh that covers the hull; `pieces`: the constraints after cleaning. Throws check_failed,

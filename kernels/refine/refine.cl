@@ -245,12 +245,16 @@ static uint mean(i64 a, i64 b, i64 c, uint va, uint vb, uint vc, i64 whole) {
   return (uint)quotient;
 }
 
-// What a new vertex is put on: the corners of its face, or the ends of its edge, in the order of (x, y), so that it is
-// the same whatever face the walk came from; and the piece.
+// What a new vertex is put on: the corners of its face, counter-clockwise from the least in (x, y), or the ends of its
+// edge in that order, so that it is the same whatever corner the face begins with, and whatever face the walk came
+// from; and the piece.
 static uint4 origin_of(Mesh mesh, uint4 candidate, global const uint* edge_pieces) {
   if (candidate.w == GCDT_IN_FACE) {
     const uint4 c = mesh.face_data[GCDT_CORNERS(candidate.z)];
-    return (uint4)(c.x, c.y, c.z, GCDT_NONE);
+    const u64 x = gcdt_tie_key(vertex_at(mesh.points, c.x)), y = gcdt_tie_key(vertex_at(mesh.points, c.y)),
+              z = gcdt_tie_key(vertex_at(mesh.points, c.z));
+    const uint4 from = rotate_to(c, x < y ? (x < z ? 0u : 2u) : (y < z ? 1u : 2u));
+    return (uint4)(from.x, from.y, from.z, GCDT_NONE);
   }
   const bool on_edge = candidate.w == GCDT_ON_EDGE;
   const uint ref = mesh.edge_faces[on_edge ? candidate.z : 2u * candidate.z], k = GCDT_REF_CORNER(ref);

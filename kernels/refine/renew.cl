@@ -91,7 +91,27 @@ kernel void refine_sharp(uint edges, GCDT_MESH_PARAMETERS, global const uint* ed
   }
 }
 
+// One work-item per kept triangle as it was. Writes its label's largest doubled area: that of its seed, if it has one.
+// No race.
+kernel void refine_areas(uint count, global const int* seeds, global const ulong* given, global ulong* areas) {
+  FOR_EACH(i, count) areas[i] = seeds[i] < 0 ? ~0ul : given[seeds[i]];
+}
+
 // ---- After ------------------------------------------------------------------------------------------------
+
+// One work-item per added vertex, from `inputs` on. Of one on a piece, but beside the line through its ends, writes the
+// cross product and the squared length of which the distance is made. No race: places that an atomic gives; nothing
+// depends on their order.
+kernel void refine_moves(uint added, uint inputs, global const int2* points, global const uint4* origins,
+                         global const uint2* pieces, volatile global uint* count, global ulong2* moves) {
+  FOR_EACH(i, added) {
+    if (origins[i].w == GCDT_NONE) continue;
+    const uint2 ends = pieces[origins[i].w];
+    const Vertex a = vertex_at(points, ends.x), b = vertex_at(points, ends.y);
+    const i64 cross = gcdt_orient2d_finite(a, b, vertex_at(points, inputs + i));
+    if (cross != 0) moves[atomic_inc(count)] = (ulong2)(abs(cross), gcdt_squared_length(a, b));
+  }
+}
 
 // One work-item per added vertex, from `inputs` on. Writes its key (x, y) and its place. No race.
 kernel void refine_keys(uint count, uint inputs, global const int2* points, global ulong* keys, global uint* numbers) {
@@ -227,14 +247,22 @@ kernel void refine_gather(uint count, global const uint* index, global const uin
   FOR_EACH(i, count) to[i] = from[index[i]];
 }
 
-// One work-item per added vertex, of crossings and then of the refinement. Writes its point and origin; crossings have
-// GCDT_NONE for theirs. No race.
-kernel void refine_append(uint crossings, uint added, global const int2* crossing_points,
+// One work-item per added vertex, of crossings and then of the refinement. Writes its point and origin, with the first
+// source of the piece in place of its number: of the first `pieces` ones, which have any. Crossings have GCDT_NONE for
+// theirs. No race.
+kernel void refine_append(uint crossings, uint added, uint pieces, global const uint* offsets,
+                          global const uint* sources, global const int2* crossing_points,
                           global const int2* added_points, global const uint4* added_origins, global int2* points,
                           global uint4* origins) {
   FOR_EACH(i, crossings + added) {
-    const bool crossing = i < crossings;
-    points[i] = crossing ? crossing_points[i] : added_points[i - crossings];
-    origins[i] = crossing ? (uint4)(GCDT_NONE) : added_origins[i - crossings];
+    if (i < crossings) {
+      points[i] = crossing_points[i];
+      origins[i] = (uint4)(GCDT_NONE);
+      continue;
+    }
+    uint4 origin = added_origins[i - crossings];
+    origin.w = origin.w < pieces ? sources[offsets[origin.w]] : GCDT_NONE;
+    points[i] = added_points[i - crossings];
+    origins[i] = origin;
   }
 }

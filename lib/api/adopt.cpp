@@ -21,6 +21,7 @@ int32_t gcdt_adopt(gcdt_solver* solver, const gcdt_input* input, const gcdt_mesh
       Options wanted = read_options(options);
       require(wanted.crossing == Crossing::reject && wanted.domain == Domain::hull && !wanted.regions,
               "a mesh to be adopted is taken as it is: gcdt_options.crossing, domain and regions must be 0");
+      require(!wanted.refine, "a mesh to be adopted is taken as it is: gcdt_options.refine must be null");
       wanted.canonical = true;
       const std::vector<Constraint> edges = edges_of(triangles, points.size());
       State& state = *solver->state;

@@ -164,6 +164,7 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
     require(batch, "batch is null");
     const ReadBatch read = read_batch(input);
     const Options wanted = read_options(options, GCDT_MAX_TILES);
+    require(!wanted.refine, "batches are not refined: gcdt_options.refine must be null");
     auto made = std::make_unique<gcdt_batch>();
     made->made = tiles::triangulate(*pool->devices, read.batch, wanted);
     gcdt_batch_statistics& s = made->statistics;

@@ -93,6 +93,23 @@ namespace {
 
 constexpr std::size_t least_options = offsetof(gcdt_options, domain);  // of the first version
 
+/// Its values are judged later, by check_refinement().
+Refinement read_refinement(const gcdt_refinement* given) {
+  const gcdt_refinement c = read_struct(given, "gcdt_refinement");
+  Refinement refine;
+  refine.least_angle = c.least_angle, refine.most_area = c.most_area, refine.least_length = c.least_length;
+  refine.most_added = c.most_added;
+  require(c.splits >= GCDT_SPLITS_ALL && c.splits <= GCDT_SPLITS_NONE,
+          "gcdt_refinement.splits is none of GCDT_SPLITS_...");
+  refine.splits = static_cast<Splits>(c.splits);
+  refine.conforming = c.conforming != 0;
+  require(c.sizes || c.size_count == 0, "gcdt_refinement.sizes is null");
+  require(c.region_areas || c.region_area_count == 0, "gcdt_refinement.region_areas is null");
+  refine.sizes = {c.sizes, static_cast<std::size_t>(c.size_count)};
+  refine.region_areas = {c.region_areas, static_cast<std::size_t>(c.region_area_count)};
+  return refine;
+}
+
 }  // namespace
 
 Options read_options(const gcdt_options* given, std::uint32_t most_tiles) {
@@ -114,6 +131,7 @@ Options read_options(const gcdt_options* given, std::uint32_t most_tiles) {
   options.tiles = c.tiles;
   options.hole_seeds = read_seeds("gcdt_options.hole_seeds", c.hole_seeds, c.hole_seed_count);
   options.region_seeds = read_seeds("gcdt_options.region_seeds", c.region_seeds, c.region_seed_count);
+  if (c.refine) options.refine = read_refinement(c.refine);
   if (c.progress)
     options.progress = [call = c.progress, user = c.progress_user](const char* phase, double done) {
       return call(user, phase, done) != 0;

@@ -9,8 +9,10 @@
 #include "mesh/grid.hpp"
 #include "proof/domain.hpp"
 #include "proof/grid.hpp"
+#include "proof/refined.hpp"
 #include "query/imported.hpp"
 #include "solve/memory.hpp"
+#include "solve/refine.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -98,6 +100,10 @@ int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint6
 
 uint64_t gcdt_required_bytes(uint64_t n, uint64_t m, uint64_t crossed) { return device_bytes_needed(n, m, crossed); }
 
+uint64_t gcdt_required_bytes_refined(uint64_t n, uint64_t m, uint64_t crossed, uint64_t added) {
+  return refined_bytes_needed(n, m, crossed, added);
+}
+
 int32_t gcdt_choose_grid(const gcdt_input* input, const gcdt_options* fixed, gcdt_grid* grid) {
   return guarded(nullptr, [&] {
     const Points points = read_points(read_struct(input, "gcdt_input"));
@@ -121,6 +127,7 @@ int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const
   return judged([&] {
     const gcdt_input given = read_struct(input, "gcdt_input");
     const Options made = read_options(options);
+    require(!made.refine, "refined meshes are verified by gcdt_verify_refined: gcdt_options.refine must be null");
     const MeshView view = read_mesh(mesh, made.crossing);
     proof::RegionView said;
     if (regions) {
@@ -128,6 +135,36 @@ int32_t gcdt_verify_domain(const gcdt_input* input, const gcdt_mesh* mesh, const
       said = {r.regions, r.depths, r.windings};
     }
     return proof::verify_domain(read_points(given), read_constraints(given), view, said, read_grid(grid), made);
+  });
+}
+
+int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid,
+                            const gcdt_options* options, gcdt_refined_report* report, uint8_t* excuses) {
+  return judged([&] {
+    using proof::Excuse;
+    const gcdt_input given = read_struct(input, "gcdt_input");
+    const Options made = read_options(options);
+    require(made.refine.has_value(), "gcdt_options.refine is null");
+    require(made.crossing != Crossing::split, "refined meshes are not verified under GCDT_CROSSING_SPLIT");
+    check_refinement(*made.refine, made, given.vertex_count);
+    if (report) read_struct(report, "gcdt_refined_report");
+    const Grid at = read_whole_grid(grid);
+    const MeshView view = api::read_mesh(mesh);
+    const proof::RefinedProof proved =
+        proof::verify_refined(read_points(given), read_constraints(given), view, at, made);
+    if (!proved.reason.empty()) return Verification{false, proved.reason};
+    if (excuses)
+      std::transform(proved.excuses.begin(), proved.excuses.end(), excuses,
+                     [](Excuse excuse) { return static_cast<uint8_t>(excuse); });
+    if (report) {
+      const auto count = [&](Excuse excuse) { return proved.excused[static_cast<std::size_t>(excuse)]; };
+      gcdt_refined_report c = {};
+      c.input_angle = count(Excuse::input_angle), c.beside_angle = count(Excuse::beside_angle);
+      c.short_side = count(Excuse::short_side), c.call = count(Excuse::by_call);
+      c.on_constraints = proved.on_chains, c.far = proved.far, c.move = proved.move * at.cell();
+      write_struct(c, report, "gcdt_refined_report");
+    }
+    return Verification{true, {}};
   });
 }
 

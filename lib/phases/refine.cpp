@@ -2,6 +2,7 @@
 #include "phases/refine.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace gcdt {
@@ -33,7 +34,8 @@ void enlarge(runtime::Runtime& runtime, Buffer<T>& buffer, const char* name, std
 }  // namespace
 
 Refiner::Refiner(runtime::Runtime& runtime, Primitives& primitives, const device::RefineRules& rules,
-                 std::uint64_t most_added, Vertices vertices, Mesh mesh, const Pieces& pieces, Buffer<cl_uint> sizes)
+                 std::uint64_t most_added, Vertices vertices, Mesh mesh, const Pieces& pieces, Buffer<cl_uint> sizes,
+                 Buffer<cl_ulong> areas)
     : runtime_(runtime),
       primitives_(primitives),
       rules_(rules),
@@ -45,9 +47,10 @@ Refiner::Refiner(runtime::Runtime& runtime, Primitives& primitives, const device
       inputs_(vertices_.n()),
       rules_buffer_(runtime.upload_one("rules of refinement", rules)),
       sizes_(std::move(sizes)),
-      areas_(runtime.allocate<cl_ulong>("areas of labels", 0)),
+      areas_(std::move(areas)),
       no_places_(runtime.allocate<cl_int>("places", 0)),
       report_(runtime.filled<cl_uint>("report of refinement", words_of_report, 0)) {
+  if (!areas_.allocated()) areas_ = runtime.allocate<cl_ulong>("areas of labels", 0);
   if (!sizes_.allocated()) sizes_ = runtime.allocate<cl_uint>("wanted lengths", 0);
   make_subsegments(pieces);
   make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_, inputs_ / 2 + least_room)));
@@ -227,6 +230,20 @@ void Refiner::explain() {
   result_.far = report.far;
   result_.encroached = report.encroached;
   std::copy(std::begin(report.left), std::end(report.left), result_.left);
+  // What is on its subsegment may be on one whose ends are not on the piece; but then one of these is bent.
+  if (report.bent > 0) result_.move = farthest();
+}
+
+double Refiner::farthest() {
+  const auto count = runtime_.filled<cl_uint>("vertices beside their pieces", 1, 0);
+  const auto moves = runtime_.allocate<cl_ulong2>("distances to pieces", result_.on_subsegments);
+  runtime_.launch("renew", "refine_moves", over(added_), added_, inputs_, vertices_.points, origins_, pieces_, count,
+                  moves);
+  std::vector<cl_ulong2> all(runtime_.read_one(count));
+  runtime_.read(moves, all.data(), all.size());
+  double most = 0;
+  for (const cl_ulong2& m : all) most = std::max(most, double(m.s[0]) / std::sqrt(double(m.s[1])));
+  return most;
 }
 
 RefinedMesh Refiner::finish() {

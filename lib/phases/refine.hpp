@@ -2,7 +2,6 @@
 // Quality refinement on the host: rounds of judging, claiming and inserting (kernels/refine/; docs/refinement.md).
 #pragma once
 
-#include <cmath>
 #include <numeric>
 
 #include "phases/flip.hpp"
@@ -12,34 +11,16 @@
 
 namespace gcdt {
 
-/// What may be split.
-enum class Splits {
-  all,    ///< every constraint, and the border of the domain
-  inner,  ///< constraints with triangles of the domain on both sides
-  none,   ///< nothing: vertices are added inside triangles only
-};
-
-/// What is wanted of a mesh, in units of the input (docs/refinement.md).
-struct Refinement {
-  double least_angle = 20;      ///< degrees, 1 to 34
-  double most_area = HUGE_VAL;  ///< of a triangle; above 0
-  bool conforming = false;      ///< edges beside constraints are Delaunay, too
-  Splits splits = Splits::all;
-  std::uint64_t most_added = UINT64_MAX;  ///< vertices
-  double least_length = 0;                ///< no shorter side is made; at least 8 cells
-  Span<double> sizes;                     ///< empty, or one a vertex: the length wanted there, above 0; the caller's
-};
-
 /// What a refinement did, and what it could not do.
 struct RefineResult {
   std::uint64_t rounds = 0;
   std::uint64_t added = 0;                              ///< vertices
   std::uint64_t on_subsegments = 0, bent = 0, far = 0;  ///< of these; beside their subsegments; rounded the other way
+  double move = 0;  ///< how far one of those on subsegments is from its piece at most, in cells
   std::uint64_t flips = 0, flip_rounds = 0;
   std::uint64_t encroached = 0;              ///< sides of kept triangles that are subsegments with a corner in the lens
   std::uint64_t left[GCDT_LEFT_KINDS] = {};  ///< triangles worse than wanted, by reason
   bool complete = true;                      ///< it did not end by the limit of vertices
-  double ms = 0;                             ///< wall time of the step
 
   std::uint64_t all_left() const { return std::accumulate(std::begin(left), std::end(left), std::uint64_t{0}); }
 };
@@ -61,9 +42,10 @@ class Refiner {
  public:
   /// `mesh` is the CDT of all `vertices` under `pieces`, with at least one finite triangle; what it is refined to comes
   /// back from finish(). At most `most_added` vertices are added. `sizes`: with rules.sized, the wanted length at each
-  /// vertex, in cells.
+  /// vertex, in cells. `areas`: with rules.by_label, the largest doubled area of each label, in cells.
   Refiner(runtime::Runtime& runtime, Primitives& primitives, const device::RefineRules& rules, std::uint64_t most_added,
-          Vertices vertices, Mesh mesh, const Pieces& pieces, runtime::Buffer<cl_uint> sizes = {});
+          Vertices vertices, Mesh mesh, const Pieces& pieces, runtime::Buffer<cl_uint> sizes,
+          runtime::Buffer<cl_ulong> areas);
 
   /// Keeps the finite faces refs[i] (of all `count` of them) with kept[i] >= 0; all if `kept` is not allocated. Others
   /// are not refined. Called once, before run().
@@ -82,6 +64,7 @@ class Refiner {
   std::uint32_t choose_winners();
   void insert(std::uint32_t winners, std::uint32_t most);
   void explain();
+  double farthest();
   device::RefineReport read_report();
   cl_uint capacity() const { return static_cast<cl_uint>(keys_.size()); }
   std::uint32_t count() const { return inputs_ + added_; }
@@ -101,7 +84,7 @@ class Refiner {
   std::uint32_t added_ = 0, subsegments_ = 0;
   runtime::Buffer<device::RefineRules> rules_buffer_;
   runtime::Buffer<cl_uint> sizes_;   ///< by vertex
-  runtime::Buffer<cl_ulong> areas_;  ///< by label; unused
+  runtime::Buffer<cl_ulong> areas_;  ///< by label
   runtime::Buffer<cl_int> no_places_;
   runtime::Buffer<cl_uint2> pieces_;  ///< the pieces, then edges of the hull that are on none
   runtime::Buffer<cl_uint> sharp_;    ///< by piece

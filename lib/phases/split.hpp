@@ -14,7 +14,7 @@ struct AddedVertices {
   /// The least pair of constraints that cross in the vertex's pixel; of refinement GCDT_NONE twice.
   runtime::Buffer<cl_uint2> crossing;
   /// Of refinement what the vertex was put on, in input numbers: a triangle's corners, or two ends and GCDT_NONE; then
-  /// its piece before the refinement, or GCDT_NONE. Of crossings GCDT_NONE. Not allocated without refinement.
+  /// the least constraint along it, or GCDT_NONE. Of crossings GCDT_NONE. Not allocated without refinement.
   runtime::Buffer<cl_uint4> origins;
 };
 

@@ -23,6 +23,7 @@ const ResultArray* result_array(std::int32_t number) {
 }
 
 bool has(const DeviceTriangulation& made, const ResultArray& array) {
+  if (array.there == There::with_origins) return made.added.origins.allocated();
   return array.there != There::with_regions || made.regions.region.allocated();
 }
 

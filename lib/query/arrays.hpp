@@ -9,8 +9,9 @@ namespace gcdt {
 /// What an array has one element for. `piece_bound`: where each piece's sources begin, and where the last one's end.
 enum class Per { triangle, vertex, piece, piece_bound, source, dropped, added, hull_vertex };
 
-/// Which results have an array. `with_added`: those of one problem, though often without elements.
-enum class There { always, with_added, with_regions, on_demand };
+/// Which results have an array. `with_added`: those of one problem, though often without elements. `with_origins`: of
+/// these the refined ones.
+enum class There { always, with_added, with_origins, with_regions, on_demand };
 
 struct ResultArray {
   std::int32_t number;  ///< GCDT_TRIANGLES ...

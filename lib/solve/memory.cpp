@@ -2,6 +2,8 @@
 // gcdt_required_bytes: the device bytes of each step, added up from what its source allocates.
 #include <algorithm>
 
+#include <gcdt/types.hpp>
+
 #include "mesh/mesh.hpp"
 #include "solve/memory.hpp"
 
@@ -83,7 +85,46 @@ std::uint64_t output_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + piece_bytes(s) + std::max(sorting, gathered);
 }
 
+// ---- Refinement: n vertices become N = n + a ----
+
+Sizes sizes_of(std::uint64_t n, std::uint64_t m) { return {n, m, 2 * n + 1, 3 * n + 3, 0}; }
+
+// Subsegments: pieces and edges of the hull, and one more with each vertex added.
+std::uint64_t subsegments(const Sizes& before, const Sizes& after) { return before.m + after.n; }
+
+// A round: the mesh with room for all, the pieces of its edges, work lists; of pieces ends and marks; of added vertices
+// origins and wanted lengths; areas and regions of the triangles as they were; lists of triangles and subsegments to be
+// mended. Of candidates, at most one of each of these with a fourth more room, keys, numbers, points, ranks and
+// winners, and the other halves of the sort. And the largest buffer once more, while room is made.
+std::uint64_t round_step(const Sizes& before, const Sizes& after) {
+  const std::uint64_t added = after.n - before.n, asked = subsegments(before, after);
+  const std::uint64_t candidates = 5 * (after.faces + asked) / 4;
+  return vertex_bytes(before) + 8 * added + mesh_bytes(after) + (4 + 8) * after.edges + 12 * asked +
+         piece_bytes(before) + (16 + 4) * added + 4 * after.n + (8 + 16) * before.faces + 8 * after.faces + 4 * asked +
+         (8 + 4 + 16 + 4 + 4 + 12) * candidates + 32 * after.faces;
+}
+
+// The end: vertices are ordered anew beside those that there were, with their origins twice; then the output, of which
+// the hull stays beside the triangles of the domain, and their regions as they were and as they are.
+std::uint64_t renewal_step(const Sizes& before, const Sizes& after) {
+  const std::uint64_t added = after.n - before.n;
+  return vertex_bytes(before) + 60 * after.n + 2 * (16 + 8) * added + 4 * after.edges + piece_bytes(before) +
+         8 * subsegments(before, after) + 16 * (before.faces + after.faces) + (12 + 12 + 1 + 4) * after.faces +
+         output_step({after.n, subsegments(before, after), after.faces, after.edges, 0});
+}
+
+std::uint64_t in_pages(std::uint64_t bytes) {
+  return (constant_bytes + bytes + bytes / gaps_share) / page * page + page;
+}
+
 }  // namespace
+
+std::uint64_t refined_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed, std::uint64_t added) {
+  if (added == UINT64_MAX) return UINT64_MAX;
+  const Sizes before = sizes_of(n, m), after = sizes_of(n + std::min(added, max_vertices), m);
+  return std::max(device_bytes_needed(n, m, crossed),
+                  in_pages(std::max(round_step(before, after), renewal_step(before, after))));
+}
 
 // Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (190): order (60),
 // insertion (186 with its history), domains (180). With constraints walking (236 and 184) is above these as well:
@@ -93,7 +134,7 @@ std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
   const std::uint64_t most =
       m == 0 ? output_step(s) : std::max({output_step(s), fan_step(s), walk_step(s), chain_step(s), stitch_step(s)});
-  return (constant_bytes + most + most / gaps_share) / page * page + page;
+  return in_pages(most);
 }
 
 }  // namespace gcdt

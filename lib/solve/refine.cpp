@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <locale>
+#include <sstream>
 
 #include "phases/check.hpp"
 #include "phases/refine.hpp"
@@ -14,7 +16,19 @@ using runtime::over;
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(Status::invalid_argument, "refine: " + what); }
+std::string text_of(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << value;
+  return text.str();
+}
+
+// `what` begins with the member.
+[[noreturn]] void refuse(const std::string& what) { throw Error(Status::invalid_argument, "refine." + what); }
+
+void refuse_unless(bool right, const char* member, const char* must_be, double value) {
+  if (!right) refuse(std::string(member) + " must be " + must_be + ", not " + text_of(value));
+}
 
 // A length or an area in units of the input, of which the cell has `unit`, in whole numbers of these; at most `most`.
 std::uint64_t in_cells(double value, double unit, std::uint64_t most) {
@@ -24,17 +38,36 @@ std::uint64_t in_cells(double value, double unit, std::uint64_t most) {
 
 constexpr std::uint64_t longest = 0x7FFFFFFF, no_limit = ~std::uint64_t{0};
 
+// Doubled areas are below 2^62.
+std::uint64_t doubled_in_cells(double area, double cell) {
+  return area < HUGE_VAL ? in_cells(area, cell * cell / 2, std::uint64_t{1} << 62) : no_limit;
+}
+
 device::RefineRules rules_of(const Refinement& wanted, double cell) {
-  const auto millionths = static_cast<std::uint32_t>(std::lround(wanted.least_angle * 1e6));
+  const bool by_angle = wanted.least_angle > 0;
+  const auto millionths =
+      by_angle ? static_cast<std::uint32_t>(std::lround(wanted.least_angle * 1e6)) : least_refined_angle;
   const auto least = static_cast<std::uint32_t>(in_cells(std::ceil(wanted.least_length / cell), 1, longest));
   device::RefineRules rules = refine_rules(millionths, std::max(least_refined_side, least));
-  // Doubled areas are below 2^62.
-  if (wanted.most_area < HUGE_VAL)
-    rules.most_area = in_cells(wanted.most_area, cell * cell / 2, std::uint64_t{1} << 62);
+  if (!by_angle) rules.tangent = rules.lens = 0;  // no angle is less, no lens has a corner
+  rules.most_area = doubled_in_cells(wanted.most_area, cell);
   rules.conforming = wanted.conforming;
   rules.splits = static_cast<cl_uint>(wanted.splits);
   rules.sized = !wanted.sizes.empty();
+  rules.by_label = !wanted.region_areas.empty();
   return rules;
+}
+
+// By label less 1, which is the place of a triangle of the domain.
+Buffer<cl_ulong> areas_of_labels(Run& run, const Refinement& wanted, cl_uint triangles) {
+  if (wanted.region_areas.empty()) return {};
+  std::vector<cl_ulong> given(wanted.region_areas.size());
+  for (std::size_t i = 0; i < given.size(); ++i)
+    given[i] = doubled_in_cells(wanted.region_areas[i], run.vertices.grid.cell());
+  auto areas = run.runtime.allocate<cl_ulong>("areas of labels", triangles);
+  run.runtime.launch("renew", "refine_areas", over(triangles), triangles, run.result.regions.seed,
+                     run.runtime.upload("areas of regions", given), areas);
+  return areas;
 }
 
 Buffer<cl_uint> sizes_in_cells(Run& run, const Refinement& wanted) {
@@ -52,12 +85,30 @@ Buffer<cl_uint> sizes_in_cells(Run& run, const Refinement& wanted) {
 
 void tell(Run& run, const RefineResult& done) {
   run.result.refined = done;
-  run.statistics.flips += done.flips;
-  run.statistics.rounds.flip += done.flip_rounds;
-  run.statistics.vertices_added += done.added;
+  Statistics& s = run.statistics;
+  s.flips += done.flips;
+  s.rounds.flip += done.flip_rounds;
+  s.vertices_added += done.added;
+  auto& r = s.refine;
+  r.complete = done.complete;
+  r.rounds = done.rounds, r.added = done.added;
+  r.on_subsegments = done.on_subsegments, r.bent = done.bent, r.far = done.far;
+  r.move = done.move * run.vertices.grid.cell();
+  r.encroached = done.encroached;
+  r.left_input_angle = done.left[GCDT_LEFT_INPUT_ANGLE], r.left_beside_angle = done.left[GCDT_LEFT_BESIDE_ANGLE];
+  r.left_grid = done.left[GCDT_LEFT_GRID], r.left_fixed = done.left[GCDT_LEFT_FIXED];
+  r.left_refused = done.left[GCDT_LEFT_REFUSED], r.left_limit = done.left[GCDT_LEFT_LIMIT];
   if (!done.complete)
-    run.statistics.notes.push_back("the limit of added vertices ended the refinement: " +
-                                   std::to_string(done.all_left()) + " triangles are not as wanted");
+    s.notes.push_back("the limit of added vertices ended the refinement: " + std::to_string(done.all_left()) +
+                      " triangles are not as wanted");
+}
+
+// The shortest of the sides that triangles as large as wanted have, if they are equilateral, or of the wanted lengths.
+double shortest_wanted(const Refinement& wanted) {
+  double area = wanted.most_area, length = HUGE_VAL;
+  for (const double of_region : wanted.region_areas) area = std::min(area, of_region);
+  for (const double size : wanted.sizes) length = std::min(length, size);
+  return std::min(length, 2 * std::sqrt(area / std::sqrt(3.0)));
 }
 
 // Behind the vertices that crossings have added.
@@ -68,8 +119,9 @@ void append_added(Run& run, const RefinedMesh& refined) {
   auto points = runtime.allocate<cl_int2>("added vertices", all);
   auto crossing = runtime.filled<cl_uint2>("constraints of added vertices", all, {{GCDT_NONE, GCDT_NONE}});
   auto origins = runtime.allocate<cl_uint4>("origins of added vertices", all);
-  runtime.launch("renew", "refine_append", over(all), crossings, cl_uint{refined.added},
-                 crossings > 0 ? added.points : points, refined.added_points, refined.added_origins, points, origins);
+  runtime.launch("renew", "refine_append", over(all), crossings, cl_uint{refined.added}, cl_uint{run.pieces.count},
+                 run.pieces.source_offsets, run.pieces.sources, crossings > 0 ? added.points : points,
+                 refined.added_points, refined.added_origins, points, origins);
   if (crossings > 0) runtime.copy(added.crossing, crossing, crossings);
   added.count = all;
   added.points = std::move(points);
@@ -114,27 +166,49 @@ OrderedMesh select(Run& run, const RefinedMesh& refined, OrderedMesh hull, const
 }  // namespace
 
 void check_refinement(const Refinement& wanted, const Options& options, std::uint64_t vertices) {
-  if (!(wanted.least_angle >= 1 && wanted.least_angle <= 34))
-    refuse("the least angle must be from 1 to 34 degrees, not " + std::to_string(wanted.least_angle));
-  if (!(wanted.most_area > 0)) refuse("the largest area must be above 0");
-  if (!(wanted.least_length >= 0)) refuse("the least length must not be negative");
+  const double angle = wanted.least_angle;
+  refuse_unless(angle == 0 || (angle >= 1 && angle <= 34), "least_angle", "0, or from 1 to 34 degrees", angle);
+  refuse_unless(wanted.most_area > 0, "most_area", "above 0", wanted.most_area);
+  refuse_unless(wanted.least_length >= 0 && wanted.least_length < HUGE_VAL, "least_length", "finite and not below 0",
+                wanted.least_length);
   if (wanted.splits != Splits::all && wanted.splits != Splits::inner && wanted.splits != Splits::none)
-    refuse("unknown rule of what may be split");
-  if (wanted.sizes.empty()) return;
-  if (wanted.sizes.size() != vertices)
-    refuse(std::to_string(wanted.sizes.size()) + " wanted lengths for " + std::to_string(vertices) + " vertices");
-  if (options.crossing == Crossing::split) refuse("wanted lengths at vertices do not go with crossings that are split");
-  for (std::size_t i = 0; i < vertices; ++i)
-    if (!(wanted.sizes[i] > 0)) refuse("the wanted length at vertex " + std::to_string(i) + " must be above 0");
+    refuse("splits is none of all, inner and none");
+  const auto& areas = wanted.region_areas;
+  if (!areas.empty() && areas.size() != options.region_seeds.size())
+    refuse("region_areas has " + std::to_string(areas.size()) + " areas for " +
+           std::to_string(options.region_seeds.size()) + " region seeds");
+  for (std::size_t i = 0; i < areas.size(); ++i)
+    refuse_unless(areas[i] > 0, ("region_areas[" + std::to_string(i) + "]").c_str(), "above 0", areas[i]);
+  const auto& sizes = wanted.sizes;
+  if (sizes.empty()) return;
+  if (sizes.size() != vertices)
+    refuse("sizes has " + std::to_string(sizes.size()) + " lengths for " + std::to_string(vertices) + " vertices");
+  if (options.crossing == Crossing::split)
+    refuse("sizes do not go with crossings that are split: the vertices there would have none");
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    refuse_unless(sizes[i] > 0, ("sizes[" + std::to_string(i) + "]").c_str(), "above 0", sizes[i]);
 }
 
-OrderedMesh refine(Run& run, const Refinement& wanted, OrderedMesh ordered, Buffer<cl_uint> refs) {
+void tell_coarse_grid(Run& run) {
+  const double cell = run.vertices.grid.cell(), least = least_refined_side * cell,
+               side = shortest_wanted(*run.options.refine);
+  if (side >= 2 * least || run.vertices.n() < 3) return;
+  const std::string said = "the grid is too coarse for triangles with sides of about " + text_of(side) +
+                           ": those with a side below " + std::to_string(least_refined_side) + " cells, " +
+                           text_of(least) + ", are left as they are";
+  run.runtime.log(GCDT_LOG_WARNING, "refine: " + said);
+  run.statistics.notes.push_back(said);
+}
+
+OrderedMesh refine(Run& run, OrderedMesh ordered, Buffer<cl_uint> refs) {
+  const Refinement& wanted = *run.options.refine;
   runtime::Runtime& runtime = run.runtime;
   const OrderedMesh& hull = run.result.hull.corners.allocated() ? run.result.hull : ordered;
   if (ordered.triangles == 0) return ordered;
   Buffer<cl_uint> sizes = sizes_in_cells(run, wanted);
+  Buffer<cl_ulong> areas = areas_of_labels(run, wanted, ordered.triangles);
   Refiner refiner(runtime, run.primitives, rules_of(wanted, run.vertices.grid.cell()), wanted.most_added,
-                  std::move(run.vertices), std::move(run.mesh), run.pieces, std::move(sizes));
+                  std::move(run.vertices), std::move(run.mesh), run.pieces, std::move(sizes), std::move(areas));
   refiner.keep(refs, run.result.kept, hull.triangles);
   ordered = {};
   run.result.hull = {};
@@ -148,9 +222,9 @@ OrderedMesh refine(Run& run, const Refinement& wanted, OrderedMesh ordered, Buff
   OrderedMesh all =
       order_triangles(runtime, run.primitives, plan, refined.mesh, refined.vertices, run.options.canonical, &refs);
   if (run.options.check) check(runtime, run.plan, all, refined.vertices, subsegments);
+  append_added(run, refined);
   run.pieces = refined_pieces(runtime, run.primitives, refined, run.pieces, false);
   OrderedMesh kept = select(run, refined, std::move(all), refs);
-  append_added(run, refined);
   run.vertices = std::move(refined.vertices);
   return kept;
 }

@@ -7,12 +7,15 @@
 namespace gcdt {
 
 /// Throws invalid_argument for a refinement that makes no sense, or that cannot be combined with `options`, of an input
-/// of `vertices`.
+/// of `vertices`. The message names the member.
 void check_refinement(const Refinement& wanted, const Options& options, std::uint64_t vertices);
+
+/// Says in the log and as a note if the grid is too coarse for what is wanted. Called when the grid is known.
+void tell_coarse_grid(Run& run);
 
 /// Refines the triangles of the domain, which select_domain() left in `ordered`, if there are any. `refs`: the face of
 /// each triangle of the hull. Changes all that the run has of mesh, vertices, pieces and domain. Returns the triangles
 /// of the domain.
-OrderedMesh refine(Run& run, const Refinement& wanted, OrderedMesh ordered, runtime::Buffer<cl_uint> refs);
+OrderedMesh refine(Run& run, OrderedMesh ordered, runtime::Buffer<cl_uint> refs);
 
 }  // namespace gcdt

@@ -144,7 +144,7 @@ DeviceTriangulation Run::finish() {
   Statistics& s = statistics;
   auto& ms = s.ms;
   ms.core = sort_ms_ + ms.insert + ms.constrain - (ms.clean - ms.walk) + ms.flip + ms.gather;
-  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain;
+  ms.full = ms.order + ms.insert + ms.constrain + ms.flip + ms.check + ms.output + ms.domain + ms.refine;
   ms.build = runtime.build_ms() - built_;
   s.launches = runtime.launches() - launches_;
   s.read_backs = runtime.read_backs() - read_backs_;
@@ -170,7 +170,10 @@ DeviceTriangulation Run::finish() {
 Error Run::with_bytes_needed(const Error& error) const {
   const device::Counters& c = counters.last();
   const std::uint64_t pairs = std::max(statistics.crossed_pairs, wide(c.pairs_low, c.pairs_high));
-  const std::uint64_t needed = std::max(error.indices().at(0), device_bytes_needed(n, m, pairs));
+  const bool limited = options.refine && options.refine->most_added != UINT64_MAX;
+  const std::uint64_t all =
+      limited ? refined_bytes_needed(n, m, pairs, options.refine->most_added) : device_bytes_needed(n, m, pairs);
+  const std::uint64_t needed = std::max(error.indices().at(0), all);
   return Error(Status::workspace_too_small, std::string(error.what()) + ", and should have " + std::to_string(needed),
                {needed});
 }

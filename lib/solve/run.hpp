@@ -77,7 +77,10 @@ struct Run {
   /// Labels regions, and takes triangles that are not of the domain out of `ordered`. What is returned has no regions
   /// any more, which are the result's, and all triangles in place of those that were kept, if any were taken out.
   SelectedDomain select(OrderedMesh& ordered);
-  bool wants_regions() const { return options.regions || options.domain != Domain::hull; }
+  bool wants_regions() const {
+    return options.regions || options.domain != Domain::hull ||
+           (options.refine && !options.refine->region_areas.empty());
+  }
   WalkedMesh walked() { return {plan, vertices, mesh, history}; }
   /// The sums of times, counters and sizes; the result is whole.
   DeviceTriangulation finish();

@@ -78,6 +78,9 @@ void number(Run& run, OrderedMesh ordered) {
     result.added.points = run.runtime.allocate<cl_int2>("added vertices", 0);
     result.added.crossing = run.runtime.allocate<cl_uint2>("constraints of added vertices", 0);
   }
+  if (run.options.refine && !result.added.origins.allocated())  // nothing was there to be refined
+    result.added.origins = run.runtime.filled<cl_uint4>("origins of added vertices", result.added.count,
+                                                        {{GCDT_NONE, GCDT_NONE, GCDT_NONE, GCDT_NONE}});
   result.mesh = std::move(ordered);
 }
 
@@ -91,9 +94,10 @@ std::string flat_note(runtime::Runtime& runtime, const Vertices& vertices, const
   return few ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles";
 }
 
-DeviceTriangulation run_steps(Run& run, const InputSource& source, const Refinement* wanted) {
+DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   runtime::Runtime& runtime = run.runtime;
   const Options& options = run.options;
+  const bool refines = options.refine.has_value();
   auto& ms = run.statistics.ms;
   run.step("order", ms.order, ordered_share, [&] {
     run.ticker.tick("order", 0);
@@ -103,18 +107,17 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source, const Refinem
     run.take(order(runtime, run.primitives, run.plan, std::move(input.points), options.grid));
   });
   run.tell_plan();
+  if (refines) tell_coarse_grid(run);
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
   run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
   run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
   OrderedMesh ordered;
   runtime::Buffer<cl_uint> refs;
-  run.step("output", ms.output, wanted ? ordered_before_refining : 1,
-           [&] { ordered = put_in_order(run, wanted != nullptr, refs); });
+  run.step("output", ms.output, refines ? ordered_before_refining : 1,
+           [&] { ordered = put_in_order(run, refines, refs); });
   if (options.check) run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
   if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
-  if (wanted)
-    run.step("refine", run.result.refined.ms, 1,
-             [&] { ordered = refine(run, *wanted, std::move(ordered), std::move(refs)); });
+  if (refines) run.step("refine", ms.refine, 1, [&] { ordered = refine(run, std::move(ordered), std::move(refs)); });
   run.step("output", ms.output, [&] { number(run, std::move(ordered)); });
   DeviceTriangulation made = run.finish();
   Statistics& s = made.statistics;
@@ -125,12 +128,12 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source, const Refinem
 }  // namespace
 
 DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitives, const InputSource& source,
-                                const Options& options, const Refinement* wanted) {
-  if (wanted) check_refinement(*wanted, options, source.n);
+                                const Options& options) {
+  if (options.refine) check_refinement(*options.refine, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
   Run run(runtime, primitives, options, source.n, source.m);
   try {
-    return run_steps(run, source, wanted);
+    return run_steps(run, source);
   } catch (const Error& error) {
     if (error.status() == Status::workspace_too_small) throw run.with_bytes_needed(error);
     throw;

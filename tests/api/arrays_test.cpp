@@ -64,6 +64,7 @@ Elements expected_of_split(bool seeded) {
   all["dropped"] = {};
   all["added_on_grid"] = bytes_of<Pair>({{2, 2}});
   all["added_crossing"] = bytes_of<Pair>({{0, 1}});
+  all["added_origin"] = {};
   all["region"] = bytes_of<std::uint32_t>({0, 1, 2, 3});
   all["depth"] = bytes_of<std::uint32_t>({1, 1, 1, 0});
   all["winding"] = bytes_of<std::int32_t>({-1, -1, -1, 0});
@@ -182,7 +183,8 @@ TEST_CASE("what a result does not have is empty, and constraints that were dropp
   std::set<std::string> empty;
   for (const auto& [name, bytes] : copied_by_c(result))
     if (bytes.empty()) empty.insert(name);
-  CHECK(empty == std::set<std::string>{"added_on_grid", "added_crossing", "region", "depth", "winding", "region_seed"});
+  CHECK(empty == std::set<std::string>{"added_on_grid", "added_crossing", "added_origin", "region", "depth", "winding",
+                                       "region_seed"});
 }
 
 TEST_CASE("every array of a problem in a batch: of one that is split, and of one among others") {

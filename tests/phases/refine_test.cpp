@@ -19,13 +19,8 @@ namespace {
 /// PoCL as it is.
 runtime::Runtime& usual() { return *devices_as_all_kinds().front().runtime; }
 
-/// Options, and a refinement if there is one.
-struct Wanted : Options {
-  std::optional<Refinement> refine;
-};
-
-Wanted refining(double angle = 20) {
-  Wanted options;
+Options refining(double angle = 20) {
+  Options options;
   options.grid = FixedGrid{};
   options.crossing = Crossing::drop;
   options.refine = Refinement{};
@@ -33,11 +28,10 @@ Wanted refining(double angle = 20) {
   return options;
 }
 
-RefinedResult result_of(runtime::Runtime& runtime, const Workload& work, const Wanted& options) {
+RefinedResult result_of(runtime::Runtime& runtime, const Workload& work, const Options& options) {
   Primitives primitives(runtime);
   return read_refined(runtime,
-                      triangulate(runtime, primitives, source_of(runtime, work.points, work.constraints), options,
-                                  options.refine ? &*options.refine : nullptr),
+                      triangulate(runtime, primitives, source_of(runtime, work.points, work.constraints), options),
                       integers(work.points));
 }
 
@@ -46,8 +40,8 @@ std::uint64_t tangent_of(double angle) {
 }
 
 /// Empty if the result is all that is promised.
-std::string fault(runtime::Runtime& runtime, const Workload& work, const Wanted& options, const RefinedResult& r) {
-  Wanted plain = options;
+std::string fault(runtime::Runtime& runtime, const Workload& work, const Options& options, const RefinedResult& r) {
+  Options plain = options;
   plain.refine.reset();
   const RefinedResult before = result_of(runtime, work, plain);
   if (!mesh_fault(r).empty()) return mesh_fault(r);
@@ -145,8 +139,13 @@ std::vector<std::vector<std::int64_t>> by_coordinates(const RefinedResult& r) {
 }
 
 bool same(const RefinedResult& a, const RefinedResult& b) {
-  return by_coordinates(a) == by_coordinates(b) && a.points == b.points && a.triangles == b.triangles &&
-         a.pieces == b.pieces && a.sources == b.sources;
+  const auto words = [](const RefinedResult& r) {
+    std::vector<cl_uint> all;
+    for (const cl_uint4& origin : r.origins) all.insert(all.end(), origin.s, origin.s + 4);
+    return all;
+  };
+  return words(a) == words(b) && by_coordinates(a) == by_coordinates(b) && a.points == b.points &&
+         a.triangles == b.triangles && a.pieces == b.pieces && a.sources == b.sources;
 }
 
 }  // namespace
@@ -167,7 +166,7 @@ TEST_CASE("refined meshes are valid, reach the angle but where they say why not,
   std::uint64_t added = 0, bent = 0, far = 0, reasons[4] = {};
   for (const Workload& work : inputs(first_seed(), last_seed()))
     for (const double angle : {20.0, 30.0}) {
-      Wanted options = refining(angle);
+      Options options = refining(angle);
       options.refine->most_added = 4000;  // some at 30 degrees go on down to the grid
       const RefinedResult r = result_of(usual(), work, options);
       REQUIRE(fault(usual(), work, options, r) == "");
@@ -202,12 +201,13 @@ TEST_CASE("with room between the cells and no sharp corners nothing is left") {
 TEST_CASE("every device gives the same bytes, in every way") {
   const auto all = inputs(1, 2);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    Wanted options = refining(i % 2 == 0 ? 25 : 20);
-    const std::vector<double> sizes(all[i].points.size(), 200);
+    Options options = refining(i % 2 == 0 ? 25 : 20);
+    const std::vector<double> sizes(all[i].points.size(), 200), areas = {5e4};
     options.refine->most_added = 300;
     if (i % 5 == 0) options.refine->sizes = sizes;     // points
     if (i % 5 == 4) options.domain = Domain::nonzero;  // rings; regions go with the triangles
-    if (i % 5 == 4) options.refine->most_area = 1e5;
+    if (i % 5 == 4) options.refine->most_area = 1e5, options.region_seeds = {all[i].points[0]};
+    if (i % 5 == 4) options.refine->region_areas = areas;
     const RefinedResult expected = result_of(usual(), all[i], options);
     for (Treated& device : devices_as_all_kinds()) {
       CAPTURE(device.name);
@@ -223,7 +223,7 @@ TEST_CASE("vertices and constraints in another order give the same mesh") {
     Workload other = shuffled_vertices(work, random);
     for (Segment& s : other.constraints) std::swap(s[0], s[1]);
     // Which constraints are dropped depends on their order.
-    Wanted options = refining();
+    Options options = refining();
     const RefinedResult a = result_of(usual(), work, options), b = result_of(usual(), other, options);
     CHECK(by_coordinates(a) == by_coordinates(b));
     CHECK(std::vector<GridPoint>(a.points.begin() + long(a.inputs), a.points.end()) ==
@@ -234,7 +234,7 @@ TEST_CASE("vertices and constraints in another order give the same mesh") {
 TEST_CASE("triangles are no larger than wanted, and edges beside constraints are Delaunay if that is wanted") {
   Workload work{{{0, 0}, {1 << 20, 0}, {1 << 20, 1 << 20}, {0, 1 << 20}, {1000, 1 << 19}, {900000, 500000}},
                 {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}}};
-  Wanted options = refining();
+  Options options = refining();
   options.refine->most_area = 1e9;
   const RefinedResult r = result_of(usual(), work, options);
   CHECK(fault(usual(), work, options, r) == "");
@@ -265,7 +265,7 @@ TEST_CASE("triangles are no larger than wanted, and edges beside constraints are
 TEST_CASE("wanted lengths are reached, and vary from vertex to vertex") {
   const Workload work{{{0, 0}, {1 << 24, 0}, {1 << 24, 1 << 24}, {0, 1 << 24}}, {}};
   const std::vector<double> sizes = {1 << 17, 1 << 21, 1 << 21, 1 << 21};
-  Wanted options = refining();
+  Options options = refining();
   options.refine->sizes = sizes;
   const RefinedResult r = result_of(usual(), work, options);
   CHECK(fault(usual(), work, options, r) == "");
@@ -289,7 +289,7 @@ TEST_CASE("wanted lengths are reached, and vary from vertex to vertex") {
 
 TEST_CASE("fixed borders and constraints are not split") {
   for (const Workload& work : {rings(1, 3, 1 << 20), random_input(3, 40, 1u << 20, 20)}) {
-    Wanted options = refining();
+    Options options = refining();
     options.refine->splits = Splits::none;
     const RefinedResult none = result_of(usual(), work, options);
     CHECK(fault(usual(), work, options, none) == "");
@@ -298,7 +298,7 @@ TEST_CASE("fixed borders and constraints are not split") {
     options.refine->splits = Splits::inner;
     const RefinedResult inner = result_of(usual(), work, options);
     CHECK(fault(usual(), work, options, inner) == "");
-    Wanted plain = options;
+    Options plain = options;
     plain.refine.reset();
     const RefinedResult before = result_of(usual(), work, plain);
     const auto border = border_of(inner), border_before = border_of(before);
@@ -309,12 +309,12 @@ TEST_CASE("fixed borders and constraints are not split") {
 TEST_CASE("only the triangles of the domain are refined") {
   const Workload work = rings(2, 3, 1 << 20);
   for (const Domain domain : {Domain::even_odd, Domain::nonzero, Domain::outer, Domain::holes}) {
-    Wanted options = refining();
+    Options options = refining();
     options.domain = domain;
     if (domain == Domain::holes) options.hole_seeds = {{double(1 << 20), double(1 << 20)}};
     const RefinedResult r = result_of(usual(), work, options);
     CHECK(fault(usual(), work, options, r) == "");
-    Wanted plain = options;
+    Options plain = options;
     plain.refine.reset();
     const RefinedResult before = result_of(usual(), work, plain);
     Wide area = 0, area_before = 0;
@@ -341,7 +341,7 @@ TEST_CASE("a limit of vertices is kept, and the mesh is valid wherever it ends")
   const std::uint64_t all = result_of(usual(), work, refining(30)).refined.added;
   REQUIRE(all > 40);
   for (const std::uint64_t most : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{7}, all - 1, all}) {
-    Wanted options = refining(30);
+    Options options = refining(30);
     options.refine->most_added = most;
     const RefinedResult r = result_of(usual(), work, options);
     CHECK(fault(usual(), work, options, r) == "");
@@ -352,7 +352,7 @@ TEST_CASE("a limit of vertices is kept, and the mesh is valid wherever it ends")
 }
 
 TEST_CASE("inputs without triangles, of one triangle and of an empty domain are refined to what they are") {
-  Wanted options = refining();
+  Options options = refining();
   CHECK(result_of(usual(), {{{0, 0}, {5, 5}, {9, 9}}, {{0, 2}}}, options).triangles.empty());
   CHECK(result_of(usual(), {{}, {}}, options).triangles.empty());
   const Workload triangle{{{0, 0}, {1 << 20, 0}, {0, 1 << 20}}, {}};
@@ -366,7 +366,7 @@ TEST_CASE("what makes no sense is refused") {
   const Workload work = random_input(1, 10, 1000, 0);
   const std::vector<double> short_of_one(9, 1.0), with_zero = {1, 1, 1, 1, 1, 0, 1, 1, 1, 1}, ones(10, 1.0);
   const auto refused = [&](auto change, Crossing crossing = Crossing::drop) {
-    Wanted options = refining();
+    Options options = refining();
     options.crossing = crossing;
     change(*options.refine);
     try {
@@ -391,7 +391,7 @@ TEST_CASE("what makes no sense is refused") {
 
 TEST_CASE("a refinement can be cancelled, and the device be used again") {
   const Workload work = random_input(11, 200, 1u << 30, 0);
-  Wanted options = refining();
+  Options options = refining();
   options.progress = [](const char* phase, double) { return std::string(phase) != "refine"; };
   CHECK_THROWS_AS(result_of(usual(), work, options), Error);
   options.progress = {};

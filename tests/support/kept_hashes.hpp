@@ -80,6 +80,8 @@ inline Options options_of(const std::string& how, const Workload& work) {
       options.domain = domain->second;
     else if (word == "drop" || word == "split")
       options.crossing = word == "drop" ? Crossing::drop : Crossing::split;
+    else if (word == "refine")
+      options.refine = Refinement{};
     else if (word == "regions")
       options.regions = true;
     else

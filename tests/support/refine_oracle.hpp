@@ -153,19 +153,25 @@ inline std::string chain_fault(const RefinedResult& r, const RefinedResult& plai
   for (std::size_t i = 0; 2 * i < r.pieces.size(); ++i)
     left[edge(r.points[r.pieces[2 * i]], r.points[r.pieces[2 * i + 1]])] = {
         r.sources.begin() + r.source_offsets[i], r.sources.begin() + r.source_offsets[i + 1]};
-  std::map<cl_uint, std::vector<GridPoint>> on;
-  std::size_t far = 0;
+  std::map<cl_uint, std::vector<GridPoint>> on;  // by the constraint, which several pieces may have
+  std::size_t far = 0, placed = 0, named = 0;
   for (std::size_t i = 0; i < r.origins.size(); ++i)
-    if (r.origins[i].s[3] != GCDT_NONE) on[r.origins[i].s[3]].push_back(r.points[r.inputs + i]);
+    if (r.origins[i].s[3] != GCDT_NONE) {
+      on[r.origins[i].s[3]].push_back(r.points[r.inputs + i]);
+      ++named;
+    }
   for (std::size_t i = 0; 2 * i < plain.pieces.size(); ++i) {
     GridPoint a = plain.points[plain.pieces[2 * i]], b = plain.points[plain.pieces[2 * i + 1]];
     if (b < a) std::swap(a, b);
     const int along = std::llabs(b[0] - a[0]) >= std::llabs(b[1] - a[1]) ? 0 : 1;
-    std::vector<GridPoint> chain = on[cl_uint(i)];
-    for (const GridPoint& v : chain) {
+    std::vector<GridPoint> chain;
+    for (const GridPoint& v : on[plain.sources[plain.source_offsets[i]]]) {
       const double distance = distance_on_axis(a, b, v);
+      if (distance == 2) continue;  // on another piece of this constraint
       if (distance >= 1) return "a vertex is not beside its piece";
       far += distance > 0.5;
+      ++placed;
+      chain.push_back(v);
     }
     chain.push_back(a);
     chain.push_back(b);
@@ -187,6 +193,7 @@ inline std::string chain_fault(const RefinedResult& r, const RefinedResult& plai
       }
     }
   }
+  if (placed != named) return "a vertex is on no piece, or on two";
   if (!left.empty()) return "a piece is part of no piece of the input";
   if (far > r.refined.far) return "more vertices are far from their piece than were counted";
   return "";

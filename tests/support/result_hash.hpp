@@ -61,6 +61,7 @@ inline std::uint64_t result_hash(const Triangulation& result) {
   add_if_any(result.added_on_grid);
   add_if_any(result.added);
   add_if_any(result.added_crossing);
+  add_if_any(result.added_origin);
   return hash.value();
 }
 

@@ -73,7 +73,7 @@ struct Result {
 
   Result(const Input& of, const Triangulation& made);
 
-  /// The vertices of the input, then those that splitting added.
+  /// The vertices of the input, then those that splitting and refinement added.
   std::size_t vertex_count() const { return input.vertices.size() + mesh.added.size(); }
   const std::array<double, 2>& vertex(std::size_t v) const {
     return v < input.vertices.size() ? input.vertices[v] : mesh.added[v - input.vertices.size()];
@@ -82,11 +82,14 @@ struct Result {
     const std::size_t i = v * input.attribute_count + k;
     return i < input.attributes.size() ? input.attributes[i] : added_attributes[i - input.attributes.size()];
   }
-  /// Of added vertices that of the lesser constraint that crosses there, 0 without one.
+  /// Of added vertices that of the lesser constraint that crosses there, or of the least that the vertex is on; 0
+  /// without one.
   std::int32_t vertex_marker(std::size_t v) const {
     if (v < input.vertex_markers.size()) return input.vertex_markers[v];
-    const std::uint32_t constraint = mesh.added_crossing[v - input.vertices.size()][0];
-    return input.constraint_markers.empty() ? 0 : input.constraint_markers[constraint];
+    const std::size_t i = v - input.vertices.size();
+    const std::uint32_t crossing = mesh.added_crossing[i][0],
+                        constraint = crossing != UINT32_MAX ? crossing : mesh.added_origin[i][3];
+    return constraint < input.constraint_markers.size() ? input.constraint_markers[constraint] : 0;
   }
 };
 

@@ -69,8 +69,8 @@ Result::Result(const Input& of, const Triangulation& made) : input(of), mesh(mad
   added_attributes.resize(mesh.added.size() * input.attribute_count);
   if (added_attributes.empty()) return;
   for (std::uint32_t k = 0; k < input.attribute_count; ++k) {
-    const auto values =
-        added_values(input.vertices, input.constraints, mesh.added, mesh.added_crossing, attribute_of(input, k));
+    const auto values = added_values(input.vertices, input.constraints, mesh.added, mesh.added_crossing,
+                                     mesh.added_origin, attribute_of(input, k));
     for (std::size_t i = 0; i < values.size(); ++i) added_attributes[i * input.attribute_count + k] = values[i];
   }
 }
