@@ -14,9 +14,14 @@ namespace {
 using namespace gcdt;
 
 constexpr const char* triangulate_help =
+    "Inputs by extension: .poly .node of Triangle; .geojson .wkt .wkb geometries; .json also bare rings; .csv points;\n"
+    ".npz .npy arrays of NumPy; .pslg binary; .txt of CDT; .obj .off .ply edges of surfaces; .shp .gpkg .fgb .dxf by\n"
+    "GDAL, if built with it.\n"
     "Outputs by extension: .ele triangles, .neigh neighbours, .edge edges (marker 1: constrained, 0: not),\n"
-    ".node vertices, .poly vertices and cleaned constraints, .vtu for ParaView, .svg picture. All files\n"
-    "appear together or not at all. Without -o the statistics are printed.\n\n";
+    ".node vertices, .poly .pslg vertices and cleaned constraints, .vtu for ParaView, .npz all arrays, .npy "
+    "triangles,\n"
+    ".ply .obj .off surfaces, .msh for gmsh, .geojson polygons; .svg .png .pdf pictures. All files appear together or\n"
+    "not at all. Without -o the statistics are printed.\n\n";
 
 constexpr const char* verify_help =
     "OUTPUT is an .ele file, a .neigh file with the .ele beside it, or a .vtu file. The grid is taken from\n"
@@ -79,8 +84,7 @@ void add_distinct(CLI::App& app, bool& distinct) {
 
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
-  app->add_option("INPUT", arguments.input,
-                  "A .poly or .node file as of Triangle, GeoJSON (.geojson, .json), or - for a .poly on standard input")
+  app->add_option("INPUT", arguments.input, "A file in one of the formats below, or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")
@@ -110,10 +114,9 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
 
 void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("batch", "Triangulate many inputs in one call, on any number of devices");
-  app->add_option(
-         "INPUT", arguments.inputs,
-         "A .poly or .node file as of Triangle, GeoJSON, a file with a GeoJSON text, so a problem, in each line "
-         "(.geojsonl, .ndjson, .geojsons), or a folder of them")
+  app->add_option("INPUT", arguments.inputs,
+                  "What triangulate takes, a file with a GeoJSON text, so a problem, in each line (.geojsonl, .ndjson, "
+                  ".geojsons), or a folder of them")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.folder,
@@ -121,8 +124,8 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
                   "missing")
       ->type_name("DIR");
   app->add_option("--format", arguments.formats,
-                  "ele, node, neigh, edge, poly, vtu, svg, or jsonl (one file for an input with many problems); may be "
-                  "given several times")
+                  "What triangulate writes, such as ele, node, vtu, npz or svg, or jsonl (one file for an input with "
+                  "many problems); may be given several times")
       ->allow_extra_args(false)
       ->type_name("FORMAT")
       ->capture_default_str();
@@ -150,8 +153,7 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
 void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   CLI::App* app =
       gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
-  app->add_option("INPUT", arguments.input,
-                  "The file that was triangulated: .poly, .node, .geojson or .json, or - for a .poly on standard input")
+  app->add_option("INPUT", arguments.input, "The file that was triangulated, or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
@@ -166,7 +168,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
 void add_mesh(CLI::App& app, command::MeshArguments& mesh) {
   app.add_option("INPUT", mesh.input,
                  "What triangulate takes, and is triangulated; or a mesh, which is taken as it is: an .ele file with "
-                 "the .node beside it, or a .vtu file, of gcdt, Triangle or others")
+                 "the .node beside it, an .npz file with triangles, or a .vtu file, of gcdt, Triangle or others")
       ->required()
       ->type_name("");
   add_crossing(app, mesh.crossing);
