@@ -41,6 +41,11 @@ struct RasterArguments {
   double no_data = -9999;
 };
 
+struct ViewArguments {
+  MeshArguments mesh;
+  std::string output, title;
+};
+
 struct VerifyArguments {
   std::string input, output;
   std::string crossing = "reject", domain = "hull", grid;
@@ -60,6 +65,8 @@ void verify(const VerifyArguments& arguments);
 void triangulate_batch(const BatchArguments& arguments);
 void locate(const LocateArguments& arguments);
 void raster(const RasterArguments& arguments);
+/// Writes a page that shows the mesh in a browser.
+void view(const ViewArguments& arguments);
 void list_devices();
 
 Crossing crossing_named(const std::string& name);

@@ -47,6 +47,14 @@ constexpr const char* raster_help =
     "from the least value to the largest, and transparent outside. Each has a world file beside it (.acw .ftw "
     ".pgw).\n\n";
 
+constexpr const char* view_help =
+    "PAGE.html is one file that a browser opens without a server and without a network. It shows up to some millions "
+    "of\n"
+    "triangles with WebGL 2, by region, smallest angle or attribute, and of the triangle under the pointer its "
+    "corners\n"
+    "and the input's constraints along its edges. What stands after # in its address (x, y, scale, colour,\n"
+    "pick=X,Y) says what is shown at first.\n\n";
+
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
     "ran out of memory; 5 a check failed; 6 an output cannot be written; 130 interrupted.";
@@ -202,6 +210,15 @@ void add_raster(CLI::App& gcdt, command::RasterArguments& arguments) {
   app->callback([&arguments] { command::raster(arguments); });
 }
 
+void add_view(CLI::App& gcdt, command::ViewArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("view", "Write a page that shows the mesh of INPUT in a browser");
+  add_mesh(*app, arguments.mesh);
+  app->add_option("-o,--output", arguments.output, "The page to write")->required()->type_name("PAGE.html");
+  app->add_option("--title", arguments.title, "What stands above it; default: the name of INPUT")->type_name("TEXT");
+  app->footer(std::string(view_help) + status_help);
+  app->callback([&arguments] { command::view(arguments); });
+}
+
 int leave(io::Exit exit, const std::string& what) {
   if (command::interrupted()) {
     std::fputs("gcdt: interrupted\n", stderr);
@@ -227,6 +244,7 @@ int main(int argc, char** argv) {
   command::VerifyArguments verify;
   command::LocateArguments locate;
   command::RasterArguments raster;
+  command::ViewArguments view;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
@@ -234,6 +252,7 @@ int main(int argc, char** argv) {
   add_verify(app, verify);
   add_locate(app, locate);
   add_raster(app, raster);
+  add_view(app, view);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
   try {
     app.parse(argc, argv);

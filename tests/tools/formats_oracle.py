@@ -16,7 +16,7 @@ import shapely.geometry
 import shapely.wkb
 import shapely.wkt
 
-GCDT = sys.argv[1]
+GCDT = os.path.abspath(sys.argv[1])
 
 
 def gcdt(*arguments, status=0):
