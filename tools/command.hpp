@@ -46,6 +46,12 @@ struct ViewArguments {
   std::string output, title;
 };
 
+struct BenchArguments {
+  std::string device;  ///< empty: all
+  double seconds = 10;
+  std::uint32_t vertices = 200000;
+};
+
 struct VerifyArguments {
   std::string input, output;
   std::string crossing = "reject", domain = "hull", grid;
@@ -68,6 +74,8 @@ void raster(const RasterArguments& arguments);
 /// Writes a page that shows the mesh in a browser.
 void view(const ViewArguments& arguments);
 void list_devices();
+/// Measures devices one after the other, prints what it finds as it does, and which one `auto` is.
+void bench(const BenchArguments& arguments);
 
 Crossing crossing_named(const std::string& name);
 

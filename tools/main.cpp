@@ -7,6 +7,7 @@
 #include <new>
 
 #include "command.hpp"
+#include "completion.hpp"
 #include "progress.hpp"
 
 namespace {
@@ -219,6 +220,31 @@ void add_view(CLI::App& gcdt, command::ViewArguments& arguments) {
   app->callback([&arguments] { command::view(arguments); });
 }
 
+void add_bench(CLI::App& gcdt, command::BenchArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("bench", "Measure how fast each device is, and say which one auto picks");
+  app->add_option("--device", arguments.device, "Measure this one only")->type_name("SPEC");
+  app->add_option("--seconds", arguments.seconds, "For how long, on each device")
+      ->check(CLI::Range(0.0, 3600.0).description(""))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app->add_option("--vertices", arguments.vertices, "How many vertices a call has, about")
+      ->check(CLI::Range(4u, 500000000u).description(""))
+      ->type_name("COUNT")
+      ->capture_default_str();
+  app->footer(status_help);
+  app->callback([&arguments] { command::bench(arguments); });
+}
+
+void add_completion(CLI::App& gcdt, std::string& what) {
+  CLI::App* app =
+      gcdt.add_subcommand("completion", "Print what a shell needs to complete this command, or its man page");
+  app->add_option("SHELL", what, "bash, zsh, fish or man")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}).description(""))
+      ->type_name("");
+  app->callback([&gcdt, &what] { command::print(command::completion(gcdt, what, version())); });
+}
+
 int leave(io::Exit exit, const std::string& what) {
   if (command::interrupted()) {
     std::fputs("gcdt: interrupted\n", stderr);
@@ -245,6 +271,8 @@ int main(int argc, char** argv) {
   command::LocateArguments locate;
   command::RasterArguments raster;
   command::ViewArguments view;
+  command::BenchArguments bench;
+  std::string shell;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
@@ -254,6 +282,8 @@ int main(int argc, char** argv) {
   add_raster(app, raster);
   add_view(app, view);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
+  add_bench(app, bench);
+  add_completion(app, shell);
   try {
     app.parse(argc, argv);
     return 0;

@@ -14,8 +14,7 @@ namespace {
 
 class Reader {
  public:
-  Reader(const std::string& path, Input& input)
-      : path_(path), text_(read_file(path)), input_(input), geometries_(input) {}
+  Reader(const std::string& path, Input& input) : path_(path), text_(read_file(path)), geometries_(input) {}
 
   void read() {
     if (text_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = 3;  // the byte order mark of UTF-8
@@ -164,7 +163,6 @@ class Reader {
   const std::string text_;
   std::size_t at_ = 0;
   bool measured_ = false;  ///< third numbers are no heights
-  Input& input_;
   Geometries geometries_;
 };
 
