@@ -4,6 +4,7 @@
 set(GCDT_PYTHON_TREE "" CACHE PATH "An unpacked wheel of the Python package, to be packed as python3-gcdt")
 if(GCDT_PYTHON_TREE)
   install(DIRECTORY ${GCDT_PYTHON_TREE}/ DESTINATION lib/python3/dist-packages COMPONENT python)
+  install(FILES LICENSE DESTINATION share/doc/python3-gcdt RENAME copyright COMPONENT python)
 endif()
 
 set(library libgcdt${PROJECT_VERSION_MAJOR})
@@ -56,6 +57,9 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-gcdt)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.10), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS ${any_device})
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst
+    ${PROJECT_SOURCE_DIR}/packaging/python/prerm)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package, with the library and an OpenCL loader inside.")
 
 include(CPack)
