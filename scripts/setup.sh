@@ -2,21 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the distribution's packages that building and running gcdt needs, and nothing else.
 # Usage: scripts/setup.sh [--tests]
-#   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, PyOpenCL, abidiff, FreeType, Eigen, clang-format
+#   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, PyOpenCL, NumPy, shapely, meshio,
+#             poppler, abidiff, FreeType, Eigen, clang-format
 # Packages that are there already are left alone; if none is missing, neither the network nor root is needed.
 set -euo pipefail
 
 build=(g++ cmake make pkg-config ca-certificates
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
-  libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev libpng-dev)
+  libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev libpng-dev zlib1g-dev libzip-dev libcairo2-dev)
 tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14
-  python3-pyopencl abigail-tools binutils libfreetype-dev fonts-dejavu-core libeigen3-dev)
+  python3-pyopencl python3-numpy python3-shapely python3-meshio poppler-utils abigail-tools binutils libfreetype-dev
+  fonts-dejavu-core libeigen3-dev)
 
 wanted=("${build[@]}")
 for argument in "$@"; do
   case $argument in
     --tests) wanted+=("${tests[@]}") ;;
-    -h | --help) sed -n '3,6s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '3,7s/^# //p' "$0"; exit 0 ;;
     *) echo "setup.sh: unknown option $argument (only --tests)" >&2; exit 2 ;;
   esac
 done

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "io/inputs.hpp"
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
@@ -18,18 +19,25 @@ using io::Failure;
 
 namespace {
 
-// What a folder may hold; of inputs with the same name the first of these kinds is taken.
-constexpr const char* kinds[] = {".poly", ".node", ".geojson", ".geojsonl", ".ndjson", ".geojsons"};
+/// What a folder may hold; of inputs with the same name the first of these kinds is taken.
+std::vector<std::string> kinds_in_folders() {
+  std::vector<std::string> kinds;
+  for (const io::InputFormat& format : io::input_formats())
+    if (format.in_folders) kinds.push_back(format.extension);
+  for (const char* lines : {".geojsonl", ".ndjson", ".geojsons"}) kinds.push_back(lines);
+  return kinds;
+}
 
 /// The inputs that an argument stands for: itself, or all of a folder, by name.
 std::vector<std::string> inputs_of(const std::string& argument) {
   std::error_code unknown;
   if (!fs::is_directory(argument, unknown)) return {argument};
+  const std::vector<std::string> kinds = kinds_in_folders();
   std::set<std::string> found;
   std::error_code failed;
   for (fs::directory_iterator file(argument, failed), end; !failed && file != end; file.increment(failed)) {
     const std::string extension = io::lower_extension(file->path().string());
-    for (const char* kind : kinds) {
+    for (const std::string& kind : kinds) {
       if (extension == kind) found.insert(file->path().string());
       if (extension == kind || fs::exists(fs::path(file->path()).replace_extension(kind))) break;
     }
@@ -94,7 +102,7 @@ std::vector<std::string> formats_of(const BatchArguments& arguments) {
   for (const std::string& given : arguments.formats) {
     const std::string format = io::lower_extension("x." + given.substr(given.rfind('.') + 1));
     if (!io::writer_for(format) && format != collected)
-      throw Failure(Exit::usage, fmt::format("--format {}: there are ele node neigh edge poly vtu svg jsonl", given));
+      throw Failure(Exit::usage, fmt::format("--format {}: there are {} jsonl", given, io::output_extensions(false)));
     formats.push_back(format);
   }
   return formats;

@@ -6,8 +6,8 @@
 #include <gcdt/gcdt_pool.hpp>
 
 #include "command.hpp"
-#include "io/formats.hpp"
 #include "io/geojson.hpp"
+#include "io/outputs.hpp"
 
 namespace gcdt::command {
 

@@ -47,6 +47,17 @@ struct RasterArguments {
   double no_data = -9999;
 };
 
+struct ViewArguments {
+  MeshArguments mesh;
+  std::string output, title;
+};
+
+struct BenchArguments {
+  std::string device;  ///< empty: all
+  double seconds = 10;
+  std::uint32_t vertices = 200000;
+};
+
 struct VerifyArguments {
   std::string input, output;
   std::string crossing = "reject", domain = "hull", grid;
@@ -67,7 +78,11 @@ void verify(const VerifyArguments& arguments);
 void triangulate_batch(const BatchArguments& arguments);
 void locate(const LocateArguments& arguments);
 void raster(const RasterArguments& arguments);
+/// Writes a page that shows the mesh in a browser.
+void view(const ViewArguments& arguments);
 void list_devices();
+/// Measures devices one after the other, prints what it finds as it does, and which one `auto` is.
+void bench(const BenchArguments& arguments);
 
 Crossing crossing_named(const std::string& name);
 

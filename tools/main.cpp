@@ -7,6 +7,7 @@
 #include <new>
 
 #include "command.hpp"
+#include "completion.hpp"
 #include "progress.hpp"
 #include "triangle_switches.hpp"
 
@@ -15,9 +16,14 @@ namespace {
 using namespace gcdt;
 
 constexpr const char* triangulate_help =
+    "Inputs by extension: .poly .node of Triangle; .geojson .wkt .wkb geometries; .json also bare rings; .csv points;\n"
+    ".npz .npy arrays of NumPy; .pslg binary; .txt of CDT; .obj .off .ply edges of surfaces; .shp .gpkg .fgb .dxf by\n"
+    "GDAL, if built with it.\n"
     "Outputs by extension: .ele triangles, .neigh neighbours, .edge edges (marker 1: constrained, 0: not),\n"
-    ".node vertices, .poly vertices and cleaned constraints, .vtu for ParaView, .svg picture. All files\n"
-    "appear together or not at all. Without -o the statistics are printed.\n\n";
+    ".node vertices, .poly .pslg vertices and cleaned constraints, .vtu for ParaView, .npz all arrays, .npy "
+    "triangles,\n"
+    ".ply .obj .off surfaces, .msh for gmsh, .geojson polygons; .svg .png .pdf pictures. All files appear together or\n"
+    "not at all. Without -o the statistics are printed.\n\n";
 
 constexpr const char* verify_help =
     "OUTPUT is an .ele file, a .neigh file with the .ele beside it, or a .vtu file. The grid is taken from\n"
@@ -42,6 +48,14 @@ constexpr const char* raster_help =
     "grey\n"
     "from the least value to the largest, and transparent outside. Each has a world file beside it (.acw .ftw "
     ".pgw).\n\n";
+
+constexpr const char* view_help =
+    "PAGE.html is one file that a browser opens without a server and without a network. It shows up to some millions "
+    "of\n"
+    "triangles with WebGL 2, by region, smallest angle or attribute, and of the triangle under the pointer its "
+    "corners\n"
+    "and the input's constraints along its edges. What stands after # in its address (x, y, scale, colour,\n"
+    "pick=X,Y) says what is shown at first.\n\n";
 
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
@@ -90,8 +104,7 @@ void add_triangle(CLI::App& app, command::TriangulateArguments& arguments) {
 
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
-  app->add_option("INPUT", arguments.input,
-                  "A .poly or .node file as of Triangle, GeoJSON (.geojson, .json), or - for a .poly on standard input")
+  app->add_option("INPUT", arguments.input, "A file in one of the formats below, or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.outputs, "A file to write; may be given several times")
@@ -136,10 +149,9 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
 
 void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("batch", "Triangulate many inputs in one call, on any number of devices");
-  app->add_option(
-         "INPUT", arguments.inputs,
-         "A .poly or .node file as of Triangle, GeoJSON, a file with a GeoJSON text, so a problem, in each line "
-         "(.geojsonl, .ndjson, .geojsons), or a folder of them")
+  app->add_option("INPUT", arguments.inputs,
+                  "What triangulate takes, a file with a GeoJSON text, so a problem, in each line (.geojsonl, .ndjson, "
+                  ".geojsons), or a folder of them")
       ->required()
       ->type_name("");
   app->add_option("-o,--output", arguments.folder,
@@ -147,8 +159,8 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
                   "missing")
       ->type_name("DIR");
   app->add_option("--format", arguments.formats,
-                  "ele, node, neigh, edge, poly, vtu, svg, or jsonl (one file for an input with many problems); may be "
-                  "given several times")
+                  "What triangulate writes, such as ele, node, vtu, npz or svg, or jsonl (one file for an input with "
+                  "many problems); may be given several times")
       ->allow_extra_args(false)
       ->type_name("FORMAT")
       ->capture_default_str();
@@ -176,8 +188,7 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
 void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   CLI::App* app =
       gcdt.add_subcommand("verify", "Prove that OUTPUT is the triangulation of INPUT, by exact arithmetic on the host");
-  app->add_option("INPUT", arguments.input,
-                  "The file that was triangulated: .poly, .node, .geojson or .json, or - for a .poly on standard input")
+  app->add_option("INPUT", arguments.input, "The file that was triangulated, or - for a .poly on standard input")
       ->required()
       ->type_name("");
   app->add_option("OUTPUT", arguments.output, "What was made of it: .ele, .neigh or .vtu")->required()->type_name("");
@@ -193,7 +204,7 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
 void add_mesh(CLI::App& app, command::MeshArguments& mesh) {
   app.add_option("INPUT", mesh.input,
                  "What triangulate takes, and is triangulated; or a mesh, which is taken as it is: an .ele file with "
-                 "the .node beside it, or a .vtu file, of gcdt, Triangle or others")
+                 "the .node beside it, an .npz file with triangles, or a .vtu file, of gcdt, Triangle or others")
       ->required()
       ->type_name("");
   add_crossing(app, mesh.crossing);
@@ -227,6 +238,40 @@ void add_raster(CLI::App& gcdt, command::RasterArguments& arguments) {
   app->callback([&arguments] { command::raster(arguments); });
 }
 
+void add_view(CLI::App& gcdt, command::ViewArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("view", "Write a page that shows the mesh of INPUT in a browser");
+  add_mesh(*app, arguments.mesh);
+  app->add_option("-o,--output", arguments.output, "The page to write")->required()->type_name("PAGE.html");
+  app->add_option("--title", arguments.title, "What stands above it; default: the name of INPUT")->type_name("TEXT");
+  app->footer(std::string(view_help) + status_help);
+  app->callback([&arguments] { command::view(arguments); });
+}
+
+void add_bench(CLI::App& gcdt, command::BenchArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("bench", "Measure how fast each device is, and say which one auto picks");
+  app->add_option("--device", arguments.device, "Measure this one only")->type_name("SPEC");
+  app->add_option("--seconds", arguments.seconds, "For how long, on each device")
+      ->check(CLI::Range(0.0, 3600.0).description(""))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app->add_option("--vertices", arguments.vertices, "How many vertices a call has, about")
+      ->check(CLI::Range(4u, 500000000u).description(""))
+      ->type_name("COUNT")
+      ->capture_default_str();
+  app->footer(status_help);
+  app->callback([&arguments] { command::bench(arguments); });
+}
+
+void add_completion(CLI::App& gcdt, std::string& what) {
+  CLI::App* app =
+      gcdt.add_subcommand("completion", "Print what a shell needs to complete this command, or its man page");
+  app->add_option("SHELL", what, "bash, zsh, fish or man")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}).description(""))
+      ->type_name("");
+  app->callback([&gcdt, &what] { command::print(command::completion(gcdt, what, version())); });
+}
+
 int leave(io::Exit exit, const std::string& what) {
   if (command::interrupted()) {
     std::fputs("gcdt: interrupted\n", stderr);
@@ -252,6 +297,9 @@ int main(int argc, char** argv) {
   command::VerifyArguments verify;
   command::LocateArguments locate;
   command::RasterArguments raster;
+  command::ViewArguments view;
+  command::BenchArguments bench;
+  std::string shell;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
   add_triangulate(app, triangulate);
@@ -259,7 +307,10 @@ int main(int argc, char** argv) {
   add_verify(app, verify);
   add_locate(app, locate);
   add_raster(app, raster);
+  add_view(app, view);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
+  add_bench(app, bench);
+  add_completion(app, shell);
   try {
     app.parse(argc, argv);
     return 0;

@@ -42,9 +42,7 @@ void on_device(const MeshArguments& arguments, Options& options, Solved& made, S
 
 /// Of a mesh file, whose triangles are taken as they are.
 Solved adopted(const MeshArguments& arguments) {
-  if (arguments.crossing != "reject" || arguments.domain != "hull")
-    throw io::Failure(io::Exit::usage,
-                      fmt::format("{}: a mesh is taken as it is, without --crossing and --domain", arguments.input));
+  check_mesh_options(arguments);
   io::MeshInput read = io::read_mesh_input(arguments.input);
   Options options;
   options.grid = grid_from_option(arguments.grid);
@@ -65,11 +63,18 @@ Solved adopted(const MeshArguments& arguments) {
 
 }  // namespace
 
-Solved solved(const MeshArguments& arguments) {
+void check_mesh_options(const MeshArguments& arguments) {
+  if (arguments.crossing != "reject" || arguments.domain != "hull")
+    throw io::Failure(io::Exit::usage,
+                      fmt::format("{}: a mesh is taken as it is, without --crossing and --domain", arguments.input));
+}
+
+Solved solved(const MeshArguments& arguments, bool regions) {
   if (io::holds_mesh(arguments.input)) return adopted(arguments);
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
+  options.regions = regions;
   Solved made;
   made.input = io::read_input(arguments.input);
   set_domain(arguments.domain, made.input, options);

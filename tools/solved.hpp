@@ -18,9 +18,12 @@ struct Solved {
   std::vector<double> attribute(std::uint32_t k) const;
 };
 
-/// Reads and triangulates; a mesh file (.ele with its .node, .vtu) is taken as it is. Throws what these throw,
-/// explained.
-Solved solved(const MeshArguments& arguments);
+/// Reads and triangulates; a mesh file (.ele with its .node, .vtu, .npz) is taken as it is. Throws what these throw,
+/// explained. `regions`: their labels, too, where there is no domain.
+Solved solved(const MeshArguments& arguments, bool regions = false);
+
+/// Throws if a mesh, which is taken as it is, comes with options that make one.
+void check_mesh_options(const MeshArguments& arguments);
 
 /// The device that the option names, by number; says which, if several fit, unless `quiet`.
 std::string device_number(const std::string& spec, bool quiet);

@@ -8,8 +8,8 @@
 #include <gcdt/verify.hpp>
 
 #include "command.hpp"
-#include "io/formats.hpp"
 #include "io/output_files.hpp"
+#include "io/outputs.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
 #include "solved.hpp"
@@ -36,8 +36,7 @@ std::vector<std::string> written_paths(const TriangulateArguments& arguments) {
 void check_outputs(const TriangulateArguments& arguments) {
   for (const std::string& path : arguments.outputs)
     if (!io::writer_for(io::lower_extension(path)))
-      throw Failure(Exit::usage,
-                    fmt::format("{}: unknown output format; there are .ele .node .neigh .edge .poly .vtu .svg", path));
+      throw Failure(Exit::usage, fmt::format("{}: unknown output format; there are {}", path, io::output_extensions()));
   const auto paths = written_paths(arguments);
   for (std::size_t i = 0; i < paths.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <sstream>
 
-#include "io/formats.hpp"
+#include "io/outputs.hpp"
 #include "io/paths.hpp"
+#include "io/svg.hpp"
+#include "io/vtu.hpp"
 #include "scratch_folder.hpp"
 
 namespace gcdt::testing {

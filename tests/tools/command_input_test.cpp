@@ -45,7 +45,7 @@ TEST_CASE("GeoJSON is read: polygons with holes, lines and points of any collect
   CHECK(contains(session.read("hill.asc"), "\n18.75 18.75 18.75 18.75\n"));
   const char* broken[][2] = {
       {"{", "no JSON"},
-      {"\n\n[]", "bad.json:3: the file: an object is due, not []"},
+      {"\n\n77", "bad.json:3: the file: an object is due, not 77"},
       {"{\"type\": \"FeatureCollection\",\n \"features\": [{\"a\": [1, {\"type\": 2}],\n \"type\": \"Feature\",\n"
        " \"geometry\": {\"type\": \"Point\",\n \"coordinates\":\n [1, 2]}},\n \"se\\\"ven\"]}",
        "bad.json:7: the file, feature 1: an object is due, not \"se\\\"ven\""},

@@ -19,7 +19,7 @@ TEST_CASE("help and version are no errors") {
 TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
   Session session;
   session.write("in.poly", square);
-  session.write("in.obj", square);
+  session.write("in.stl", square);
   for (const char* arguments : {"",
                                 "frobnicate",
                                 "triangulate",
@@ -40,7 +40,7 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "triangulate in.poly --trace in.poly",
                                 "triangulate in.poly --stats t.json --trace t.json",
                                 "triangulate in.poly in.poly",
-                                "triangulate in.obj",
+                                "triangulate in.stl",
                                 "triangulate in.poly --grid 1",
                                 "triangulate in.poly --grid 0,0",
                                 "triangulate in.poly --grid 0,0,zero",
@@ -50,7 +50,7 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "verify in.poly in.poly",
                                 "devices 1"})
     session.bad(2, arguments);
-  CHECK(session.names() == std::vector<std::string>{"in.obj", "in.poly"});
+  CHECK(session.names() == std::vector<std::string>{"in.poly", "in.stl"});
   CHECK(session.read("in.poly") == square);
 }
 

@@ -155,7 +155,7 @@ TEST_CASE("a file that is missing, a folder, and an unknown extension are refuse
   CHECK(failure(folder / "folder.poly", Exit::input, [&] {
           io::read_input(folder / "folder.poly");
         }).find("cannot be read") != std::string::npos);
-  CHECK(!failure(folder / "a.obj", Exit::usage, [&] { io::read_input(folder / "a.obj"); }).empty());
+  CHECK(!failure(folder / "a.stl", Exit::usage, [&] { io::read_input(folder / "a.stl"); }).empty());
 }
 
 TEST_CASE("more vertices than a node file announces are refused") {

@@ -8,7 +8,8 @@ namespace gcdt::io {
 
 /// Reads all geometries of a .geojson or .json file: positions become vertices, their third numbers (heights) an
 /// attribute, if all have one; lines and rings become constraints. A ring's last position, which repeats its first, is
-/// left out. Outer rings are directed counter-clockwise and holes clockwise, whatever the file does.
+/// left out. Outer rings are directed counter-clockwise and holes clockwise, whatever the file does. A file that is an
+/// array holds positions, which are a ring, or such rings, which are a polygon, or such polygons.
 /// Throws Failure (Exit::input).
 Input read_geojson(const std::string& path);
 

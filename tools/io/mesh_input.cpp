@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "npz.hpp"
 #include "paths.hpp"
 #include "vtu.hpp"
 
@@ -44,12 +45,14 @@ MeshInput read_vtu_whole(const std::string& path) {
 
 bool holds_mesh(const std::string& path) {
   const std::string extension = lower_extension(path);
-  return extension == ".ele" || extension == ".vtu";
+  return extension == ".ele" || extension == ".vtu" || (extension == ".npz" && npz_holds_mesh(path));
 }
 
 MeshInput read_mesh_input(const std::string& path) {
   try {
-    return lower_extension(path) == ".vtu" ? read_vtu_whole(path) : read_ele_and_node(path);
+    const std::string extension = lower_extension(path);
+    if (extension == ".npz") return read_npz_mesh(path);
+    return extension == ".vtu" ? read_vtu_whole(path) : read_ele_and_node(path);
   } catch (const Failure& failure) {
     // To verify, a number that does not exist is a result that is wrong; here it is an input that is.
     throw Failure(failure.exit() == Exit::check ? Exit::input : failure.exit(), failure.what());

@@ -11,12 +11,12 @@ struct MeshInput {
   MeshFile mesh;
 };
 
-/// Whether the extension is that of a mesh: .ele or .vtu.
+/// Whether a file is a mesh: .ele, .vtu, or an .npz with triangles, which is opened for that.
 bool holds_mesh(const std::string& path);
 
-/// Reads an .ele file with the .node beside it, or a .vtu file, of which the points' z, if any is not 0, and all point
-/// arrays with one number a point, but for `marker`, are attributes. Throws Failure: Exit::input, also for a number
-/// that does not exist.
+/// Reads an .ele file with the .node beside it, an .npz file, or a .vtu file, of which the points' z, if any is not 0,
+/// and all point arrays with one number a point, but for `marker`, are attributes. Throws Failure: Exit::input, also
+/// for a number that does not exist.
 MeshInput read_mesh_input(const std::string& path);
 
 /// A grid that was given as an option, to be given again; nothing for one that was chosen.

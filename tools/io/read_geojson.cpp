@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geojson.hpp"
+#include "geometries.hpp"
 #include "json_line.hpp"
 #include "paths.hpp"
 
@@ -14,9 +15,6 @@ namespace gcdt::io {
 namespace {
 
 using Json = nlohmann::json;
-
-// Collections in collections: deeper than any file that means it.
-constexpr int deepest = 64;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
@@ -36,9 +34,11 @@ class Reader {
     } catch (const Json::exception& error) {
       throw Failure(Exit::input, fmt::format("{}: no JSON that can be read: {}", name_, error.what()));
     }
-    object(root, "the file", 0);
-    direct_rings();
-    take_heights();
+    if (root.is_array())
+      bare_rings(root);
+    else
+      object(root, "the file", 0);
+    geometries_.finish();
     return std::move(input_);
   }
 
@@ -65,20 +65,6 @@ class Reader {
     constexpr std::size_t most = 40;
     const std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
     return text.size() > most ? text.substr(0, most) + "..." : text;
-  }
-
-  /// The third numbers of positions are an attribute, if all have one.
-  void take_heights() {
-    const auto without = std::count_if(heights_.begin(), heights_.end(), [](double h) { return !(h - h == 0); });
-    const std::size_t with = heights_.size() - static_cast<std::size_t>(without);
-    if (with == 0) return;
-    if (without > 0) {
-      input_.notes.push_back(
-          fmt::format("{} of {} positions have a third number, and not all: they are not used", with, heights_.size()));
-      return;
-    }
-    input_.attribute_count = 1;
-    input_.attributes = std::move(heights_);
   }
 
   const Json& member(const Json& of, const char* key, const std::string& where) const {
@@ -109,7 +95,7 @@ class Reader {
   }
 
   void object(const Json& value, const std::string& where, int depth) {
-    if (depth > deepest) fail(where, "collections are nested too deeply");
+    if (depth > deepest_collection) fail(where, "collections are nested too deeply");
     if (!value.is_object()) fail(where, fmt::format("an object is due, not {}", shown(value)));
     const Json& type = member(value, "type", where);
     if (!type.is_string()) {
@@ -141,7 +127,7 @@ class Reader {
     const auto line = [&](const Json& l, const std::string& place) { positions(l, place, false); };
     const auto polygon = [&](const Json& p, const std::string& place) {
       for_each(p, place, "ring", [&](const Json& r, const std::string& inner) { positions(r, inner, true); });
-      polygon_offsets_.push_back(rings_.size());
+      geometries_.end_polygon();
     };
     if (type == "Point") return position(at, where);
     if (type == "MultiPoint")
@@ -158,57 +144,37 @@ class Reader {
     const std::array<double, 2> at = {value[0].get<double>(), value[1].get<double>()};
     for (const double c : at)
       if (!(c - c == 0)) fail(where, "a coordinate is not finite");
-    if (input_.vertices.size() == max_vertices) fail(where, "too many vertices");
-    input_.vertices.push_back(at);
-    heights_.push_back(value.size() > 2 && value[2].is_number() ? value[2].get<double>() : none);
+    const double height = value.size() > 2 && value[2].is_number() ? value[2].get<double>() : none;
+    if (!geometries_.add(at[0], at[1], height)) fail(where, "too many vertices");
   }
 
   void positions(const Json& line, const std::string& where, bool ring) {
-    const auto begin = static_cast<std::uint32_t>(input_.vertices.size());
+    geometries_.begin();
     for_each(line, where, "position", [&](const Json& p, const std::string& place) { position(p, place); });
-    if (ring && input_.vertices.size() > begin + 1 && input_.vertices.back() == input_.vertices[begin]) {
-      input_.vertices.pop_back();
-      heights_.pop_back();
-    }
-    const auto end = static_cast<std::uint32_t>(input_.vertices.size());
-    const std::size_t first = input_.constraints.size();
-    for (std::uint32_t v = begin; v + 1 < end; ++v) input_.constraints.push_back({v, v + 1});
-    if (ring && end > begin) input_.constraints.push_back({end - 1, begin});
-    if (ring) rings_.push_back({begin, end, first});
+    ring ? geometries_.end_ring() : geometries_.end_line();
   }
 
-  /// Turns rings by the library's rule; a ring has as many constraints as vertices.
-  void direct_rings() {
-    std::vector<std::array<double, 2>> vertices;
-    std::vector<std::uint64_t> offsets = {0};
-    for (const Ring& ring : rings_) {
-      vertices.insert(vertices.end(), input_.vertices.begin() + ring.begin, input_.vertices.begin() + ring.end);
-      offsets.push_back(vertices.size());
-    }
-    const std::vector<Constraint> directed = ring_constraints(vertices, offsets, polygon_offsets_);
-    for (std::size_t r = 0; r < rings_.size(); ++r) {
-      const Ring& ring = rings_[r];
-      for (std::uint32_t i = 0; i < ring.end - ring.begin; ++i) {
-        const std::uint64_t from = offsets[r];
-        const Constraint& c = directed[from + i];
-        input_.constraints[ring.first_constraint + i] = {static_cast<std::uint32_t>(c[0] - from + ring.begin),
-                                                         static_cast<std::uint32_t>(c[1] - from + ring.begin)};
-      }
-    }
+  /// Arrays without a word of GeoJSON around them: of positions a ring, of rings a polygon, of those many.
+  void bare_rings(const Json& root) {
+    int depth = 0;
+    for (const Json* at = &root; at->is_array() && !at->empty() && depth < 5; at = &at->front()) ++depth;
+    const auto polygon = [&](const Json& p, const std::string& place) {
+      for_each(p, place, "ring", [&](const Json& r, const std::string& inner) { positions(r, inner, true); });
+      geometries_.end_polygon();
+    };
+    if (depth > 4) fail("the file", "arrays are nested deeper than polygons, rings, positions and numbers");
+    if (depth == 4) return for_each(root, "the file", "polygon", polygon);
+    if (depth != 2) return polygon(root, "the file");
+    positions(root, "the file", true);
+    geometries_.end_polygon();
   }
 
-  struct Ring {
-    std::uint32_t begin, end;  ///< vertices
-    std::size_t first_constraint;
-  };
   std::string name_;
   bool lines_;
   std::string_view text_;
   std::vector<JsonStep> path_;  ///< to the value that is looked at
   Input input_;
-  std::vector<Ring> rings_;
-  std::vector<std::uint64_t> polygon_offsets_ = {0};
-  std::vector<double> heights_;  ///< one a vertex
+  Geometries geometries_{input_};
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <unordered_map>
 
-#include "geojson.hpp"
 #include "grid_text.hpp"
+#include "inputs.hpp"
 #include "paths.hpp"
 #include "triangle_files.hpp"
 
@@ -278,17 +278,10 @@ void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
 
 }  // namespace
 
-Input read_input(const std::string& path) {
+Input read_triangle_file(const std::string& path) {
   Input input;
-  const std::string extension = lower_extension(path);
-  if (extension == ".geojson" || extension == ".json") return read_geojson(path);
-  if (path != "-" && extension != ".poly" && extension != ".node")
-    throw Failure(
-        Exit::usage,
-        fmt::format("{}: the input must be a .poly, .node, .geojson or .json file, or - for a .poly on standard input",
-                    path));
   input.files.push_back(path);
-  if (extension == ".node") {
+  if (lower_extension(path) == ".node") {
     Records in(path);
     read_vertices(in, vertex_header(in), input);
     expect_end(in);

@@ -105,7 +105,24 @@ std::string_view Records::take(std::string_view what) {
 
 std::string Records::field() const { return printable(field_); }
 
+// What is written plainly is read in one pass, without a look for the field's end before.
+template <class Parse>
+bool Records::read_plainly(Parse&& parse) {
+  if (!more()) return false;
+  const char* end = parse(at_, line_end_);
+  if (!end || (end < line_end_ && !is_blank(*end) && *end != '#')) return false;
+  field_ = {at_, static_cast<std::size_t>(end - at_)};
+  at_ = end;
+  return true;
+}
+
 std::int64_t Records::integer(std::string_view what) {
+  std::int64_t plain = 0;
+  if (read_plainly([&](const char* first, const char* last) {
+        const auto [end, error] = std::from_chars(first, last, plain);
+        return error == std::errc() ? end : nullptr;
+      }))
+    return plain;
   std::string_view text = take(what);
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   std::int64_t value = 0;
@@ -125,6 +142,12 @@ std::uint64_t Records::count(std::string_view what, std::uint64_t most) {
 }
 
 double Records::number(std::string_view what) {
+  double plain = 0;
+  if (read_plainly([&](const char* first, const char* last) {
+        const auto [end, error] = fast_float::from_chars(first, last, plain);
+        return error == std::errc() ? end : nullptr;
+      }))
+    return plain;
   std::string_view text = take(what);
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0;

@@ -54,6 +54,8 @@ class Records {
   std::uint64_t count(std::string_view what, std::uint64_t most);
   /// The next field as the nearest double; "nan" and "inf" are numbers here.
   double number(std::string_view what);
+  /// The next field as it is.
+  std::string_view word(std::string_view what) { return take(what); }
   /// The rest of the record, which must be numbers.
   void skip_numbers(std::string_view what);
 
@@ -68,6 +70,8 @@ class Records {
   [[noreturn]] void fail(const std::string& what, Exit exit = Exit::input) const;
 
  private:
+  template <class Parse>
+  bool read_plainly(Parse&& parse);
   std::string_view take(std::string_view what);
   void note_comment(std::string_view comment);
 

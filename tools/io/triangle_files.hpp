@@ -21,6 +21,7 @@ struct Input {
   std::vector<Constraint> constraints;  ///< vertex numbers from 0, whatever the file's first number is
   std::uint32_t attribute_count = 0;    ///< of each vertex
   std::vector<double> attributes;       ///< attribute_count a vertex
+  bool heights = false;                 ///< the first attribute is the vertices' z
   std::vector<std::int32_t> vertex_markers, constraint_markers;  ///< empty if the file has none
   std::vector<std::array<double, 2>> holes;                      ///< points
   struct Region {
@@ -36,9 +37,9 @@ struct Input {
   std::vector<std::string> notes;            ///< what was read and is not used
 };
 
-/// Reads a .poly, .node, .geojson or .json file by its extension; "-" is standard input and read as .poly.
-/// Throws Failure: Exit::usage for another extension, Exit::input with FILE:LINE for what is wrong inside.
-/// Memory is bounded by the size of the file, whatever counts it announces.
+/// Reads a file in the format of its extension (inputs.hpp); "-" is standard input and read as .poly.
+/// Throws Failure: Exit::usage for another extension, Exit::input with FILE:LINE, or the byte, for what is wrong
+/// inside. Memory is bounded by the size of the file, whatever counts it announces.
 Input read_input(const std::string& path);
 
 /// A mesh read back from .ele (and .neigh) or .vtu.

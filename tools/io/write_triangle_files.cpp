@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <tuple>
 
 #include "grid_text.hpp"
+#include "markers.hpp"
 #include "triangle_files.hpp"
 
 namespace gcdt::io {
@@ -23,38 +23,6 @@ void write_vertices(OutputFile& file, const Result& result) {
     if (!input.vertex_markers.empty()) file.print(" {}", result.vertex_marker(v));
     file.write("\n");
   }
-}
-
-/// The markers of constrained edges. An edge has the marker of its least source that has one; 1 if none has.
-class PieceMarkers {
- public:
-  explicit PieceMarkers(const Result& result) : result_(result) {
-    const auto& pieces = result.mesh.pieces;
-    if (result.input.constraint_markers.empty()) return;
-    for (std::uint32_t i = 0; i < pieces.size(); ++i) by_ends_.emplace_back(std::minmax(pieces[i][0], pieces[i][1]), i);
-    std::sort(by_ends_.begin(), by_ends_.end());
-  }
-  std::int32_t of_piece(std::size_t piece) const {
-    if (result_.input.constraint_markers.empty()) return 1;
-    for (std::uint32_t i = result_.mesh.source_offsets[piece]; i < result_.mesh.source_offsets[piece + 1]; ++i)
-      if (const std::int32_t marker = result_.input.constraint_markers[result_.mesh.sources[i]]) return marker;
-    return 1;
-  }
-  std::int32_t of_edge(std::uint32_t a, std::uint32_t b) const {
-    const auto found = std::lower_bound(by_ends_.begin(), by_ends_.end(), Entry{std::minmax(a, b), 0});
-    return found == by_ends_.end() ? 1 : of_piece(found->second);
-  }
-
- private:
-  using Entry = std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
-  const Result& result_;
-  std::vector<Entry> by_ends_;
-};
-
-/// What Triangle's switch -A writes: the attribute of the region's seed, 0 without one.
-double region_attribute(const Result& result, std::size_t t) {
-  const std::int32_t seed = result.mesh.region_seed[t];
-  return seed < 0 ? 0 : result.input.regions[static_cast<std::size_t>(seed)].attribute;
 }
 
 }  // namespace

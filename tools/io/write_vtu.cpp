@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "base64.hpp"
+#include "binary_file.hpp"
 #include "vtu.hpp"
 
 namespace gcdt::io {
@@ -76,11 +77,6 @@ void write_point_data(OutputFile& file, const Result& result) {
     write_array<std::int32_t>(file, "Name=\"marker\"", result.vertex_count(),
                               [&](std::uint64_t i) { return result.vertex_marker(i); });
   file.print("</PointData>\n");
-}
-
-bool little_endian() {
-  const std::uint16_t one = 1;
-  return *reinterpret_cast<const unsigned char*>(&one) == 1;
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct Canvas {
 
   std::vector<Place> places;
   double width = 0, height = 0;
+  double unit = 0;  ///< of the input; 0 if the vertices are one point, or too far apart
 
   explicit Canvas(const std::vector<std::array<double, 2>>& vertices) : places(vertices.size()) {
     constexpr double inf = std::numeric_limits<double>::infinity();
@@ -30,6 +31,7 @@ struct Canvas {
     if (vertices.empty()) return;
     const double extent = std::max(high[0] - low[0], high[1] - low[1]);
     auto scaled = [&](double half) { return extent > 0 ? half / extent * longer_side : 0; };
+    unit = 2 * (extent / longer_side);
     width = scaled(high[0] - low[0]);
     height = scaled(high[1] - low[1]);
     for (std::size_t i = 0; i < vertices.size(); ++i)

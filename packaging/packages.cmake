@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+# Debian packages by CPack, one a component: `cpack -G DEB` in a build with -DBUILD_SHARED_LIBS=ON (scripts/deb.sh).
+# GCDT_PYTHON_TREE, a folder with the unpacked wheel, adds the one for Python.
+set(GCDT_PYTHON_TREE "" CACHE PATH "An unpacked wheel of the Python package, to be packed as python3-gcdt")
+if(GCDT_PYTHON_TREE)
+  install(DIRECTORY ${GCDT_PYTHON_TREE}/ DESTINATION lib/python3/dist-packages COMPONENT python)
+  install(FILES LICENSE DESTINATION share/doc/python3-gcdt RENAME copyright COMPONENT python)
+endif()
+
+set(library libgcdt${PROJECT_VERSION_MAJOR})
+foreach(pair library:${library} dev:libgcdt-dev command:gcdt)
+  string(REPLACE ":" ";" pair ${pair})
+  list(GET pair 0 component)
+  list(GET pair 1 name)
+  install(FILES LICENSE DESTINATION share/doc/${name} RENAME copyright COMPONENT ${component})
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME gcdt)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "the gcdt developers <gcdt@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "exact constrained Delaunay triangulation on OpenCL devices")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL library dev command)
+if(GCDT_PYTHON_TREE)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_CURRENT_BINARY_DIR}/lib)
+set(same "= ${PROJECT_VERSION}")
+set(any_device "pocl-opencl-icd | opencl-icd")
+
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${library})
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS ${any_device})
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "The shared library, whose kernels are inside.")
+
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libgcdt-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${library} (${same}), opencl-c-headers, opencl-clhpp-headers, ocl-icd-opencl-dev")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers for C and C++, and files for CMake and pkg-config.")
+
+set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME gcdt)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS "${library} (${same})")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS ${any_device})
+set(CPACK_COMPONENT_COMMAND_DESCRIPTION "The command gcdt, its man page, and completions for bash, zsh and fish.")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-gcdt)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.10), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS ${any_device})
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst
+    ${PROJECT_SOURCE_DIR}/packaging/python/prerm)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python package, with the library and an OpenCL loader inside.")
+
+include(CPack)

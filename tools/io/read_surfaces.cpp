@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Text files of vertices and what joins them: CDT's .txt, and .obj and .off, whose faces give their edges.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "inputs.hpp"
+#include "surface.hpp"
+
+namespace gcdt::io {
+
+namespace {
+
+constexpr std::uint64_t most = (1ull << 31) - 1;
+
+/// The shortest record of such files, "0 0" and its line end, bounds how many a text can hold.
+std::size_t reservation(const Records& in, std::uint64_t count) {
+  return static_cast<std::size_t>(std::min<std::uint64_t>(count, in.bytes_left() / 4 + 1));
+}
+
+double coordinate(Records& in, const char* what) {
+  const double value = in.number(what);
+  if (!(value - value == 0)) in.fail(fmt::format("the {} is not finite: {}", what, in.field()));
+  return value;
+}
+
+void expect_record(Records& in, const char* kind, std::uint64_t done, std::uint64_t count) {
+  if (!in.next()) in.fail(fmt::format("the file ends after {} of {} {}", done, count, kind));
+}
+
+Input named(const std::string& path) {
+  Input input;
+  input.files = {path};
+  input.vertex_file = input.constraint_file = path;
+  return input;
+}
+
+std::uint32_t vertex_number(Records& in, const Input& input) {
+  const std::int64_t number = in.integer("a vertex number");
+  if (number < 0 || static_cast<std::uint64_t>(number) >= input.vertices.size())
+    in.fail(fmt::format("there is no vertex {}; there are {}, from 0 on", in.field(), input.vertices.size()));
+  return static_cast<std::uint32_t>(number);
+}
+
+/// The corner of a face of an .obj file: "7", "7/1", "7//2", "-1": from 1 on, or from the last one backwards.
+std::uint32_t corner(Records& in, const Input& input) {
+  const std::string_view word = in.word("a corner");
+  const std::string_view digits = word.substr(0, word.find('/'));
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  const auto count = static_cast<std::int64_t>(input.vertices.size());
+  if (error != std::errc() || end != digits.data() + digits.size())
+    in.fail(fmt::format("a corner must be a number, not \"{}\"", in.field()));
+  const std::int64_t index = number < 0 ? count + number : number - 1;
+  if (number == 0 || index < 0 || index >= count)
+    in.fail(fmt::format("there is no vertex {}; there are {} before this line", in.field(), count));
+  return static_cast<std::uint32_t>(index);
+}
+
+}  // namespace
+
+Input read_cdt_text(const std::string& path) {
+  Input input = named(path);
+  Records in(path);
+  if (!in.next()) in.fail("the numbers of vertices and edges are missing");
+  const std::uint64_t vertices = in.count("the number of vertices", max_vertices);
+  const std::uint64_t edges = in.more() ? in.count("the number of edges", most) : 0;
+  in.skip_numbers("the header");
+  input.vertices.reserve(reservation(in, vertices));
+  for (std::uint64_t i = 0; i < vertices; ++i) {
+    expect_record(in, "vertices", i, vertices);
+    const double x = coordinate(in, "x coordinate");
+    const double y = coordinate(in, "y coordinate");
+    in.skip_numbers("a coordinate");
+    input.vertices.push_back({x, y});
+    input.vertex_lines.append(in.line());
+  }
+  input.constraints.reserve(reservation(in, edges));
+  for (std::uint64_t i = 0; i < edges; ++i) {
+    expect_record(in, "edges", i, edges);
+    const std::uint32_t a = vertex_number(in, input);
+    const std::uint32_t b = vertex_number(in, input);
+    in.skip_numbers("an edge");
+    input.constraints.push_back({a, b});
+    input.constraint_lines.append(in.line());
+  }
+  if (in.next()) in.fail("more text than the counts announce");
+  return input;
+}
+
+Input read_obj(const std::string& path) {
+  Input input = named(path);
+  input.first = input.first_constraint = 1;
+  Heights heights;
+  Records in(path);
+  std::vector<std::uint32_t> corners;
+  while (in.next()) {
+    const std::string_view kind = in.word("a word");
+    if (kind == "v") {
+      if (input.vertices.size() == max_vertices) in.fail("too many vertices");
+      const double x = coordinate(in, "x coordinate");
+      const double y = coordinate(in, "y coordinate");
+      heights.add(in.more() ? coordinate(in, "z coordinate") : 0);
+      in.skip_numbers("a coordinate");
+      input.vertices.push_back({x, y});
+      input.vertex_lines.append(in.line());
+    } else if (kind == "f" || kind == "l") {
+      const bool face = kind == "f";
+      corners.clear();
+      while (in.more()) corners.push_back(corner(in, input));
+      if (corners.size() < (face ? 3 : 2))
+        in.fail(face ? "a face has at least 3 corners" : "a line has at least 2 ends");
+      join(corners, face, in.line(), input);
+    }
+  }
+  heights.give(input);
+  return input;
+}
+
+Input read_off(const std::string& path) {
+  Input input = named(path);
+  Heights heights;
+  Records in(path);
+  if (!in.next() || in.word("the word OFF") != "OFF") in.fail("the word OFF is missing");
+  if (!in.more() && !in.next()) in.fail("the number of vertices is missing");
+  const std::uint64_t vertices = in.count("the number of vertices", max_vertices);
+  const std::uint64_t faces = in.count("the number of faces", most);
+  in.skip_numbers("the header");
+  input.vertices.reserve(reservation(in, vertices));
+  for (std::uint64_t i = 0; i < vertices; ++i) {
+    expect_record(in, "vertices", i, vertices);
+    const double x = coordinate(in, "x coordinate");
+    const double y = coordinate(in, "y coordinate");
+    heights.add(coordinate(in, "z coordinate"));
+    in.skip_numbers("a coordinate");
+    input.vertices.push_back({x, y});
+    input.vertex_lines.append(in.line());
+  }
+  std::vector<std::uint32_t> corners;
+  for (std::uint64_t i = 0; i < faces; ++i) {
+    expect_record(in, "faces", i, faces);
+    corners.clear();
+    for (std::uint64_t k = in.count("the number of corners", vertices); k > 0; --k)
+      corners.push_back(vertex_number(in, input));
+    in.skip_numbers("a colour");
+    join(corners, corners.size() > 2, in.line(), input);
+  }
+  if (in.next()) in.fail("more text than the counts announce");
+  heights.give(input);
+  return input;
+}
+
+}  // namespace gcdt::io
