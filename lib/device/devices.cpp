@@ -59,7 +59,7 @@ std::vector<cl::Device> all_devices() {
   return all;
 }
 
-DeviceInfo describe(const cl::Device& device) {
+DeviceInfo describe(const cl::Device& device, const Tuning& tuning) {
   DeviceInfo info;
   auto text = [](std::string s) {
     s.erase(std::find(s.begin(), s.end(), '\0'), s.end());
@@ -83,14 +83,10 @@ DeviceInfo describe(const cl::Device& device) {
   info.atomics64 = has("cl_khr_int64_base_atomics") && has("cl_khr_int64_extended_atomics");
   info.fp64 = has("cl_khr_fp64");
   info.subgroups = has("cl_khr_subgroups");
-  return info;
-}
-
-DeviceInfo describe(const cl::Device& device, const Tuning& tuning) {
-  DeviceInfo info = describe(device);
-  if (!tuning.memory_bytes) return info;
-  info.memory_bytes = std::min(info.memory_bytes, *tuning.memory_bytes);
-  info.largest_buffer_bytes = std::min(info.largest_buffer_bytes, *tuning.memory_bytes);
+  if (tuning.memory_bytes) {
+    info.memory_bytes = std::min(info.memory_bytes, *tuning.memory_bytes);
+    info.largest_buffer_bytes = std::min(info.largest_buffer_bytes, *tuning.memory_bytes);
+  }
   return info;
 }
 

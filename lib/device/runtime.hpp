@@ -373,9 +373,7 @@ class Runtime {
 cl::Program build_program(Runtime& runtime, const char* name);
 
 /// What `device` is and has.
-DeviceInfo describe(const cl::Device& device);
-/// As it is to be taken: with no more memory than the tuning allows.
-DeviceInfo describe(const cl::Device& device, const Tuning& tuning);
+DeviceInfo describe(const cl::Device& device, const Tuning& tuning = {});  ///< with the memory that it allows
 
 /// As what such a device is treated.
 DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning);
