@@ -25,7 +25,7 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "triangulate",
                                 "verify in.poly",
                                 "triangulate in.poly --no-such-option",
-                                "triangulate in.poly --tiles 2",
+                                "triangulate in.poly --stripes 2",
                                 "triangulate in.poly --domain inside",
                                 "triangulate in.poly --domain even-odd --assess",
                                 "triangulate in.poly --crossing merge",
