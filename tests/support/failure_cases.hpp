@@ -35,7 +35,7 @@ struct Failure {
 
 /// Larger than what is refused of memory.
 inline Workload large() {
-  Workload work = uniform(30000);
+  Workload work = uniform(12000);  // two tiles at most
   work.constraints = {{0, 1}};
   return work;
 }
@@ -46,7 +46,7 @@ inline const Workload square = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5, 0.25}}, {
 inline std::vector<Failure> failures_of_devices() {
   return {
       {"a buffer is refused",
-       {{"GCDT_FAULT_BUFFERS", "1000000"}},
+       {{"GCDT_FAULT_BUFFERS", "200000"}},
        large(),
        {},
        Status::out_of_memory,
