@@ -47,13 +47,40 @@ GCDT_GIVEN_LOCAL void sort_in_group(u32 count, u64 mask, global u64* keys, globa
   for (u32 i = get_local_id(0); i < count; i += get_local_size(0)) values[i] = (u32)moved[indices[i]];
 }
 
-// One work-group. Sorts up to GCDT_SORT_SMALL pairs by the bits `mask` of the key, stably.
-// Reads, writes: keys, values. No race: sort_in_group.
-// After: the pairs are in order.
-kernel void sort_small(u32 count, u64 mask, global u64* keys, global u32* values) {
+// One work-group per block of GCDT_SORT_SMALL pairs, of which the last may have fewer. Sorts it by the bits `mask` of
+// the key, stably. Reads, writes: keys, values; a word belongs to one block, so to one group. After: every block is in
+// order.
+kernel void sort_blocks(u32 count, u64 mask, global u64* keys, global u32* values) {
   local u64 moved[GCDT_SORT_SMALL];
   local u32 indices[GCDT_SORT_SMALL];
-  sort_in_group(count, mask, keys, values, moved, indices);
+  for (u32 begin = get_group_id(0) * GCDT_SORT_SMALL; begin < count; begin += get_num_groups(0) * GCDT_SORT_SMALL)
+    sort_in_group(min(count - begin, GCDT_SORT_SMALL), mask, keys + begin, values + begin, moved, indices);
+}
+
+// One work-item per pair. Merges each two runs of `width` pairs, in order of the bits `mask` of the key, stably: a pair
+// goes behind those of its own run that were before it, and behind those of the other run that come before it, of
+// equal keys those of the first run.
+// Reads: keys, values. Writes: the pair's place in the other ones, of which it is the one writer, as places differ.
+// After: runs of twice the width are in order. Ends: the range halves.
+kernel void merge_runs(u32 count, u32 width, u64 mask, global const u64* keys, global const u32* values,
+                       global u64* other_keys, global u32* other_values) {
+  FOR_EACH(i, count) {
+    const u32 run = i / width, begin = run * width, other = (run ^ 1u) * width;
+    const u64 key = keys[i] & mask;
+    u32 low = min(other, count), high = min(other + width, count);
+    const u32 first = low;
+    while (low < high) {
+      const u32 middle = low + (high - low) / 2u;
+      const u64 met = keys[middle] & mask;
+      if (met < key || (met == key && (run & 1u) != 0u))
+        low = middle + 1u;
+      else
+        high = middle;
+    }
+    const u32 place = min(begin, other) + (i - begin) + (low - first);
+    other_keys[place] = keys[i];
+    other_values[place] = values[i];
+  }
 }
 
 // One work-group per segment, first[s] .. first[s + 1] - 1, of up to GCDT_SORT_SMALL pairs. Sorts it by the key,

@@ -39,6 +39,9 @@ struct Tuning {
   std::uint32_t rounds_per_read = 4;
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
+  /// 64-bit keys up to which groups sort blocks in local memory, which are merged two by two: a launch for each
+  /// doubling where a sort by digits has three for each four bits (NOTES, "Sorting few keys").
+  std::uint32_t most_merged = 1u << 17;
   /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
   /// microsecond, two launches cost ten times that.
   std::uint32_t one_group_vertices = 1024;

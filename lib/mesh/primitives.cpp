@@ -85,22 +85,35 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   bits = std::min(bits, 64u);
-  if (count <= (by_one_item() ? Tuning::one_item_keys : GCDT_SORT_SMALL))
-    sort_small(keys, values, count, bits);
+  const std::size_t most = by_one_item()           ? Tuning::one_item_keys
+                           : walk_ == Walk::serial ? GCDT_SORT_SMALL
+                                                   : runtime_.tuning().most_merged;
+  if (count <= most)
+    sort_few(keys, values, count, bits);
   else
     sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }
 
-void Primitives::sort_small(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
+void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   if (count < 2 || bits == 0) return;
   const auto n = static_cast<cl_uint>(count);
-  if (!by_one_item()) {
+  const bool by_blocks = !by_one_item();
+  if (!by_blocks || count > GCDT_SORT_SMALL) {
+    match(runtime_, other_keys64_, "other half of the keys", keys.size());
+    match(runtime_, other_values_, "other half of the values", values.size());
+  }
+  if (by_blocks) {
     const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
-    runtime_.launch("sort_finish", "sort_small", runtime::one_group(), n, mask, keys, values);
+    runtime_.launch("sort_finish", "sort_blocks", runtime_.over_groups((count - 1) / GCDT_SORT_SMALL + 1), n, mask,
+                    keys, values);
+    for (cl_uint width = GCDT_SORT_SMALL; width < n; width *= 2) {
+      runtime_.launch("sort_finish", "merge_runs", runtime::over(count), n, width, mask, keys, values, other_keys64_,
+                      other_values_);
+      std::swap(keys, other_keys64_);
+      std::swap(values, other_values_);
+    }
     return;
   }
-  match(runtime_, other_keys64_, "other half of the keys", keys.size());
-  match(runtime_, other_values_, "other half of the values", values.size());
   runtime_.launch("sort_finish", "sort_by_one_item", runtime::one_group(), n, cl_uint{bits}, keys, values,
                   other_keys64_, other_values_);
   if ((bits + GCDT_SERIAL_DIGIT_BITS - 1) / GCDT_SERIAL_DIGIT_BITS % 2 == 0) return;

@@ -70,7 +70,8 @@ class Primitives {
   template <class Key>
   void sort_pairs(const char* program, runtime::Buffer<Key>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                   unsigned low, unsigned bits, runtime::Buffer<Key>& other_keys);
-  void sort_small(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
+  /// By one work-item, or blocks by groups, which are merged.
+  void sort_few(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits);
   /// Orders pairs that are in order of their keys' bits from `low` on.
   void sort_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned low,
                  unsigned bits);

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "mesh/primitives.hpp"
+#include "sort/sizes.h"
 
 using namespace gcdt;
 using runtime::Buffer;
@@ -210,6 +211,23 @@ TEST_CASE("a sort of 32-bit keys equals a stable sort by the low bits") {
         check_sort(primitives, random_words(count, static_cast<std::uint32_t>(count + bits)), bits);
       }
   });
+}
+
+TEST_CASE("64-bit keys come to one order, as blocks that are merged and by digits") {
+  const std::uint32_t before = test_runtime().tuning().most_merged;
+  for (const std::uint32_t most : {std::uint32_t{GCDT_SORT_SMALL}, before}) {
+    CAPTURE(most);
+    test_runtime().tuning().most_merged = most;
+    for_all_walks_and_geometries([](Primitives& primitives) {
+      for (const std::size_t count : {2047, 2048, 2049, 4096, 4097, 6145, 14337}) {
+        CAPTURE(count);
+        check_sort(primitives, random_keys(count, count, ~cl_ulong{0}), 64);
+        check_sort(primitives, random_keys(count, count, 0xF00000000000000Fu), 64);  // many equal ones
+        check_sort(primitives, random_keys(count, count, ~cl_ulong{0}), 37);
+      }
+    });
+  }
+  test_runtime().tuning().most_merged = before;
 }
 
 TEST_CASE("equal keys keep their order, sorted and reversed keys sort, and one object serves many sizes") {
