@@ -57,17 +57,11 @@ struct View {
   std::uint64_t count = 0;
 };
 
-/// For a problem without an error.
-std::pair<const ForestResult*, std::size_t> place_of(const gcdt_batch& batch, std::uint64_t problem) {
-  const Schedule::Place place = batch.made.places[problem];
-  return batch.made.results[place.result].at(place.place);
-}
-
 View view(const gcdt_batch& batch, std::uint64_t problem, std::int32_t array) {
   const std::size_t bytes = known_array(array).element_bytes;
   const auto kind = static_cast<std::size_t>(array);
   if (batch.made.errors.count(static_cast<std::uint32_t>(problem)) > 0 || kind >= array_slots) return {};
-  const auto [result, place] = place_of(batch, problem);
+  const auto [result, place] = batch.made.at(problem);
   if (result->begins[kind].empty()) return {};
   const std::uint64_t begin = result->begins[kind][place], end = result->begins[kind][place + 1];
   return {result->arrays[kind].bytes.get() + begin * bytes, end - begin};
@@ -196,7 +190,7 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
       c.pair_count = error.pair_count();
       c.grid = detail::grid(Grid());
     } else {
-      const auto [result, place] = place_of(*batch, problem);
+      const auto [result, place] = batch->made.at(problem);
       c.grid = detail::grid(result->grids[place]);
       c.triangles = view(*batch, problem, GCDT_TRIANGLES).count;
       if (!result->begins[GCDT_ADDED].empty()) {  // a result of one

@@ -24,6 +24,12 @@ struct PoolResult {
   std::vector<Schedule::Place> places;
   std::map<std::uint32_t, Error> errors;  ///< by problem; the place of a problem with an error means nothing
   double milliseconds = 0;
+
+  /// Where a problem without an error is: a result, and its place there.
+  std::pair<const ForestResult*, std::size_t> at(std::size_t problem) const {
+    const Schedule::Place place = places[problem];
+    return results[place.result].at(place.place);
+  }
 };
 
 class DevicePool {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/join.hpp"
 
+#include <bitset>
 #include <limits>
 #include <numeric>
 
@@ -33,12 +34,7 @@ class Ranks {
   }
 
  private:
-  // By pairs, fours, eights; the product adds up the eight bytes.
-  static std::uint32_t ones(std::uint64_t word) {
-    word -= word >> 1 & 0x5555555555555555u;
-    word = (word & 0x3333333333333333u) + (word >> 2 & 0x3333333333333333u);
-    return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0Fu) * 0x0101010101010101u >> 56);
-  }
+  static std::uint32_t ones(std::uint64_t word) { return static_cast<std::uint32_t>(std::bitset<64>(word).count()); }
   std::vector<std::uint64_t> words_;
   std::vector<std::uint32_t> before_;
   std::uint32_t count_ = 0;
@@ -140,7 +136,8 @@ std::vector<Seam::Part> seam_sides(const Solved& solved) {
 /// Writes triangles, neighbours and flags.
 class MeshWriter {
  public:
-  MeshWriter(const Solved& solved, ForestResult& result) : solved_(solved), order_(solved), sides_(seam_sides(solved)) {
+  MeshWriter(const Solved& solved, const Order& order, ForestResult& result)
+      : solved_(solved), order_(order), sides_(seam_sides(solved)) {
     const std::uint32_t count = order_.triangles();
     triangles_ = room<Triangle>(result, GCDT_TRIANGLES, count);
     neighbours_ = room<Neighbours>(result, GCDT_NEIGHBOURS, count);
@@ -211,7 +208,7 @@ class MeshWriter {
   }
 
   const Solved& solved_;
-  const Order order_;
+  const Order& order_;
   const std::vector<Seam::Part> sides_;
   Triangle* triangles_;
   Neighbours* neighbours_;
@@ -295,25 +292,7 @@ void write_representatives(const Solved& solved, ForestResult& result) {
   result.statistics.vertices_merged = count_in_threads(n, [&](std::size_t v) { return representative[v] != v; });
 }
 
-}  // namespace
-
-ForestResult join(const Solved& solved, const std::vector<std::uint32_t>& dropped) {
-  ForestResult result;
-  Statistics& s = result.statistics;
-  MeshWriter(solved, result).write();
-  PieceWriter(solved).write(result);
-  write_representatives(solved, result);
-  std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(result, GCDT_DROPPED, dropped.size()));
-  s.n = solved.input.points.size();
-  s.m = solved.input.constraints.size();
-  s.triangles = result.begins[GCDT_TRIANGLES].back();
-  s.constraints_pieces = result.begins[GCDT_PIECES].back();
-  s.constraints_overlapping = result.begins[GCDT_SOURCES].back() - s.constraints_pieces;
-  s.constraints_dropped = dropped.size();
-  return result;
-}
-
-void check_joined(const Solved& solved, const ForestResult& joined) {
+void check_joined(const Solved& solved, const Order& order, const ForestResult& joined) {
   const Span<Triangle> triangles = array_of<Triangle>(joined, GCDT_TRIANGLES);
   const Span<Neighbours> neighbours = array_of<Neighbours>(joined, GCDT_NEIGHBOURS);
   const Span<std::uint8_t> constrained = array_of<std::uint8_t>(joined, GCDT_CONSTRAINED);
@@ -326,7 +305,6 @@ void check_joined(const Solved& solved, const ForestResult& joined) {
   if (triangles.size() != 2 * n - 2 - hull)
     throw Error(Status::check_failed, "tiles: " + std::to_string(triangles.size()) + " triangles, of " +
                                           std::to_string(n) + " vertices, " + std::to_string(hull) + " on the hull");
-  const Order order(solved);
   for (const BorderEdge& edge : solved.seam.border) {
     const std::uint32_t t = order.place_of_final(edge.tile, edge.triangle);
     if ((constrained[t] >> edge.k & 1) != 0 || neighbours[t][edge.k] < 0) continue;
@@ -339,6 +317,26 @@ void check_joined(const Solved& solved, const ForestResult& joined) {
     if (back == 3 || device::gcdt_must_flip(u, at(triangles[other][back]), v, at(here[edge.k])))
       throw Error(Status::check_failed, "tiles: an edge between a tile and the seam is not locally Delaunay");
   }
+}
+
+}  // namespace
+
+ForestResult join(const Solved& solved, const std::vector<std::uint32_t>& dropped, bool check) {
+  const Order order(solved);
+  ForestResult result;
+  Statistics& s = result.statistics;
+  MeshWriter(solved, order, result).write();
+  PieceWriter(solved).write(result);
+  write_representatives(solved, result);
+  std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(result, GCDT_DROPPED, dropped.size()));
+  s.n = solved.input.points.size();
+  s.m = solved.input.constraints.size();
+  s.triangles = result.begins[GCDT_TRIANGLES].back();
+  s.constraints_pieces = result.begins[GCDT_PIECES].back();
+  s.constraints_overlapping = result.begins[GCDT_SOURCES].back() - s.constraints_pieces;
+  s.constraints_dropped = dropped.size();
+  if (check) check_joined(solved, order, result);
+  return result;
 }
 
 }  // namespace gcdt::tiles

@@ -31,11 +31,9 @@ Span<T> array_of(const ForestResult& result, std::int32_t array) {
 }
 
 /// The arrays of the result in canonical order, as one device would have made them (docs/scale.md, T4), with their
-/// counts in the statistics. `dropped`: ascending.
-ForestResult join(const Solved& solved, const std::vector<std::uint32_t>& dropped);
-
-/// Throws check_failed unless the joined mesh has as many triangles as its vertices ask for, and is locally Delaunay
-/// at the border of the final triangles. What is on either side, the calls have checked.
-void check_joined(const Solved& solved, const ForestResult& joined);
+/// counts in the statistics. `dropped`: ascending. With `check`, throws check_failed unless the mesh has as many
+/// triangles as its vertices ask for, and is locally Delaunay at the border of the final triangles; what is on either
+/// side, the calls have checked.
+ForestResult join(const Solved& solved, const std::vector<std::uint32_t>& dropped, bool check);
 
 }  // namespace gcdt::tiles

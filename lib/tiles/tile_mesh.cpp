@@ -12,8 +12,7 @@ namespace {
 
 template <class T>
 Span<T> view_of(const PoolResult& made, std::size_t problem, std::int32_t array) {
-  const Schedule::Place place = made.places[problem];
-  const auto [result, at] = made.results[place.result].at(place.place);
+  const auto [result, at] = made.at(problem);
   const auto slot = static_cast<std::size_t>(array);
   if (result->begins[slot].empty()) return {};
   const std::uint64_t begin = result->begins[slot][at], end = result->begins[slot][at + 1];
@@ -75,8 +74,7 @@ ProblemMesh::ProblemMesh(const PoolResult& made, std::size_t problem)
       source_offsets(view_of<std::uint32_t>(made, problem, GCDT_SOURCE_OFFSETS)),
       sources(view_of<std::uint32_t>(made, problem, GCDT_SOURCES)),
       dropped(view_of<std::uint32_t>(made, problem, GCDT_DROPPED)) {
-  const Schedule::Place place = made.places[problem];
-  statistics = made.results[place.result].at(place.place).first->statistics;
+  statistics = made.at(problem).first->statistics;
 }
 
 std::uint32_t piece_between(Span<Constraint> pieces, const GridPoints& points, std::uint32_t u, std::uint32_t v) {

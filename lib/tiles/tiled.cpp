@@ -94,9 +94,8 @@ class Tiled {
     if (!tell("join", seam_share)) throw Error(Status::cancelled, "cancelled during join");
     const Timed timed(report_.ms_join);
     const Solved solved{input_, all_, tiles_, seam_, between_};
-    ForestResult joined = join(solved, dropped);
+    ForestResult joined = join(solved, dropped, options_.check);
     joined.statistics.crossings = crossings.size();
-    if (options_.check) check_joined(solved, joined);
     const bool wants_regions = options_.regions || options_.domain != Domain::hull;
     if (wants_regions && joined.statistics.triangles > 0) select_domain(input_, options_, joined);
     return joined;
@@ -147,13 +146,10 @@ class Tiled {
     return routed;
   }
 
-  const ForestResult& made_seam() const {
-    const Schedule::Place place = made_seam_.places[0];
-    return *made_seam_.results[place.result].at(place.place).first;
-  }
+  const ForestResult& made_seam() const { return *made_seam_.at(0).first; }
 
-  /// Tiles and seam. Returns the pairs of constraints that cross,
-  /// of which each has one that is open, or was dropped in its tile and so handed up to the seam (docs/scale.md, T3).
+  /// Tiles and seam. Returns the pairs of constraints that cross, of which each has one that is open, or was dropped in
+  /// its tile and so handed up to the seam (docs/scale.md, T3).
   std::vector<Constraint> solve_parts(const std::vector<Role>& roles) {
     {
       const Timed timed(report_.ms_share);
@@ -250,7 +246,7 @@ class Tiled {
 /// Vertices that rounding has made one with a lesser one.
 RoundedTogether together(const Points& points, const ForestResult& joined) {
   RoundedTogether found;
-  const auto* representative = reinterpret_cast<const std::uint32_t*>(joined.arrays[GCDT_REPRESENTATIVES].bytes.get());
+  const auto representative = array_of<std::uint32_t>(joined, GCDT_REPRESENTATIVES);
   for (std::uint32_t v = 0; v < points.size(); ++v) {
     const std::uint32_t r = representative[v];
     if (points.coordinate(v, 0) == points.coordinate(r, 0) && points.coordinate(v, 1) == points.coordinate(r, 1))

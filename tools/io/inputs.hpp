@@ -21,6 +21,14 @@ const std::vector<InputFormat>& input_formats();
 /// Their extensions, separated by blanks.
 std::string input_extensions();
 
+/// An input of one file, with nothing in it yet.
+inline Input input_of(const std::string& path) {
+  Input input;
+  input.files = {path};
+  input.vertex_file = input.constraint_file = path;
+  return input;
+}
+
 // All of these throw Failure (Exit::input) with FILE:LINE or the byte.
 
 /// .poly and .node; "-" is a .poly on standard input.

@@ -41,9 +41,7 @@ Input read_pslg(const std::string& path) {
   char begin[8];
   in.read(begin, sizeof begin, "the word PSLGBIN1");
   if (std::string_view(begin, sizeof begin) != magic) in.fail("the word PSLGBIN1 is missing before this");
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = input_of(path);
   const std::uint64_t vertices = count(in, "the number of vertices", max_vertices);
   const std::uint64_t segments = count(in, "the number of segments", (1ull << 31) - 1);
   const std::uint64_t due = vertices * vertex_bytes + segments * segment_bytes;

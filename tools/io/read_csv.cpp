@@ -150,9 +150,7 @@ class Reader {
 }  // namespace
 
 Input read_csv(const std::string& path) {
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = input_of(path);
   input.first = 1;
   Reader(path, input).read();
   return input;

@@ -116,9 +116,7 @@ class Reader {
 }  // namespace
 
 Input read_with_gdal(const std::string& path) {
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = input_of(path);
   Reader(path, input).read();
   return input;
 }

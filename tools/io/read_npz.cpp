@@ -78,9 +78,7 @@ void take_segments(const Arrays& arrays, Input& input) {
 }
 
 Input input_of(const Arrays& arrays, const std::string& path) {
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = io::input_of(path);
   if (!arrays.has(vertices_name))
     throw Failure(Exit::input, fmt::format("{}: there is no array \"vertices\" in it", path));
   NpyArray vertices = arrays.open(vertices_name);
@@ -119,9 +117,7 @@ Input read_npy(const std::string& path) {
                     file.read(to, some, "the array");
                     return some;
                   }});
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = io::input_of(path);
   take_vertices(array, input);
   return input;
 }

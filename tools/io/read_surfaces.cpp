@@ -30,9 +30,7 @@ void expect_record(Records& in, const char* kind, std::uint64_t done, std::uint6
 }
 
 Input named(const std::string& path) {
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = input_of(path);
   return input;
 }
 

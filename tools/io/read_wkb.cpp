@@ -146,9 +146,7 @@ class Reader {
 }  // namespace
 
 Input read_wkb(const std::string& path) {
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = input_of(path);
   Reader(path, input).read();
   return input;
 }

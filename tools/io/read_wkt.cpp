@@ -169,9 +169,7 @@ class Reader {
 }  // namespace
 
 Input read_wkt(const std::string& path) {
-  Input input;
-  input.files = {path};
-  input.vertex_file = input.constraint_file = path;
+  Input input = input_of(path);
   Reader(path, input).read();
   return input;
 }
