@@ -58,8 +58,7 @@ Survey checked_survey(cl_uint type, const cl_ulong* found) {
 /// Of the maxima of kernel `quantise`; the largest move.
 double checked_move(runtime::Runtime& runtime, const InputPoints& points, const cl_ulong* found,
                     const device::Scale& scale) {
-  const cl_ulong outside = found[GCDT_QUANTISE_OUTSIDE];
-  if (outside != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside);
+  check_outside(found[GCDT_QUANTISE_OUTSIDE]);
   return largest_move(runtime, points, 0, points.n, found[GCDT_QUANTISE_MOVE], scale);
 }
 
@@ -91,22 +90,10 @@ ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, con
 }
 
 Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
-  Keys keys;
-  keys.grid = chosen.grid;
-  keys.decimals = chosen.decimals;
-  keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
-  keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
-  if (chosen.decimals) {
-    const auto decimals = runtime.upload_one("decimals", *chosen.decimals);
-    runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates,
-                   decimals, keys.codes, keys.numbers);
-    return keys;
-  }
-  const auto scale = runtime.upload_one("scale", chosen.scale);
-  Maxima maxima(runtime, staged.n, GCDT_QUANTISE_COLUMNS);
-  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
-                 scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
-  keys.grid.largest_move = checked_move(runtime, staged, maxima.read(runtime).data(), chosen.scale);
+  Codes made = codes_on(runtime, staged, chosen);
+  Keys keys = {chosen.grid, chosen.decimals, std::move(made.codes), std::move(made.numbers)};
+  if (!chosen.decimals)
+    keys.grid.largest_move = checked_move(runtime, staged, made.maxima.data(), chosen.scale);
   return keys;
 }
 
@@ -183,6 +170,29 @@ Error survey_error(cl_uint type, std::uint64_t coordinate) {
   if (type == GCDT_COORDINATES_INT64)
     return coordinate_error(Status::coordinate_outside_grid, " is beyond 2^53", coordinate);
   return coordinate_error(Status::coordinate_not_finite, " is not a finite number", coordinate);
+}
+
+void check_outside(cl_ulong outside) {
+  if (outside != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside);
+}
+
+Codes codes_on(runtime::Runtime& runtime, const InputPoints& points, const ChosenGrid& chosen) {
+  Codes made;
+  made.codes = runtime.allocate<cl_ulong>("Morton codes", points.n);
+  made.numbers = runtime.allocate<cl_uint>("input numbers", points.n);
+  if (chosen.decimals) {
+    const auto decimals = runtime.upload_one("decimals", *chosen.decimals);
+    runtime.launch("order", "quantise_decimals", runtime::over(points.n), points.n, points.type, points.coordinates,
+                   decimals, made.codes, made.numbers);
+    return made;
+  }
+  const auto scale = runtime.upload_one("scale", chosen.scale);
+  Maxima maxima(runtime, points.n, GCDT_QUANTISE_COLUMNS);
+  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
+                 scale, maxima.rows, made.codes, made.numbers, maxima.table);
+  const std::vector<cl_ulong> most = maxima.read(runtime);
+  std::copy(most.begin(), most.end(), made.maxima.begin());
+  return made;
 }
 
 cl_uint coordinates_type(Points::Type type) {

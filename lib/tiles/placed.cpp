@@ -2,6 +2,7 @@
 #include "tiles/placed.hpp"
 
 #include <cstring>
+#include <tuple>
 
 #include "phases/given.hpp"
 #include "phases/order.hpp"
@@ -66,15 +67,17 @@ Maxima survey(const Points& points) {
   });
 }
 
-ChosenGrid choose(const Points& points, const std::optional<FixedGrid>& fixed) {
+/// The grid, and the survey by which it was chosen.
+std::pair<ChosenGrid, Survey> choose(const Points& points, const std::optional<FixedGrid>& fixed) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
   const Maxima found = survey(points);
   if (found[GCDT_SURVEY_BAD] != 0) throw survey_error(coordinates_type(points.type()), ~found[GCDT_SURVEY_BAD]);
-  if (given) return *given;
-  const GridChoice choice = choose_grid(survey_of(found.data()));
+  const Survey surveyed = survey_of(found.data());
+  if (given) return {*given, surveyed};
+  const GridChoice choice = choose_grid(surveyed);
   const int limit = choice.decimals_limit;
-  if (limit < 0) return choice.grid;
+  if (limit < 0) return {choice.grid, surveyed};
   const Maxima digits = maxima_of(points.size(), 1, [&](std::size_t first, std::size_t end, Maxima& most) {
     int needed = 0;
     for (std::size_t v = first; v < end && needed <= limit; ++v)
@@ -82,58 +85,56 @@ ChosenGrid choose(const Points& points, const std::optional<FixedGrid>& fixed) {
         needed = device::gcdt_decimals_needed(bits_of(points, v, axis), needed, limit);
     most[0] = static_cast<std::uint64_t>(needed);
   });
-  return choice.with_decimals(static_cast<int>(digits[0]));
+  return {choice.with_decimals(static_cast<int>(digits[0])), surveyed};
 }
 
-void place_decimals(const Points& points, const device::Decimals& decimals, GridPoints& placed) {
-  for_each_in_threads(points.size(), [&](std::size_t v) {
-    for (int axis = 0; axis < 2; ++axis) {
-      const auto numerator =
-          static_cast<std::uint64_t>(device::gcdt_decimal_numerator(bits_of(points, v, axis), decimals.digits));
-      placed[v][axis] =
-          static_cast<std::int32_t>((numerator - static_cast<std::uint64_t>(decimals.least[axis])) * decimals.step);
-    }
-  });
-}
-
-/// The columns of kernel `quantise`.
-Maxima place_scaled(const Points& points, const device::Scale& scale, GridPoints& placed) {
-  return maxima_of(points.size(), GCDT_QUANTISE_COLUMNS, [&](std::size_t first, std::size_t end, Maxima& most) {
-    for (std::size_t v = first; v < end; ++v)
-      for (int axis = 0; axis < 2; ++axis) {
-        const device::Quantised at = device::gcdt_quantise(bits_of(points, v, axis), &scale, axis);
-        most[GCDT_QUANTISE_MOVE] = std::max(most[GCDT_QUANTISE_MOVE], at.move);
-        if (at.outside)
-          most[GCDT_QUANTISE_OUTSIDE] =
-              std::max(most[GCDT_QUANTISE_OUTSIDE], ~(2 * std::uint64_t{v} + static_cast<unsigned>(axis)));
-        placed[v][axis] = static_cast<std::int32_t>(at.value);
-      }
-  });
+/// A coordinate on the grid.
+std::int32_t placed(const ChosenGrid& chosen, std::uint64_t bits, int axis) {
+  if (!chosen.decimals) return static_cast<std::int32_t>(device::gcdt_quantise(bits, &chosen.scale, axis).value);
+  const auto numerator = static_cast<std::uint64_t>(device::gcdt_decimal_numerator(bits, chosen.decimals->digits));
+  return static_cast<std::int32_t>((numerator - static_cast<std::uint64_t>(chosen.decimals->least[axis])) *
+                                   chosen.decimals->step);
 }
 
 }  // namespace
 
-Placed place(Points points, const std::optional<FixedGrid>& fixed) {
+GridPoint GridInput::at(std::size_t vertex) const {
+  if (vertex >= given.size()) return added[vertex - given.size()];
+  return {placed(chosen, bits_of(given, vertex, 0), 0), placed(chosen, bits_of(given, vertex, 1), 1)};
+}
+
+GridInput place(Points points, Constraints constraints, const std::optional<FixedGrid>& fixed) {
   check_vertex_count(points.size());
-  Placed placed;
+  GridInput input{points, {}, {}, constraints, {}};
   if (points.size() == 0) {
-    if (fixed) placed.chosen = fixed_grid(*fixed);
-    return placed;
+    if (fixed) input.chosen = fixed_grid(*fixed);
+    return input;
   }
-  placed.chosen = choose(points, fixed);
-  const ChosenGrid& chosen = placed.chosen;
-  placed.points.resize(points.size());
-  if (chosen.decimals) {
-    place_decimals(points, *chosen.decimals, placed.points);
-    return placed;
+  Survey surveyed;
+  std::tie(input.chosen, surveyed) = choose(points, fixed);
+  for (int axis = 0; axis < 2; ++axis) {  // a coordinate on the grid grows with the one that was given
+    const auto k = static_cast<std::size_t>(axis);
+    input.box.least[k] = placed(input.chosen, surveyed.least[k], axis);
+    input.box.most[k] = placed(input.chosen, surveyed.most[k], axis);
   }
-  const Maxima found = place_scaled(points, chosen.scale, placed.points);
-  if (found[GCDT_QUANTISE_OUTSIDE] != 0)
-    throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~found[GCDT_QUANTISE_OUTSIDE]);
-  placed.chosen.grid.largest_move = largest_move(
-      points.size(), [&](std::size_t i) { return bits_of(points, i / 2, static_cast<int>(i % 2)); },
-      found[GCDT_QUANTISE_MOVE], chosen.scale);
-  return placed;
+  return input;
+}
+
+void check_inside(const GridInput& input) {
+  if (input.chosen.decimals) return;
+  check_outside(maxima_of(input.given.size(), 1, [&](std::size_t first, std::size_t end, Maxima& most) {
+    for (std::size_t v = first; v < end && most[0] == 0; ++v)
+      for (int axis = 0; axis < 2 && most[0] == 0; ++axis)
+        if (device::gcdt_quantise(bits_of(input.given, v, axis), &input.chosen.scale, axis).outside)
+          most[0] = ~(2 * std::uint64_t{v} + static_cast<unsigned>(axis));
+  })[0]);
+}
+
+double move_of(const GridInput& input, std::uint64_t key) {
+  if (input.chosen.decimals || key == 0) return 0;
+  return largest_move(
+      input.given.size(), [&](std::size_t i) { return bits_of(input.given, i / 2, static_cast<int>(i % 2)); }, key,
+      input.chosen.scale);
 }
 
 }  // namespace gcdt::tiles
