@@ -13,6 +13,17 @@ namespace gcdt {
 
 namespace {
 
+/// As long as it lives, the runtime's transfers may use all of the device's link.
+class Alone {
+ public:
+  explicit Alone(runtime::Runtime& runtime) : runtime_(runtime) { runtime_.set_alone(true); }
+  Alone(const Alone&) = delete;
+  ~Alone() { runtime_.set_alone(false); }
+
+ private:
+  runtime::Runtime& runtime_;
+};
+
 Error host_failed(const std::exception& error) {
   return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
 }
@@ -204,6 +215,7 @@ bool DevicePool::on_each(const std::function<void(Lent& lent)>& use) {
     threads.emplace_back([&, i] {
       Worker& worker = workers_[i];
       Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity};
+      const Alone alone(*worker.runtime);
       try {
         use(lent);
         return;
@@ -332,6 +344,7 @@ DevicePool::Made DevicePool::make_one_by_one(std::size_t number, const std::vect
                                              const MakeOne& make, std::uint64_t capacity) {
   Worker& worker = workers_[number];
   Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity};
+  const Alone alone(*worker.runtime);
   Made made;
   for (const std::uint32_t p : numbers) {
     try {

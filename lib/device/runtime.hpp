@@ -245,6 +245,9 @@ class Runtime {
   /// From now on, large transfers go through pinned memory, made by the first, where prepares_host_memory() says so.
   void use_transfer_chunks();
   void release_transfer_chunks();  ///< until the next large transfer
+  /// Whether nobody else uses the device for now: then large transfers of a shared context go as if it were not, through
+  /// more and larger chunks, and by several threads.
+  void set_alone(bool alone) { alone_ = alone; }
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   /// All of them, none of which is empty, and waits once. Whatever happens, none goes on afterwards.
@@ -324,6 +327,7 @@ class Runtime {
   void self_test();
   void waited();
   cl_int ask_until_done(cl_event event);
+  bool transfers_for_many() const { return shares_context_ && !alone_; }
   TransferChunks* chunks_for(std::size_t bytes);
   Kernel& find_kernel(const char* program, const char* kernel);
   const cl::Program& find_program(const char* program);
@@ -366,7 +370,9 @@ class Runtime {
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;                         ///< the device's own is wrong
   bool shares_context_ = false, wants_chunks_ = false;  ///< shared: it asks, and does not wait in the driver
-  std::unique_ptr<TransferChunks> chunks_;  ///< there if the context is shared, or a large transfer has been made
+  bool alone_ = false;
+  std::unique_ptr<TransferChunks> shared_chunks_;  ///< there if the context is shared
+  std::unique_ptr<TransferChunks> chunks_;         ///< there if a large transfer has been made
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).

@@ -46,24 +46,39 @@ Maxima maxima_of(std::size_t count, std::size_t columns, Fill&& fill) {
   return most;
 }
 
-/// The columns of kernel `survey`.
+/// The columns of kernel `survey`, of the vertices first to end - 1. `read(index)`: a coordinate as the bits of a double.
+template <class Read>
+void survey_part(std::size_t first, std::size_t end, Maxima& most, Read&& read) {
+  std::uint64_t below[2] = {0, 0}, above[2] = {0, 0}, trailing = 0, bad = 0;
+  for (std::size_t v = first; v < end; ++v)
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const std::uint64_t bits = read(2 * v + axis);
+      if (!device::gcdt_is_finite(bits)) {
+        bad = std::max(bad, ~(2 * std::uint64_t{v} + axis));
+        continue;
+      }
+      const std::uint64_t key = device::gcdt_ordered(bits);
+      below[axis] = std::max(below[axis], ~key);
+      above[axis] = std::max(above[axis], key);
+      const auto exponent_key = [](std::int32_t e) {
+        return ~static_cast<std::uint64_t>(e - GCDT_LEAST_EXPONENT);
+      };
+      // The last bit that is set is worth as much as the mantissa's last or more, so few have to be looked for.
+      if (bits != 0 && exponent_key(device::gcdt_exponent(bits)) > trailing)
+        trailing = std::max(trailing, exponent_key(device::gcdt_trailing_exponent(bits)));
+    }
+  for (std::size_t axis = 0; axis < 2; ++axis) most[2 * axis] = below[axis], most[2 * axis + 1] = above[axis];
+  most[GCDT_SURVEY_TRAILING] = trailing, most[GCDT_SURVEY_BAD] = bad;
+}
+
 Maxima survey(const Points& points) {
   return maxima_of(points.size(), GCDT_SURVEY_COLUMNS, [&](std::size_t first, std::size_t end, Maxima& most) {
-    const auto raise = [&](std::size_t column, std::uint64_t value) { most[column] = std::max(most[column], value); };
-    for (std::size_t v = first; v < end; ++v)
-      for (int axis = 0; axis < 2; ++axis) {
-        const std::uint64_t bits = bits_of(points, v, axis);
-        if (!device::gcdt_is_finite(bits)) {
-          raise(GCDT_SURVEY_BAD, ~(2 * std::uint64_t{v} + static_cast<unsigned>(axis)));
-          continue;
-        }
-        const std::uint64_t key = device::gcdt_ordered(bits);
-        raise(2 * static_cast<std::size_t>(axis), ~key);
-        raise(2 * static_cast<std::size_t>(axis) + 1, key);
-        if (bits != 0)
-          raise(GCDT_SURVEY_TRAILING,
-                ~static_cast<std::uint64_t>(device::gcdt_trailing_exponent(bits) - GCDT_LEAST_EXPONENT));
-      }
+    if (points.type() == Points::Type::float64)
+      return survey_part(first, end, most, [&](std::size_t index) {
+        return device::gcdt_without_negative_zero(read_number<std::uint64_t>(points.data(), index));
+      });
+    survey_part(first, end, most,
+                [&](std::size_t index) { return bits_of(points, index / 2, static_cast<int>(index % 2)); });
   });
 }
 

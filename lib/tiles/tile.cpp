@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/tile.hpp"
 
+#include "device/step.hpp"
 #include "solve/triangulate.hpp"
 #include "tiles/parts.hpp"
 #include "tiles/passages.hpp"
@@ -136,7 +137,9 @@ class TileRun {
  public:
   TileRun(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile)
       : runtime_(lent.runtime), primitives_(lent.primitives), task_(task), share_(share), tile_(tile) {
+    Step taking(runtime_, "take");
     Taken taken = Taker(lent, task, share, tile).take();
+    taking.end();
     solved_.own = taken.own;
     solved_.move_key = taken.move_key;
     solved_.device = lent.device;
@@ -150,12 +153,16 @@ class TileRun {
       solved_.final = {};
       return std::move(solved_);
     }
+    Step finding(runtime_, "final");
     find_box();
     list_merged();
     find_ends();
     find_final();
+    finding.end();
+    Step giving(runtime_, "seam");
     give_to_seam();
     keep_final();
+    giving.end();
     primitives_.release();
     runtime_.finish();
     return std::move(solved_);
@@ -399,6 +406,7 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   const std::size_t count = std::size_t{final.count} + seam;
   if (final.count == 0) return std::vector<std::uint32_t>(seam, 0);
   Runtime& runtime = lent.runtime;
+  Step writing(runtime, "write");
   if (!final.on_device()) final.load(runtime);
   auto before = runtime.allocate<cl_uint>("final triangles before", seam);
   if (seam > 0) {
@@ -416,7 +424,9 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   runtime.read_all({{corners.handle(), triangles + places.first, count * sizeof(Triangle)},
                     {others.handle(), neighbours + places.first, count * sizeof(Neighbours)},
                     {flags.handle(), constrained + places.first, count}});
-  return read_all_of<std::uint32_t>(runtime, before, seam);
+  std::vector<std::uint32_t> counts = read_all_of<std::uint32_t>(runtime, before, seam);
+  writing.end();
+  return counts;
 }
 
 }  // namespace gcdt::tiles

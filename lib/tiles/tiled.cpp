@@ -69,6 +69,19 @@ class Tiled {
 
   /// Of all vertices that were given.
   std::uint64_t move_key() const { return tiles_.empty() ? 0 : tiles_[0].move_key; }
+  /// Vertices that rounding has made one with a lesser one.
+  RoundedTogether together() const {
+    const Points& points = task_.input.given;
+    RoundedTogether found;
+    for (const SolvedTile& tile : tiles_)
+      for (const auto& [v, r] : tile.merged) {
+        if (v >= points.size()) continue;
+        if (points.coordinate(v, 0) == points.coordinate(r, 0) && points.coordinate(v, 1) == points.coordinate(r, 1))
+          continue;
+        if (found.count++ == 0 || v < found.first[1]) found.first = {r, v};
+      }
+    return found;
+  }
 
  private:
   /// The seam's run finds the added vertices and the routes; with these, which do not cross, all is solved once more
@@ -286,19 +299,6 @@ class Tiled {
   SolvedSeam between_;
 };
 
-/// Vertices that rounding has made one with a lesser one.
-RoundedTogether together(const Points& points, const ForestResult& joined) {
-  RoundedTogether found;
-  const auto representative = array_of<std::uint32_t>(joined, GCDT_REPRESENTATIVES);
-  for (std::uint32_t v = 0; v < points.size(); ++v) {
-    const std::uint32_t r = representative[v];
-    if (points.coordinate(v, 0) == points.coordinate(r, 0) && points.coordinate(v, 1) == points.coordinate(r, 1))
-      continue;
-    if (found.count++ == 0) found.first = {r, v};
-  }
-  return found;
-}
-
 }  // namespace
 
 ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
@@ -324,7 +324,7 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   joined.grids = {grid};
   joined.tiles = report;
   joined.statistics.grid = grid;
-  if (may_round_together(grid)) joined.together = {together(points, joined)};
+  if (may_round_together(grid)) joined.together = {tiled.together()};
   if (options.distinct && !joined.together.empty() && joined.together[0].count > 0)
     throw together_error(joined.together[0]);
   return joined;
