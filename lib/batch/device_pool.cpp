@@ -145,14 +145,22 @@ bool DevicePool::prepares_host_memory() const {
   });
 }
 
-std::uint64_t DevicePool::capacity() const {
+bool DevicePool::has_gpu() const {
+  return std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) {
+    return worker.runtime && worker.runtime->kind() == DeviceKind::gpu;
+  });
+}
+
+std::vector<std::uint64_t> DevicePool::capacities() const {
   std::vector<PooledDevice> devices = devices_;
   for (std::size_t i = 0; i < devices.size(); ++i) devices[i].lost = reports_[i].lost.has_value();
   const std::vector<DevicePlan> plans = plan_pool(devices);
-  std::uint64_t most = 0;
+  std::vector<std::uint64_t> all;
   for (std::size_t i = 0; i < plans.size(); ++i)
-    if (!devices[i].lost) most = std::max(most, plans[i].capacity);
-  return most;
+    if (!devices[i].lost) all.push_back(plans[i].capacity);
+  if (all.empty()) all.push_back(0);
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {

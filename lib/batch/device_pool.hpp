@@ -65,7 +65,10 @@ class DevicePool {
 
   std::size_t size() const { return reports_.size(); }
   /// Bytes that one problem may need, on the device that has most.
-  std::uint64_t capacity() const;
+  std::uint64_t capacity() const { return capacities().back(); }
+  std::uint64_t least_capacity() const { return capacities().front(); }
+  /// Whether one that is not lost is a GPU.
+  bool has_gpu() const;
   /// Whether a device that is not lost does (Tuning::prepares_host_memory).
   bool prepares_host_memory() const;
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
@@ -113,6 +116,8 @@ class DevicePool {
   void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);
   void settle(Worker& worker);
   void lose(std::size_t device, const Error& error);
+  /// Of the devices that are not lost, ascending; {0} if all are.
+  std::vector<std::uint64_t> capacities() const;
   void forget_lost();
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;

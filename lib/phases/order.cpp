@@ -62,27 +62,12 @@ double checked_move(runtime::Runtime& runtime, const InputPoints& points, const 
   return largest_move(runtime, points, 0, points.n, found[GCDT_QUANTISE_MOVE], scale);
 }
 
-Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
-  Maxima maxima(runtime, staged.n, GCDT_SURVEY_COLUMNS);
-  runtime.launch("order", "survey", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
-                 maxima.rows, maxima.table);
-  return checked_survey(staged.type, maxima.read(runtime).data());
-}
-
-// How many decimals the input needs to be written; more than `limit` if more than `limit`.
-int count_decimals(runtime::Runtime& runtime, const InputPoints& staged, cl_int limit) {
-  Maxima maxima(runtime, staged.n, 1);
-  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
-                 limit, maxima.rows, maxima.table);
-  return static_cast<int>(maxima.read(runtime)[0]);
-}
-
 // In the order of docs/contract.md, 1: binary, decimal, rounded. A given grid is read first, as an error in it is the
 // caller's; the survey is made for it, too, since it finds what is not finite.
 ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, const std::optional<FixedGrid>& fixed) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
-  const Survey found = survey(runtime, staged);
+  const Survey found = checked_survey(staged.type, survey_maxima(runtime, staged).data());
   if (given) return *given;
   const GridChoice choice = gcdt::choose_grid(found);
   if (choice.decimals_limit < 0) return choice.grid;
@@ -174,6 +159,23 @@ Error survey_error(cl_uint type, std::uint64_t coordinate) {
 
 void check_outside(cl_ulong outside) {
   if (outside != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside);
+}
+
+std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtime, const InputPoints& points) {
+  Maxima maxima(runtime, points.n, GCDT_SURVEY_COLUMNS);
+  runtime.launch("order", "survey", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
+                 maxima.rows, maxima.table);
+  const std::vector<cl_ulong> most = maxima.read(runtime);
+  std::array<cl_ulong, GCDT_SURVEY_COLUMNS> columns{};
+  std::copy(most.begin(), most.end(), columns.begin());
+  return columns;
+}
+
+int count_decimals(runtime::Runtime& runtime, const InputPoints& points, cl_int limit) {
+  Maxima maxima(runtime, points.n, 1);
+  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
+                 limit, maxima.rows, maxima.table);
+  return static_cast<int>(maxima.read(runtime)[0]);
 }
 
 Codes codes_on(runtime::Runtime& runtime, const InputPoints& points, const ChosenGrid& chosen) {

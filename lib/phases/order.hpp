@@ -32,6 +32,11 @@ void check_vertex_count(std::uint64_t n);
 /// Copies points from host memory. Throws too_many_vertices.
 InputPoints stage(runtime::Runtime& runtime, Points points);
 
+/// The columns of kernel `survey` (order.h). Blocks.
+std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtime, const InputPoints& points);
+/// How many decimals the points need to be written; more than `limit` if more than `limit`. Blocks.
+int count_decimals(runtime::Runtime& runtime, const InputPoints& points, cl_int limit);
+
 /// Points on a grid that was chosen before.
 struct Codes {
   runtime::Buffer<cl_ulong> codes;   ///< Morton codes

@@ -116,9 +116,7 @@ class PieceWriter {
 };
 
 void write_representatives(const Solved& solved, ForestResult& result) {
-  const std::size_t n = solved.task.input.n();
-  auto* representative = room<std::uint32_t>(result, GCDT_REPRESENTATIVES, n);
-  for_each_in_threads(n, [&](std::size_t v) { representative[v] = static_cast<std::uint32_t>(v); });
+  auto* representative = elements_of<std::uint32_t>(result, GCDT_REPRESENTATIVES);
   result.statistics.vertices_merged = 0;
   for (const SolvedTile& tile : solved.tiles) {
     for (const Constraint& pair : tile.merged) representative[pair[0]] = pair[1];

@@ -44,9 +44,8 @@ struct GridInput {
   GridPoint at(std::size_t vertex) const;
 };
 
-/// The input on the grid that one device would choose (docs/contract.md, 1). Throws invalid_argument, too_many_vertices
-/// and coordinate_not_finite as order() does.
-GridInput place(Points points, Constraints constraints, const std::optional<FixedGrid>& fixed);
+/// The input on a grid; `surveyed` unless it has no vertices.
+GridInput place(Points points, Constraints constraints, const ChosenGrid& chosen, const Survey& surveyed);
 
 /// Throws coordinate_outside_grid for the first vertex that is.
 void check_inside(const GridInput& input);

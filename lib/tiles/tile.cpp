@@ -26,13 +26,13 @@ struct Taken {
 class Taker {
  public:
   Taker(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile)
-      : runtime_(lent.runtime),
+      : lent_(lent),
+        runtime_(lent.runtime),
         primitives_(lent.primitives),
         input_(task.input),
+        staged_(task.staged),
         share_(share),
-        codes_(task.cuts.codes_of(tile)),
-        most_of_chunk_(std::clamp<std::size_t>(lent.capacity / Tuning::part_of_tile_chunk, Tuning::least_tile_chunk,
-                                               Tuning::most_tile_chunk)) {
+        codes_(task.cuts.codes_of(tile)) {
     const std::size_t n = input_.n(), expected = n / task.cuts.tiles();
     taken_.points.coordinates = runtime_.allocate<cl_ulong>("coordinates of a tile", 0);
     taken_.ids = runtime_.allocate<cl_uint>("input numbers of a tile", 0);
@@ -40,15 +40,17 @@ class Taker {
   }
 
   Taken take() {
-    const auto all_given = static_cast<std::size_t>(input_.given.size());
-    for (std::size_t first = 0; first < all_given; first += most_of_chunk_)
-      take_chunk(part_of(input_.given.type(), input_.given.data(), first, std::min(most_of_chunk_, all_given - first)),
-                 input_.chosen, first);
+    staged_.for_chunks(lent_, [&](const InputPoints& points, std::size_t first) {
+      const Codes codes = codes_on(runtime_, points, input_.chosen);
+      taken_.move_key = std::max<std::uint64_t>(taken_.move_key, codes.maxima[GCDT_QUANTISE_MOVE]);
+      note_outside(codes.maxima[GCDT_QUANTISE_OUTSIDE], first);
+      take_chunk(points.n, codes, first);
+    });
     check_outside(outside_);
-    const ChosenGrid as_it_is = fixed_grid(FixedGrid{0, 0, "1"});
-    for (std::size_t first = 0; first < input_.added.size(); first += most_of_chunk_)
-      take_chunk(Points::pairs(input_.added[first].data(), std::min(most_of_chunk_, input_.added.size() - first)),
-                 as_it_is, all_given + first);
+    if (!input_.added.empty()) {
+      const InputPoints added = stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size()));
+      take_chunk(added.n, codes_on(runtime_, added, fixed_grid(FixedGrid{0, 0, "1"})), input_.given.size());
+    }
     taken_.own = taken_.all;
     add_foreign();
     taken_.points.n = taken_.all;
@@ -59,21 +61,15 @@ class Taker {
   }
 
  private:
-  void take_chunk(Points points, const ChosenGrid& grid, std::size_t first_id) {
-    const InputPoints staged = stage(runtime_, points);
-    const Codes codes = codes_on(runtime_, staged, grid);
-    if (first_id < input_.given.size()) {
-      taken_.move_key = std::max<std::uint64_t>(taken_.move_key, codes.maxima[GCDT_QUANTISE_MOVE]);
-      note_outside(codes.maxima[GCDT_QUANTISE_OUTSIDE], first_id);
-    }
-    const auto before = runtime_.allocate<cl_uint>("own vertices before", std::size_t{staged.n} + 1);
-    runtime_.launch("tiles", "tile_own", over(staged.n), staged.n, cl_ulong{codes_[0]}, cl_ulong{codes_[1]},
-                    codes.codes, before);
-    const cl_uint found = primitives_.scan_total(before, staged.n);
+  void take_chunk(cl_uint count, const Codes& codes, std::size_t first_id) {
+    const auto before = runtime_.allocate<cl_uint>("own vertices before", std::size_t{count} + 1);
+    runtime_.launch("tiles", "tile_own", over(count), count, cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, codes.codes,
+                    before);
+    const cl_uint found = primitives_.scan_total(before, count);
     const std::size_t needed = std::size_t{taken_.all} + found;
     if (needed > taken_.ids.size()) reserve(std::min<std::size_t>(input_.n(), std::max(needed, 2 * taken_.ids.size())));
-    runtime_.launch("tiles", "tile_take", over(staged.n), staged.n, static_cast<cl_uint>(first_id), taken_.all,
-                    codes.codes, before, taken_.points.coordinates, taken_.ids);
+    runtime_.launch("tiles", "tile_take", over(count), count, static_cast<cl_uint>(first_id), taken_.all, codes.codes,
+                    before, taken_.points.coordinates, taken_.ids);
     taken_.all += found;
   }
 
@@ -106,12 +102,13 @@ class Taker {
     taken_.all += static_cast<cl_uint>(points.size());
   }
 
+  DevicePool::Lent& lent_;
   Runtime& runtime_;
   Primitives& primitives_;
   const GridInput& input_;
+  Staged& staged_;
   const Share& share_;
   const std::array<std::uint64_t, 2> codes_;
-  const std::size_t most_of_chunk_;
   Taken taken_;
   cl_ulong outside_ = 0;
 };

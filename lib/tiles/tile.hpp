@@ -4,6 +4,7 @@
 
 #include "batch/device_pool.hpp"
 #include "tiles/partition.hpp"
+#include "tiles/staged.hpp"
 #include "tiles/tiles.h"
 
 namespace gcdt::tiles {
@@ -79,6 +80,7 @@ struct SolvedTile {
 /// What all tiles of a run share.
 struct TileTask {
   const GridInput& input;
+  Staged& staged;  ///< the input's vertices, but those that were added
   const Cuts& cuts;
   bool check;
 };

@@ -39,8 +39,9 @@ constexpr double tiles_share = 0.7, seam_share = 0.9;
 
 class Tiled {
  public:
-  Tiled(DevicePool& pool, const GridInput& input, const Cuts& cuts, const Options& options, TiledReport& report)
-      : pool_(pool), task_{input, cuts, options.check}, options_(options), report_(report) {
+  Tiled(DevicePool& pool, const GridInput& input, Staged& staged, const Cuts& cuts, const Options& options,
+        TiledReport& report)
+      : pool_(pool), task_{input, staged, cuts, options.check}, options_(options), report_(report) {
     own_.grid = FixedGrid{0, 0, "1"};  // the seam is in cells of the common grid
     own_.check = options.check;
     report_.tiles = static_cast<std::uint32_t>(cuts.tiles());
@@ -107,7 +108,7 @@ class Tiled {
     return joined;
   }
   ForestResult solve_again(const GridInput& input, const Options& options) {
-    Tiled again(pool_, input, task_.cuts, options, report_);
+    Tiled again(pool_, input, task_.staged, task_.cuts, options, report_);
     ForestResult joined = again.solve();
     tiles_ = std::move(again.tiles_);
     return joined;
@@ -191,11 +192,12 @@ class Tiled {
     }
   }
 
-  /// Spills tiles of the device if the next one might not fit beside them. A device's tiles are touched by its thread
+  /// Spills tiles of the device if the next one might not fit beside them; what can be had again goes first. A device's tiles are touched by its thread
   /// alone.
   void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
     for (SolvedTile& tile : tiles_) {
       if (lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity) return;
+      task_.staged.leave(lent.device);
       if (tile.final.on_device() && tile.device == lent.device) tile.final.spill(lent.runtime);
     }
   }
@@ -242,6 +244,7 @@ class Tiled {
     const bool all = pool_.on_each([&](DevicePool::Lent& lent) {
       const auto write_one = [&](std::size_t t) {
         FinalTriangles& final = tiles_[t].final;
+        task_.staged.leave(lent.device);
         order.set_before(t, write_tile(lent, final, order.places_of(t), elements_of<Triangle>(joined, GCDT_TRIANGLES),
                                        elements_of<Neighbours>(joined, GCDT_NEIGHBOURS),
                                        elements_of<std::uint8_t>(joined, GCDT_CONSTRAINED)));
@@ -301,22 +304,26 @@ class Tiled {
 
 }  // namespace
 
-ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
+ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
                              const std::function<Cuts(const GridInput&)>& cut) {
   const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]),
                                 static_cast<std::size_t>(batch.n(0)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
                                    static_cast<std::size_t>(batch.m(0))};
+  check_vertex_count(points.size());
   TiledReport report;
   GridInput input;
+  Staged staged(pool, points, tiles);
   std::optional<Cuts> cuts;
   {
     const Timed timed(report.ms_share);
-    input = place(points, constraints, options.grid);
+    Survey surveyed;
+    const ChosenGrid chosen = staged.choose(options.grid, surveyed);
+    input = place(points, constraints, chosen, surveyed);
     cuts = cut(input);
     check_ends(input);
   }
-  Tiled tiled(pool, input, *cuts, options, report);
+  Tiled tiled(pool, input, staged, *cuts, options, report);
   ForestResult joined = tiled.solve();
   Grid grid = input.chosen.grid;
   grid.largest_move = move_of(input, tiled.move_key());
@@ -343,7 +350,7 @@ BatchInput one_of(const BatchInput& batch, std::uint32_t problem) {
 bool solve_in_tiles(DevicePool& pool, const BatchInput& batch, std::uint32_t problem, const Options& options,
                     std::size_t tiles, PoolResult& all) {
   try {
-    ForestResult made = triangulate_cut(pool, one_of(batch, problem), options,
+    ForestResult made = triangulate_cut(pool, one_of(batch, problem), options, tiles,
                                         [&](const GridInput& input) { return even_cuts(input, tiles); });
     made.problems = {problem};
     all.errors.erase(problem);

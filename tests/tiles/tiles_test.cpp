@@ -42,7 +42,7 @@ std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& 
                                                DevicePool& pool = halves()) {
   const OneProblem problem(work);
   try {
-    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, cut);
+    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, 4, cut);
     return {test::part_of(made, 0), ""};
   } catch (const Error& error) {
     return {{}, error.what()};
