@@ -58,61 +58,115 @@ class SeamWriter {
   std::uint8_t* constrained_;
 };
 
-/// The pieces of the result, in Z-order of their ends: those that the tiles keep, and those of the seam.
+/// The pieces of the result, in Z-order of their ends: those that the tiles keep, and those of the seam. Both are in that
+/// order, so parts of the tiles' pieces are merged with those of the seam that lie between, each by a thread.
 class PieceWriter {
  public:
-  explicit PieceWriter(const Solved& solved) : solved_(solved) { offsets_.push_back(0); }
+  explicit PieceWriter(const Solved& solved) : solved_(solved), seam_(solved.between.mesh) {}
 
   void write(ForestResult& result) {
-    const ProblemMesh& seam = solved_.between.mesh;
-    std::uint32_t next_of_seam = 0;
-    for (const SolvedTile& tile : solved_.tiles)
-      for (std::uint32_t piece = 0; piece < tile.pieces.size(); ++piece) {
-        if (tile.kept[piece] == 0) continue;
-        if (next_of_seam < seam.pieces.size()) {
-          const Key here = key_of_input(tile.piece_ids[piece]);
-          while (next_of_seam < seam.pieces.size() && key_of_seam(next_of_seam) < here) add_of_seam(next_of_seam++);
-        }
-        ends_.push_back(tile.piece_ids[piece]);
-        sources_.insert(sources_.end(), tile.sources.begin() + tile.source_offsets[piece],
-                        tile.sources.begin() + tile.source_offsets[piece + 1]);
-        offsets_.push_back(static_cast<std::uint32_t>(sources_.size()));
-      }
-    while (next_of_seam < seam.pieces.size()) add_of_seam(next_of_seam++);
-    keep(result, GCDT_PIECES, ends_);
-    keep(result, GCDT_SOURCE_OFFSETS, offsets_);
-    keep(result, GCDT_SOURCES, sources_);
+    std::vector<Merged> parts;
+    for (const Range& range : ranges()) parts.push_back({range, {}, {}, {}});
+    for_each_in_threads(
+        parts.size(), [&](std::size_t i) { merge(parts[i]); }, 1);
+    std::vector<std::array<std::size_t, 2>> before(parts.size() + 1, {0, 0});  // pieces and sources
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      before[i + 1] = {before[i][0] + parts[i].ends.size(), before[i][1] + parts[i].sources.size()};
+    auto* ends = room<Constraint>(result, GCDT_PIECES, before.back()[0]);
+    auto* offsets = room<std::uint32_t>(result, GCDT_SOURCE_OFFSETS, before.back()[0] + 1);
+    auto* sources = room<std::uint32_t>(result, GCDT_SOURCES, before.back()[1]);
+    for_each_in_threads(
+        parts.size(),
+        [&](std::size_t i) {
+          std::copy(parts[i].ends.begin(), parts[i].ends.end(), ends + before[i][0]);
+          std::copy(parts[i].sources.begin(), parts[i].sources.end(), sources + before[i][1]);
+          for (std::size_t p = 0; p < parts[i].begins.size(); ++p)
+            offsets[before[i][0] + p] = static_cast<std::uint32_t>(before[i][1] + parts[i].begins[p]);
+        },
+        1);
+    offsets[before.back()[0]] = static_cast<std::uint32_t>(before.back()[1]);
   }
 
  private:
+  /// Pieces of a tile, and pieces of the seam.
+  struct Range {
+    std::uint32_t tile, first, end, first_of_seam, end_of_seam;
+  };
+  struct Merged {
+    Range range;
+    std::vector<Constraint> ends;
+    std::vector<std::uint32_t> begins, sources;
+  };
+
+  std::vector<Range> ranges() const {
+    constexpr std::size_t of_part = 1u << 15;
+    std::vector<Range> all;
+    const auto pieces = static_cast<std::uint32_t>(seam_.pieces.size());
+    for (std::uint32_t t = 0; t < solved_.tiles.size(); ++t) {
+      const std::size_t count = solved_.tiles[t].pieces.size(), parts = count / of_part + 1;
+      for (std::size_t i = 0; i < parts; ++i) {
+        const auto first = static_cast<std::uint32_t>(count * i / parts),
+                   end = static_cast<std::uint32_t>(count * (i + 1) / parts);
+        if (first == end) continue;
+        const std::uint32_t of_seam = all.empty() ? 0 : of_seam_before(solved_.tiles[t].piece_ids[first]);
+        if (!all.empty()) all.back().end_of_seam = of_seam;
+        all.push_back({t, first, end, of_seam, pieces});
+      }
+    }
+    if (all.empty()) all.push_back({0, 0, 0, 0, pieces});
+    return all;
+  }
+
+  /// How many pieces of the seam come before a piece of a tile.
+  std::uint32_t of_seam_before(const Constraint& ends) const {
+    const Key key = key_of_input(ends);
+    std::uint32_t low = 0, high = static_cast<std::uint32_t>(seam_.pieces.size());
+    while (low < high) {  // ends: the range halves
+      const std::uint32_t middle = low + (high - low) / 2;
+      (key_of_seam(middle) < key ? low : high) = key_of_seam(middle) < key ? middle + 1 : middle;
+    }
+    return low;
+  }
+
+  void merge(Merged& part) const {
+    const Range& range = part.range;
+    const SolvedTile& tile = solved_.tiles[range.tile];
+    std::uint32_t next = range.first_of_seam;
+    for (std::uint32_t piece = range.first; piece < range.end; ++piece) {
+      if (tile.kept[piece] == 0) continue;
+      if (next < range.end_of_seam) {
+        const Key here = key_of_input(tile.piece_ids[piece]);
+        while (next < range.end_of_seam && key_of_seam(next) < here) add_of_seam(next++, part);
+      }
+      part.ends.push_back(tile.piece_ids[piece]);
+      part.begins.push_back(static_cast<std::uint32_t>(part.sources.size()));
+      part.sources.insert(part.sources.end(), tile.sources.begin() + tile.source_offsets[piece],
+                          tile.sources.begin() + tile.source_offsets[piece + 1]);
+    }
+    while (next < range.end_of_seam) add_of_seam(next++, part);
+  }
+
   Key key_of_input(const Constraint& ends) const {
     return {code_of(solved_.task.input.at(ends[0])), code_of(solved_.task.input.at(ends[1]))};
   }
   Key key_of_seam(std::uint32_t piece) const {
-    const Constraint& ends = solved_.between.mesh.pieces[piece];
+    const Constraint& ends = seam_.pieces[piece];
     return {code_of(solved_.seam.points[ends[0]]), code_of(solved_.seam.points[ends[1]])};
   }
 
-  void add_of_seam(std::uint32_t piece) {
-    const ProblemMesh& mesh = solved_.between.mesh;
-    const std::size_t before = sources_.size();
-    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
-      solved_.seam.for_sources(mesh.sources[i], solved_.tiles, [&](std::uint32_t c) { sources_.push_back(c); });
-    if (sources_.size() == before) return;  // of the border alone
-    std::sort(sources_.begin() + static_cast<std::ptrdiff_t>(before), sources_.end());
-    const Constraint& ends = mesh.pieces[piece];
-    ends_.push_back({solved_.seam.ids[ends[0]], solved_.seam.ids[ends[1]]});
-    offsets_.push_back(static_cast<std::uint32_t>(sources_.size()));
-  }
-
-  template <class T>
-  static void keep(ForestResult& result, std::int32_t array, const std::vector<T>& values) {
-    std::copy(values.begin(), values.end(), room<T>(result, array, values.size()));
+  void add_of_seam(std::uint32_t piece, Merged& part) const {
+    const std::size_t before = part.sources.size();
+    for (std::uint32_t i = seam_.source_offsets[piece]; i < seam_.source_offsets[piece + 1]; ++i)
+      solved_.seam.for_sources(seam_.sources[i], solved_.tiles, [&](std::uint32_t c) { part.sources.push_back(c); });
+    if (part.sources.size() == before) return;  // of the border alone
+    std::sort(part.sources.begin() + static_cast<std::ptrdiff_t>(before), part.sources.end());
+    const Constraint& ends = seam_.pieces[piece];
+    part.ends.push_back({solved_.seam.ids[ends[0]], solved_.seam.ids[ends[1]]});
+    part.begins.push_back(static_cast<std::uint32_t>(before));
   }
 
   const Solved& solved_;
-  std::vector<Constraint> ends_;
-  std::vector<std::uint32_t> offsets_, sources_;
+  const ProblemMesh& seam_;
 };
 
 void write_representatives(const Solved& solved, ForestResult& result) {
@@ -150,9 +204,10 @@ void check_joined(const Solved& solved, const Order& order, const ForestResult& 
   if (triangles.size() != 2 * n - 2 - hull)
     throw Error(Status::check_failed, "tiles: " + std::to_string(triangles.size()) + " triangles, of " +
                                           std::to_string(n) + " vertices, " + std::to_string(hull) + " on the hull");
-  for (const auto& [tile, edge] : solved.seam.border) {
+  for_each_in_threads(solved.seam.border.size(), [&](std::size_t i) {
+    const auto& [tile, edge] = solved.seam.border[i];
     const std::uint32_t t = order.place_of_final(tile, edge.triangle), k = edge.k();
-    if ((constrained[t] >> k & 1) != 0 || neighbours[t][k] < 0) continue;
+    if ((constrained[t] >> k & 1) != 0 || neighbours[t][k] < 0) return;
     const auto other = static_cast<std::uint32_t>(neighbours[t][k]);
     unsigned back = 0;
     while (back < 3 && neighbours[other][back] != static_cast<std::int32_t>(t)) ++back;
@@ -161,7 +216,7 @@ void check_joined(const Solved& solved, const Order& order, const ForestResult& 
     const device::Vertex u = at(here[(k + 1) % 3]), v = at(here[(k + 2) % 3]);
     if (back == 3 || device::gcdt_must_flip(u, at(triangles[other][back]), v, at(here[k])))
       throw Error(Status::check_failed, "tiles: an edge between a tile and the seam is not locally Delaunay");
-  }
+  }, 256);
 }
 
 }  // namespace
