@@ -132,7 +132,7 @@ std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans
     state.throughput = worker.throughput;
     state.first_part = (worker.number + 1) / static_cast<double>(plan.workers);
     state.started = plan.beside_gpus && worker.backoff.sits_out();
-    state.lost = state.ended = reports_[worker.device].lost || (call.make_one && worker.number > 0);
+    state.lost = state.ended = reports_[worker.device].lost || (call.make_one && !is_first_of(worker, call.who));
     if (call.make_one) state.plan.job_weight = 0;  // one problem a job
     all.push_back(state);
   }
@@ -145,10 +145,12 @@ bool DevicePool::prepares_host_memory() const {
   });
 }
 
-bool DevicePool::has_gpu() const {
-  return std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) {
-    return worker.runtime && worker.runtime->kind() == DeviceKind::gpu;
-  });
+bool DevicePool::is_first_of(const Worker& worker, Who who) const {
+  const auto is_gpu = [](const Worker& other) {
+    return other.runtime && other.runtime->kind() == DeviceKind::gpu;
+  };
+  return worker.number == 0 &&
+         (who == Who::all || is_gpu(worker) || std::none_of(workers_.begin(), workers_.end(), is_gpu));
 }
 
 std::vector<std::uint64_t> DevicePool::capacities() const {
@@ -168,18 +170,24 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
-  return run({batch, options, nullptr});
+  return run({batch, options, nullptr, Who::all});
 }
 
-PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options, const MakeOne& make) {
-  return run({sizes, options, &make});
+PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make) {
+  return run({sizes, options, &make, who});
 }
 
 PoolResult DevicePool::run(const Call& call) {
   const auto start = std::chrono::steady_clock::now();
   if (all_lost()) throw_reasons();
   const std::vector<DevicePlan> plans = plan();
-  for (Worker& worker : workers_) worker.warms_up = plans[worker.device].warms_up && !call.make_one;
+  for (Worker& worker : workers_) {
+    worker.warms_up = plans[worker.device].warms_up && !call.make_one;
+    if (call.make_one && worker.number > 0 && worker.runtime) {  // the first one needs the memory
+      worker.primitives->release();
+      worker.runtime->memory().trim();
+    }
+  }
   for (DeviceReport& report : reports_) report = {report.info, report.lost};
   const std::vector<WorkerState> states = this->states(plans, call);
   Schedule schedule(call.batch, states);
@@ -214,12 +222,12 @@ PoolResult DevicePool::run(const Call& call) {
           milliseconds_since(start)};
 }
 
-bool DevicePool::on_each(const std::function<void(Lent& lent)>& use) {
+bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
   const std::vector<DevicePlan> plans = plan();
   std::vector<std::thread> threads;
   std::atomic<bool> all{true};
   for (std::size_t i = 0; i < workers_.size(); ++i) {
-    if (workers_[i].number > 0 || reports_[workers_[i].device].lost) continue;
+    if (reports_[workers_[i].device].lost || !is_first_of(workers_[i], who)) continue;
     threads.emplace_back([&, i] {
       Worker& worker = workers_[i];
       Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity};

@@ -55,20 +55,20 @@ class DevicePool {
     std::uint64_t capacity;  ///< bytes that may be used at once
   };
   using MakeOne = std::function<ForestResult(Lent& lent, std::uint32_t problem)>;
+  /// `gpus`: if there are some that are not lost; else all.
+  enum class Who { all, gpus };
   /// As triangulate(), but each problem is made by `make`, by itself, on one worker a device; of the batch only the
   /// sizes are read, and of the options only the progress. An Error of a problem (is_of_problem()) is the problem's;
   /// others take the device out of the pool. A problem may be made on several devices at once.
-  PoolResult make_each(const BatchInput& sizes, const Options& options, const MakeOne& make);
+  PoolResult make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make);
   /// Calls `use` for each device that is not lost, at once. Returns whether all did it: a device that throws an Error is
   /// taken out of the pool. Throws if none is left.
-  bool on_each(const std::function<void(Lent& lent)>& use);
+  bool on_each(Who who, const std::function<void(Lent& lent)>& use);
 
   std::size_t size() const { return reports_.size(); }
   /// Bytes that one problem may need, on the device that has most.
   std::uint64_t capacity() const { return capacities().back(); }
   std::uint64_t least_capacity() const { return capacities().front(); }
-  /// Whether one that is not lost is a GPU.
-  bool has_gpu() const;
   /// Whether a device that is not lost does (Tuning::prepares_host_memory).
   bool prepares_host_memory() const;
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
@@ -102,6 +102,7 @@ class DevicePool {
     const BatchInput& batch;
     const Options& options;
     const MakeOne* make_one;
+    Who who;
   };
   void open(Member& member, std::size_t device, const DevicePlan& plan);
   std::vector<DevicePlan> plan();
@@ -121,6 +122,8 @@ class DevicePool {
   void forget_lost();
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
+  /// Whether the worker is the first of a device that is one of these.
+  bool is_first_of(const Worker& worker, Who who) const;
 
   std::mutex mutex_;  ///< held during callbacks, and while a device is reported as lost
   runtime::Log log_;  ///< takes the mutex, as does the trace

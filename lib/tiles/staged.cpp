@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "device/step.hpp"
 #include "phases/triangulation.hpp"
 
 namespace gcdt::tiles {
@@ -23,7 +24,6 @@ Staged::Staged(DevicePool& pool, Points points, std::size_t tiles)
   const std::uint64_t capacity = pool.least_capacity(), n = points.size();
   vertices_of_chunk_ = std::clamp<std::size_t>(capacity / Tuning::part_of_tile_chunk, Tuning::least_tile_chunk,
                                                Tuning::most_tile_chunk);
-  gpus_only_ = pool.has_gpu();
   const std::uint64_t all = 8 * n * words_per_vertex(points.type());
   for (std::size_t device = 0; device < keeps_.size(); ++device)
     keeps_[device] = all + forest_bytes(1, n / std::max<std::size_t>(tiles, 1), 0) < capacity;
@@ -58,8 +58,8 @@ Columns Staged::look(Look&& look_at_chunk) {
   std::mutex mutex;
   std::optional<Columns> columns;
   while (!columns)
-    pool_.on_each([&](DevicePool::Lent& lent) {
-      if (gpus_only_ && lent.runtime.kind() != DeviceKind::gpu) return;
+    pool_.on_each(DevicePool::Who::gpus, [&](DevicePool::Lent& lent) {
+      Step looking(lent.runtime, "survey");
       Columns most{};
       const auto all_chunks = [&] {
         for_chunks(lent, [&](const InputPoints& points, std::size_t first) {
@@ -74,6 +74,7 @@ Columns Staged::look(Look&& look_at_chunk) {
         lent.runtime.memory().trim();
         all_chunks();
       }
+      looking.end();
       const std::lock_guard<std::mutex> lock(mutex);
       columns = most;
     });

@@ -178,7 +178,7 @@ class Tiled {
       const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
       std::mutex mutex;
       std::vector<bool> is_solved(tiles_.size(), false);
-      run("tiles", 0, tiles_share, sizes, [&](DevicePool::Lent& lent, std::uint32_t problem) {
+      run("tiles", 0, tiles_share, sizes, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t problem) {
         const std::uint32_t t = wanted[problem];
         make_room(lent, sizes.n(problem), sizes.m(problem));
         SolvedTile solved = solve_tile(lent, task_, all.tiles[t], t);
@@ -192,14 +192,14 @@ class Tiled {
     }
   }
 
-  /// Spills tiles of the device if the next one might not fit beside them; what can be had again goes first. A device's tiles are touched by its thread
+  /// Spills tiles of the device if the next one might not fit beside them; and if that is not enough, gives back what
+  /// can be had again, which takes longer for the whole input than for a tile. A device's tiles are touched by its thread
   /// alone.
   void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
-    for (SolvedTile& tile : tiles_) {
-      if (lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity) return;
-      task_.staged.leave(lent.device);
-      if (tile.final.on_device() && tile.device == lent.device) tile.final.spill(lent.runtime);
-    }
+    const auto fits = [&] { return lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity; };
+    for (SolvedTile& tile : tiles_)
+      if (!fits() && tile.final.on_device() && tile.device == lent.device) tile.final.spill(lent.runtime);
+    if (!fits()) task_.staged.leave(lent.device);
   }
 
   std::vector<Constraint> solve_seam() {
@@ -207,9 +207,10 @@ class Tiled {
     const BatchInput problem{1, Points::Type::int32, seam_.points.data(), n, seam_.constraints.data(), m};
     try {
       made_seam_ = {};
-      made_seam_ = run("seam", tiles_share, seam_share, problem, [&](DevicePool::Lent& lent, std::uint32_t) {
+      const auto solve = [&](DevicePool::Lent& lent, std::uint32_t) {
         return triangulate_single(lent.runtime, lent.primitives, problem, 0, own_);
-      });
+      };
+      made_seam_ = run("seam", tiles_share, seam_share, problem, DevicePool::Who::gpus, solve);
     } catch (const Error& error) {
       if (error.status() == Status::constraints_cross) return pairs_of(error.indices());
       if (error.status() != Status::out_of_memory) throw;
@@ -241,7 +242,7 @@ class Tiled {
   bool write_tiles(Order& order, ForestResult& joined) {
     const Timed timed(report_.ms_write);
     std::atomic<std::size_t> next_spilled{0};
-    const bool all = pool_.on_each([&](DevicePool::Lent& lent) {
+    const bool all = pool_.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
       const auto write_one = [&](std::size_t t) {
         FinalTriangles& final = tiles_[t].final;
         task_.staged.leave(lent.device);
@@ -263,10 +264,11 @@ class Tiled {
   }
 
   /// Throws the error of the first problem that has one.
-  PoolResult run(const char* phase, double from, double to, const BatchInput& sizes, const DevicePool::MakeOne& make) {
+  PoolResult run(const char* phase, double from, double to, const BatchInput& sizes, DevicePool::Who who,
+                 const DevicePool::MakeOne& make) {
     Options options;
     options.progress = [&](const char*, double done) { return tell(phase, from + (to - from) * done); };
-    PoolResult made = pool_.make_each(sizes, options, make);
+    PoolResult made = pool_.make_each(sizes, options, who, make);
     if (!made.errors.empty()) throw made.errors.begin()->second;
     return made;
   }
