@@ -108,8 +108,12 @@ typedef struct Reach {
 #define REACH_TINY 0x1p-18f
 
 // A whole number, not less (upwards) or not more than what, if it is of the grid's size; else beyond it.
-static inline long whole_above(float what) { return what >= 0x1p33f ? (long)1 << 33 : convert_long_rtp(max(what, -0x1p33f)); }
-static inline long whole_below(float what) { return what <= -0x1p33f ? -((long)1 << 33) : convert_long_rtn(min(what, 0x1p33f)); }
+static inline long whole_above(float what) {
+  return what >= 0x1p33f ? (long)1 << 33 : convert_long_rtp(max(what, -0x1p33f));
+}
+static inline long whole_below(float what) {
+  return what <= -0x1p33f ? -((long)1 << 33) : convert_long_rtn(min(what, 0x1p33f));
+}
 
 // Half of what the circle measures along one axis, where its other coordinate is between `least` and `most`: less than
 // the radius if the centre is d beyond them.
@@ -163,8 +167,8 @@ kernel void tile_not_final(const uint count, global const uint* list, global uin
 // ---- What the seam gets -----------------------------------------------------------------------------
 
 // One work-item per triangle. Reads final, 1 or 0, and the mesh; pieces' ends as vertices of the mesh. Writes 1 to
-// wanted[v] for the own corners of triangles that are not final, and to kept[p] for the pieces along edges of those that
-// are. All that write a word write 1.
+// wanted[v] for the own corners of triangles that are not final, and to kept[p] for the pieces along edges of those
+// that are. All that write a word write 1.
 kernel void tile_mark(const uint triangles, const uint own, global const uint* final, global const uint* corners,
                       global const uchar* constrained, global const Levels* levels, global const uint* input_vertex,
                       const uint pieces, global const uint2* ends, global uint* wanted, global uint* kept) {
@@ -214,8 +218,8 @@ kernel void tile_border(const uint finals, global const uint* before, global con
     for (uint k = 0; k < 3u; ++k) {
       const int u = neighbours[3u * r + k];
       if (u >= 0) continue;
-      const uint marks = (u == GCDT_TILE_HULL ? GCDT_TILE_ON_HULL : 0u) |
-                         ((constrained[r] >> k) & 1u ? GCDT_TILE_CONSTRAINED : 0u);
+      const uint marks =
+          (u == GCDT_TILE_HULL ? GCDT_TILE_ON_HULL : 0u) | ((constrained[r] >> k) & 1u ? GCDT_TILE_CONSTRAINED : 0u);
       border[place++] = (uint4)(r, corners[3u * r + next_corner(k)], corners[3u * r + previous_corner(k)], k | marks);
     }
   }
@@ -244,9 +248,9 @@ kernel void tile_before(const uint count, const uint finals, global const ulong2
   }
 }
 
-// One work-item per final triangle. Reads `before` of `count` triangles of the seam, which ascend. Writes places[r], its
-// place among all of the tile's: r, and those of the seam that come before it. Word r has one writer. Ends: the range
-// halves.
+// One work-item per final triangle. Reads `before` of `count` triangles of the seam, which ascend. Writes places[r],
+// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer. Ends: the
+// range halves.
 kernel void tile_places(const uint finals, const uint count, global const uint* before, global uint* places) {
   FOR_EACH(r, finals) {
     uint low = 0, high = count;

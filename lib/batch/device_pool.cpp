@@ -11,25 +11,6 @@
 
 namespace gcdt {
 
-namespace {
-
-/// As long as it lives, the runtime's transfers may use all of the device's link.
-class Alone {
- public:
-  explicit Alone(runtime::Runtime& runtime) : runtime_(runtime) { runtime_.set_alone(true); }
-  Alone(const Alone&) = delete;
-  ~Alone() { runtime_.set_alone(false); }
-
- private:
-  runtime::Runtime& runtime_;
-};
-
-Error host_failed(const std::exception& error) {
-  return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
-}
-
-}  // namespace
-
 DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace) : reports_(members.size()) {
   if (members.empty()) throw Error(Status::no_device, "a pool without devices");
   if (log)
@@ -145,14 +126,6 @@ bool DevicePool::prepares_host_memory() const {
   });
 }
 
-bool DevicePool::is_first_of(const Worker& worker, Who who) const {
-  const auto is_gpu = [](const Worker& other) {
-    return other.runtime && other.runtime->kind() == DeviceKind::gpu;
-  };
-  return worker.number == 0 &&
-         (who == Who::all || is_gpu(worker) || std::none_of(workers_.begin(), workers_.end(), is_gpu));
-}
-
 std::vector<std::uint64_t> DevicePool::capacities() const {
   std::vector<PooledDevice> devices = devices_;
   for (std::size_t i = 0; i < devices.size(); ++i) devices[i].lost = reports_[i].lost.has_value();
@@ -171,10 +144,6 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
   return run({batch, options, nullptr, Who::all});
-}
-
-PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make) {
-  return run({sizes, options, &make, who});
 }
 
 PoolResult DevicePool::run(const Call& call) {
@@ -220,35 +189,6 @@ PoolResult DevicePool::run(const Call& call) {
   if (schedule.unsettled() > 0) throw_reasons();
   return {std::move(schedule.results), std::move(schedule.places), std::move(schedule.errors),
           milliseconds_since(start)};
-}
-
-bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
-  const std::vector<DevicePlan> plans = plan();
-  std::vector<std::thread> threads;
-  std::atomic<bool> all{true};
-  for (std::size_t i = 0; i < workers_.size(); ++i) {
-    if (reports_[workers_[i].device].lost || !is_first_of(workers_[i], who)) continue;
-    threads.emplace_back([&, i] {
-      Worker& worker = workers_[i];
-      Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity};
-      const Alone alone(*worker.runtime);
-      try {
-        use(lent);
-        return;
-      } catch (const Error& error) {
-        settle(worker);
-        lose(worker.device, error);
-      } catch (const std::exception& error) {
-        settle(worker);
-        lose(worker.device, host_failed(error));
-      }
-      all = false;
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  forget_lost();
-  if (all_lost()) throw_reasons();
-  return all;
 }
 
 void DevicePool::forget_lost() {
@@ -344,8 +284,9 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
   own.progress = {};
   worker.runtime->give_up_when([&schedule, job] { return schedule.needless(*job); });
   const Stopwatch stopwatch(*worker.runtime);
-  Made made = call.make_one ? make_one_by_one(number, job->problems, *call.make_one, schedule.state(number).plan.capacity)
-                            : make(worker, call.batch, job->problems, own);
+  Made made = call.make_one
+                  ? make_one_by_one(number, job->problems, *call.make_one, schedule.state(number).plan.capacity)
+                  : make(worker, call.batch, job->problems, own);
   const double ms = stopwatch.milliseconds();
   if (!schedule.finish(number, job, std::move(made.result), std::move(made.errors), ms)) return;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -354,27 +295,6 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
   for (const std::uint32_t p : job->problems) report.vertices += call.batch.n(p);
   ++report.runs;
   report.milliseconds += ms;
-}
-
-DevicePool::Made DevicePool::make_one_by_one(std::size_t number, const std::vector<std::uint32_t>& numbers,
-                                             const MakeOne& make, std::uint64_t capacity) {
-  Worker& worker = workers_[number];
-  Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity};
-  const Alone alone(*worker.runtime);
-  Made made;
-  for (const std::uint32_t p : numbers) {
-    try {
-      ForestResult one = make(lent, p);
-      one.problems = {p};
-      made.result.add(std::move(one));
-    } catch (const Error& error) {
-      if (error.status() == Status::out_of_memory) throw Shortage{p, error};
-      if (!is_of_problem(error.status())) throw;
-      settle(worker);
-      made.errors.emplace_back(p, error);
-    }
-  }
-  return made;
 }
 
 // Runs the problems. If the input of some is invalid, it takes those out and runs the rest again. That ends because

@@ -32,6 +32,11 @@ struct PoolResult {
   }
 };
 
+/// The error of a device whose host threw something else.
+inline Error host_failed(const std::exception& error) {
+  return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
+}
+
 class DevicePool {
  public:
   struct Member {
@@ -61,8 +66,8 @@ class DevicePool {
   /// sizes are read, and of the options only the progress. An Error of a problem (is_of_problem()) is the problem's;
   /// others take the device out of the pool. A problem may be made on several devices at once.
   PoolResult make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make);
-  /// Calls `use` for each device that is not lost, at once. Returns whether all did it: a device that throws an Error is
-  /// taken out of the pool. Throws if none is left.
+  /// Calls `use` for each device that is not lost, at once. Returns whether all did it: a device that throws an Error
+  /// is taken out of the pool. Throws if none is left.
   bool on_each(Who who, const std::function<void(Lent& lent)>& use);
 
   std::size_t size() const { return reports_.size(); }

@@ -56,8 +56,8 @@ inline bool is_of_problem(Status status) {
 struct TiledReport {
   std::uint32_t tiles = 0;  ///< 0: it was not cut
   std::uint64_t seam_vertices = 0, seam_constraints = 0;
-  /// Of the steps: choosing the grid and sharing out the constraints; the tiles' runs; making the seam's problem and its
-  /// run; copying what is final to its place; the rest of the result, with its check.
+  /// Of the steps: choosing the grid and sharing out the constraints; the tiles' runs; making the seam's problem and
+  /// its run; copying what is final to its place; the rest of the result, with its check.
   double ms_share = 0, ms_tiles = 0, ms_seam = 0, ms_write = 0, ms_join = 0;
 };
 

@@ -77,8 +77,7 @@ ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, con
 Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
   Codes made = codes_on(runtime, staged, chosen);
   Keys keys = {chosen.grid, chosen.decimals, std::move(made.codes), std::move(made.numbers)};
-  if (!chosen.decimals)
-    keys.grid.largest_move = checked_move(runtime, staged, made.maxima.data(), chosen.scale);
+  if (!chosen.decimals) keys.grid.largest_move = checked_move(runtime, staged, made.maxima.data(), chosen.scale);
   return keys;
 }
 

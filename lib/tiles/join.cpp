@@ -58,8 +58,8 @@ class SeamWriter {
   std::uint8_t* constrained_;
 };
 
-/// The pieces of the result, in Z-order of their ends: those that the tiles keep, and those of the seam. Both are in that
-/// order, so parts of the tiles' pieces are merged with those of the seam that lie between, each by a thread.
+/// The pieces of the result, in Z-order of their ends: those that the tiles keep, and those of the seam. Both are in
+/// that order, so parts of the tiles' pieces are merged with those of the seam that lie between, each by a thread.
 class PieceWriter {
  public:
   explicit PieceWriter(const Solved& solved) : solved_(solved), seam_(solved.between.mesh) {}
@@ -204,25 +204,30 @@ void check_joined(const Solved& solved, const Order& order, const ForestResult& 
   if (triangles.size() != 2 * n - 2 - hull)
     throw Error(Status::check_failed, "tiles: " + std::to_string(triangles.size()) + " triangles, of " +
                                           std::to_string(n) + " vertices, " + std::to_string(hull) + " on the hull");
-  for_each_in_threads(solved.seam.border.size(), [&](std::size_t i) {
-    const auto& [tile, edge] = solved.seam.border[i];
-    const std::uint32_t t = order.place_of_final(tile, edge.triangle), k = edge.k();
-    if ((constrained[t] >> k & 1) != 0 || neighbours[t][k] < 0) return;
-    const auto other = static_cast<std::uint32_t>(neighbours[t][k]);
-    unsigned back = 0;
-    while (back < 3 && neighbours[other][back] != static_cast<std::int32_t>(t)) ++back;
-    const auto at = [&](std::uint32_t v) { return vertex_at(input.at(v)); };
-    const Triangle& here = triangles[t];
-    const device::Vertex u = at(here[(k + 1) % 3]), v = at(here[(k + 2) % 3]);
-    if (back == 3 || device::gcdt_must_flip(u, at(triangles[other][back]), v, at(here[k])))
-      throw Error(Status::check_failed, "tiles: an edge between a tile and the seam is not locally Delaunay");
-  }, 256);
+  for_each_in_threads(
+      solved.seam.border.size(),
+      [&](std::size_t i) {
+        const auto& [tile, edge] = solved.seam.border[i];
+        const std::uint32_t t = order.place_of_final(tile, edge.triangle), k = edge.k();
+        if ((constrained[t] >> k & 1) != 0 || neighbours[t][k] < 0) return;
+        const auto other = static_cast<std::uint32_t>(neighbours[t][k]);
+        unsigned back = 0;
+        while (back < 3 && neighbours[other][back] != static_cast<std::int32_t>(t)) ++back;
+        const auto at = [&](std::uint32_t v) { return vertex_at(input.at(v)); };
+        const Triangle& here = triangles[t];
+        const device::Vertex u = at(here[(k + 1) % 3]), v = at(here[(k + 2) % 3]);
+        if (back == 3 || device::gcdt_must_flip(u, at(triangles[other][back]), v, at(here[k])))
+          throw Error(Status::check_failed, "tiles: an edge between a tile and the seam is not locally Delaunay");
+      },
+      256);
 }
 
 }  // namespace
 
 Order::Order(const Solved& solved)
-    : firsts_(1, 0), keys_(solved.tiles.size()), before_(solved.tiles.size()),
+    : firsts_(1, 0),
+      keys_(solved.tiles.size()),
+      before_(solved.tiles.size()),
       of_seam_(solved.between.kept.size(), {none, none}) {
   for (std::uint32_t t = 0; t < of_seam_.size(); ++t) {
     if (!solved.between.kept[t]) continue;

@@ -66,8 +66,7 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c)) continue;
-      tile_of[c] =
-          role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, constraints[c]);
+      tile_of[c] = role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, constraints[c]);
       if (tile_of[c] == open_constraint)
         open[part].push_back(static_cast<std::uint32_t>(c));
       else

@@ -53,9 +53,8 @@ TileShare share_of(const std::vector<SolvedTile>& tiles, std::size_t t) {
     share.border.push_back(edge);
   }
   std::sort(ends.begin(), ends.end(), by_number);
-  ends.erase(
-      std::unique(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.vertex == b.vertex; }),
-      ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.vertex == b.vertex; }),
+             ends.end());
   std::set_union(tile.vertices.begin(), tile.vertices.end(), ends.begin(), ends.end(),
                  std::back_inserter(share.vertices), by_number);
   return share;

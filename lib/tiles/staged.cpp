@@ -22,8 +22,8 @@ void raise(std::array<cl_ulong, N>& most, const std::array<cl_ulong, N>& found) 
 Staged::Staged(DevicePool& pool, Points points, std::size_t tiles)
     : pool_(pool), points_(points), keeps_(pool.size(), 0), chunks_(pool.size()) {
   const std::uint64_t capacity = pool.least_capacity(), n = points.size();
-  vertices_of_chunk_ = std::clamp<std::size_t>(capacity / Tuning::part_of_tile_chunk, Tuning::least_tile_chunk,
-                                               Tuning::most_tile_chunk);
+  vertices_of_chunk_ =
+      std::clamp<std::size_t>(capacity / Tuning::part_of_tile_chunk, Tuning::least_tile_chunk, Tuning::most_tile_chunk);
   const std::uint64_t all = 8 * n * words_per_vertex(points.type());
   for (std::size_t device = 0; device < keeps_.size(); ++device)
     keeps_[device] = all + forest_bytes(1, n / std::max<std::size_t>(tiles, 1), 0) < capacity;
@@ -39,8 +39,8 @@ void Staged::for_chunks(DevicePool::Lent& lent,
       use(kept[i], first);
       continue;
     }
-    InputPoints chunk = stage(lent.runtime, part_of(points_.type(), points_.data(), first,
-                                                    std::min(vertices_of_chunk_, n - first)));
+    InputPoints chunk =
+        stage(lent.runtime, part_of(points_.type(), points_.data(), first, std::min(vertices_of_chunk_, n - first)));
     use(chunk, first);
     if (keeps_[lent.device]) sent.push_back(std::move(chunk));
   }
@@ -85,12 +85,11 @@ ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveye
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
   if (points_.size() == 0) return given ? *given : ChosenGrid();
-  const Surveyed found =
-      look<Surveyed>([](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
-        Surveyed columns = survey_maxima(runtime, points);
-        if (columns[GCDT_SURVEY_BAD] != 0) columns[GCDT_SURVEY_BAD] -= 2 * first;  // complements: the least is greatest
-        return columns;
-      });
+  const Surveyed found = look<Surveyed>([](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
+    Surveyed columns = survey_maxima(runtime, points);
+    if (columns[GCDT_SURVEY_BAD] != 0) columns[GCDT_SURVEY_BAD] -= 2 * first;  // complements: the least is greatest
+    return columns;
+  });
   if (found[GCDT_SURVEY_BAD] != 0) throw survey_error(coordinates_type(points_.type()), ~found[GCDT_SURVEY_BAD]);
   surveyed = survey_of(found.data());
   if (given) return *given;

@@ -34,8 +34,8 @@ class Staged {
   DevicePool& pool_;
   const Points points_;
   std::size_t vertices_of_chunk_;
-  std::vector<char> keeps_;                           ///< by device; a device's thread alone changes its own
-  std::vector<std::vector<InputPoints>> chunks_;      ///< by device; empty or all
+  std::vector<char> keeps_;                       ///< by device; a device's thread alone changes its own
+  std::vector<std::vector<InputPoints>> chunks_;  ///< by device; empty or all
 };
 
 }  // namespace gcdt::tiles

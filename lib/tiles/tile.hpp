@@ -2,15 +2,12 @@
 // One tile on one device: its mesh, what of it is final, and what the seam gets of it (docs/scale.md).
 #pragma once
 
-#include "batch/device_pool.hpp"
+#include "tiles/final.hpp"
 #include "tiles/partition.hpp"
 #include "tiles/staged.hpp"
 #include "tiles/tiles.h"
 
 namespace gcdt::tiles {
-
-using Triangle = std::array<std::uint32_t, 3>;
-using Neighbours = std::array<std::int32_t, 3>;
 
 /// A vertex of a tile that the seam has.
 struct SeamVertex {
@@ -28,35 +25,6 @@ struct BorderEdge {
   bool is_on_hull() const { return (k_and_marks & GCDT_TILE_ON_HULL) != 0; }  ///< of the tile
 };
 
-/// The final triangles, as long as their places in the result are not known: on the device, or spilled to the host.
-class FinalTriangles {
- public:
-  std::uint32_t count = 0;
-  runtime::Buffer<cl_uint> corners;  ///< the tile's vertices
-  runtime::Buffer<cl_int> neighbours;
-  runtime::Buffer<cl_uchar> constrained;
-  runtime::Buffer<cl_uint> ids;    ///< by vertex: input numbers
-  runtime::Buffer<cl_int2> points;  ///< by vertex
-
-  bool on_device() const { return corners.allocated(); }
-  void spill(runtime::Runtime& runtime);
-  bool is_spilled() const { return !on_device() && spilled_[0].bytes; }
-  /// Back to a device, any of the pool's.
-  void load(runtime::Runtime& runtime);
-  /// Gives all memory back; `count` stays.
-  void release();
-
- private:
-  template <class Use>
-  void for_arrays(Use&& use);
-  template <class T>
-  void spill_one(runtime::Runtime& runtime, runtime::Buffer<T>& buffer, std::size_t slot);
-  template <class T>
-  void load_one(runtime::Runtime& runtime, runtime::Buffer<T>& buffer, std::size_t slot);
-  std::array<HostArray, 5> spilled_;
-  std::array<std::size_t, 5> counts_{};
-};
-
 /// What became of a tile. Vertices are numbered as in kernels/tiles/tiles.cl.
 struct SolvedTile {
   std::uint32_t own = 0;  ///< vertices of its own; without any it has nothing else
@@ -66,13 +34,13 @@ struct SolvedTile {
   std::vector<SeamVertex> vertices, hull_vertices;
   std::vector<BorderEdge> border;  ///< by triangle and k; also edges that turn out to be of the hull of all
   // Its pieces in Z-order: those along a final triangle are kept, the others the seam's.
-  Array<Constraint> pieces;     ///< the tile's vertices
-  Array<Constraint> piece_ids;  ///< the same as input numbers
+  Array<Constraint> pieces;                            ///< the tile's vertices
+  Array<Constraint> piece_ids;                         ///< the same as input numbers
   Array<std::uint32_t> kept, source_offsets, sources;  ///< sources: input numbers
   std::vector<std::uint32_t> dropped;                  ///< constraints by input numbers, ascending
   std::vector<Constraint> merged;                      ///< input numbers: vertices, and what stands for them
   std::vector<std::uint32_t> ends, stand_ins;          ///< open ends by input number, ascending; the tile's vertices
-  std::uint64_t move_key = 0;  ///< of all vertices of the input, not only the tile's
+  std::uint64_t move_key = 0;                          ///< of all vertices of the input, not only the tile's
   FinalTriangles final;
   std::size_t device = 0;  ///< of the pool: who has `final`, unless it is spilled
 };
@@ -85,20 +53,8 @@ struct TileTask {
   bool check;
 };
 
-/// Takes the tile's vertices from the input, triangulates them with its constraints, dropping what crosses, and finds out
-/// what is final. Throws coordinate_outside_grid, and Error as triangulate() does.
+/// Takes the tile's vertices from the input, triangulates them with its constraints, dropping what crosses, and finds
+/// out what is final. Throws coordinate_outside_grid, and Error as triangulate() does.
 SolvedTile solve_tile(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile);
-
-/// Where the triangles of a tile go in the result.
-struct TilePlaces {
-  std::uint32_t first;  ///< the place of the tile's first triangle, be it final or of the seam
-  /// Of the seam's triangles among those of the tile, in their order: the codes of their first two vertices.
-  std::vector<std::array<std::uint64_t, 2>> keys;
-};
-
-/// Writes the final triangles to their places in the result's arrays, which begin at place 0, on the device that has
-/// them. Returns for each triangle of the seam how many final ones come before it.
-std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
-                                      Triangle* triangles, Neighbours* neighbours, std::uint8_t* constrained);
 
 }  // namespace gcdt::tiles

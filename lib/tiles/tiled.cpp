@@ -19,18 +19,6 @@ struct SeamTooLarge : Error {
   using Error::Error;
 };
 
-/// Adds the time until its end.
-class Timed {
- public:
-  explicit Timed(double& ms) : ms_(ms) {}
-  Timed(const Timed&) = delete;
-  ~Timed() { ms_ += milliseconds_since(start_); }
-
- private:
-  double& ms_;
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 /// Vertices of a tile at least, where tiles are made for want of memory: smaller ones are mostly seam.
 constexpr std::size_t least_of_tile = 4096;
 
@@ -158,8 +146,7 @@ class Tiled {
     return solve_seam();
   }
   void solve_uncrossed(const std::vector<Role>& roles) {
-    if (!solve_parts(roles).empty())
-      throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
+    if (!solve_parts(roles).empty()) throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
   }
 
   /// Every tile, by whichever device takes it; and once more those that a device had when it was lost. Ends: it is lost
@@ -193,8 +180,8 @@ class Tiled {
   }
 
   /// Spills tiles of the device if the next one might not fit beside them; and if that is not enough, gives back what
-  /// can be had again, which takes longer for the whole input than for a tile. A device's tiles are touched by its thread
-  /// alone.
+  /// can be had again, which takes longer for the whole input than for a tile. A device's tiles are touched by its
+  /// thread alone.
   void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
     const auto fits = [&] { return lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity; };
     for (SolvedTile& tile : tiles_)
