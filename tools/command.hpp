@@ -22,6 +22,7 @@ struct TriangulateArguments {
   bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
   std::uint32_t tiles = 0;   ///< 0: as memory asks for
   std::uint64_t memory = 0;  ///< bytes of each device at most; 0: all
+  std::string spill;         ///< a directory for what has no room on a device; empty: to memory
   RefineArguments refine;
   std::optional<std::string> triangle;  ///< switches of Triangle (triangle_switches.hpp)
   bool jettison = false;                ///< vertices without triangles are left out

@@ -59,7 +59,7 @@ constexpr const char* view_help =
 
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
-    "ran out of memory; 5 a check failed; 6 an output cannot be written; 130 interrupted.";
+    "ran out of memory; 5 a check failed; 6 an output cannot be written, or nothing spilled; 130 interrupted.";
 
 constexpr const char* grid_help =
     "Round the vertices to this grid: its least corner X,Y and the edge CELL of a cell, a decimal number; "
@@ -98,7 +98,7 @@ void add_triangle(CLI::App& app, command::TriangulateArguments& arguments) {
                      "Switches of Triangle, such as pq30a0.1A, say what is done: p q a A D Y YY S e n c j z Q; without "
                      "-o files are named as Triangle's: NAME.1.node, .ele and so on")
           ->type_name("SWITCHES");
-  for (const char* other : {"--crossing", "--domain", "--regions", "--refine", "--tiles", "--memory"})
+  for (const char* other : {"--crossing", "--domain", "--regions", "--refine", "--tiles", "--memory", "--spill"})
     triangle->excludes(app.get_option(other));
 }
 
@@ -129,6 +129,9 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   app->add_option("--memory", arguments.memory, "Use no more memory of each device than this, such as 512MB")
       ->transform(CLI::AsSizeValue(false).description(""))
       ->type_name("SIZE");
+  app->add_option("--spill", arguments.spill,
+                  "Directory for files to which tiles go that devices have no room for; default: to memory")
+      ->type_name("DIRECTORY");
   app->add_flag(
       "--assess", arguments.assess,
       "Say in the statistics whether the mesh is valid at the coordinates as they are given, before rounding");

@@ -40,7 +40,7 @@ bool wants_pool(const TriangulateArguments& arguments) {
 Triangulation triangulate_on_pool(const io::Input& input, const TriangulateArguments& arguments, const Options& options,
                                   Trace trace, Measured& measured) {
   const Stopwatch watch;
-  Pool pool(arguments.device, {}, std::move(trace), arguments.memory);
+  Pool pool(arguments.device, {}, std::move(trace), arguments.memory, arguments.spill);
   Options own = options;
   const auto devices = static_cast<std::uint32_t>(pool.devices().size());
   own.tiles = arguments.tiles > 0 || devices < 2 ? arguments.tiles : devices;

@@ -71,8 +71,10 @@ enum {
   GCDT_ERROR_NOT_VALID = -20020,               /* gcdt_verify: the mesh is not the CDT; the message says why */
   GCDT_ERROR_HOST_MEMORY = -20021,             /* the host is out of memory */
   GCDT_ERROR_INTERNAL = -20022,                /* a defect of this library */
-  GCDT_ERROR_VERTICES_COINCIDE = -20023        /* gcdt_options.distinct: rounding made vertices one; indices: the first
+  GCDT_ERROR_VERTICES_COINCIDE = -20023,       /* gcdt_options.distinct: rounding made vertices one; indices: the first
                                                   two of them */
+  GCDT_ERROR_SPILL_FAILED = -20024             /* a file in gcdt_pool_options.spill_directory: the disk is full, or the
+                                                  like */
 };
 
 /* A sentence for the status, OpenCL's codes included; never null. */

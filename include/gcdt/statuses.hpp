@@ -36,6 +36,7 @@ inline constexpr StatusRow statuses[] = {
     {Status::buffers_overlap, GCDT_ERROR_BUFFERS_OVERLAP, 4, "ranges of device memory overlap"},
     {Status::in_use, GCDT_ERROR_IN_USE, 4, "the solver is in use"},
     {Status::vertices_coincide, GCDT_ERROR_VERTICES_COINCIDE, 3, "vertices that differ are one on the grid"},
+    {Status::spill_failed, GCDT_ERROR_SPILL_FAILED, 6, "a file for what devices have no room for failed"},
 };
 
 /// Codes without a status of their own: what C++ throws for them. Other codes of OpenCL are device_failed.

@@ -117,6 +117,7 @@ enum class Status {
   buffers_overlap,          ///< two ranges of device memory that must be apart are not
   in_use,                   ///< the solver is in a call, or its results still hold memory
   vertices_coincide,  ///< Options::distinct: rounding made vertices one; indices: {vertex, vertex}, the first pair
+  spill_failed,       ///< a file for what devices have no room for (gcdt_pool_options.spill_directory)
 };
 
 /// Everything this library throws, std::bad_alloc apart.

@@ -89,6 +89,7 @@ void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options&
   auto made = std::make_unique<gcdt_pool>();
   made->devices = std::make_unique<DevicePool>(std::move(members), read_log(options.log, options.log_user),
                                                read_trace(options.trace, options.trace_user));
+  if (options.spill_directory) made->devices->spill_to(options.spill_directory);
   *pool = made.release();
 }
 

@@ -71,6 +71,9 @@ class DevicePool {
   bool on_each(Who who, const std::function<void(Lent& lent)>& use);
 
   std::size_t size() const { return reports_.size(); }
+  /// Where to what devices have no room for goes; empty: to the host's memory.
+  const std::string& spill_directory() const { return spill_directory_; }
+  void spill_to(std::string directory) { spill_directory_ = std::move(directory); }
   /// Bytes that one problem may need, on the device that has most.
   std::uint64_t capacity() const { return capacities().back(); }
   std::uint64_t least_capacity() const { return capacities().front(); }
@@ -136,6 +139,7 @@ class DevicePool {
   std::vector<PooledDevice> devices_;
   std::vector<DeviceReport> reports_;
   std::vector<Worker> workers_;
+  std::string spill_directory_;
 };
 
 }  // namespace gcdt

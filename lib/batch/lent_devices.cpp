@@ -35,6 +35,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
   const std::vector<DevicePlan> plans = plan();
   std::vector<std::thread> threads;
   std::atomic<bool> all{true};
+  std::optional<Error> spill_failed;  // no fault of a device; under mutex_
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     if (reports_[workers_[i].device].lost || !is_first_of(workers_[i], who)) continue;
     threads.emplace_back([&, i] {
@@ -46,6 +47,11 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
         return;
       } catch (const Error& error) {
         settle(worker);
+        if (error.status() == Status::spill_failed) {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          spill_failed = error;
+          return;
+        }
         lose(worker.device, error);
       } catch (const std::exception& error) {
         settle(worker);
@@ -56,6 +62,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
   }
   for (std::thread& thread : threads) thread.join();
   forget_lost();
+  if (spill_failed) throw *spill_failed;
   if (all_lost()) throw_reasons();
   return all;
 }

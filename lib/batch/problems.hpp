@@ -47,6 +47,7 @@ inline bool is_of_problem(Status status) {
     case Status::too_many_vertices:
     case Status::constraints_cross:
     case Status::vertices_coincide:
+    case Status::spill_failed:
     case Status::out_of_memory: return true;
     default: return false;
   }

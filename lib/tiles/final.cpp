@@ -5,38 +5,32 @@
 
 namespace gcdt::tiles {
 
-using runtime::Buffer;
 using runtime::over;
 using runtime::Runtime;
 
-template <class Use>
-void FinalTriangles::for_arrays(Use&& use) {
-  use(corners, 0), use(neighbours, 1), use(constrained, 2), use(ids, 3), use(points, 4);
-}
-
-template <class T>
-void FinalTriangles::spill_one(Runtime& runtime, Buffer<T>& buffer, std::size_t slot) {
-  counts_[slot] = buffer.size();
-  runtime.read(buffer, spilled_[slot].make<T>(buffer.size()), buffer.size());
-  buffer = {};
-}
-
-template <class T>
-void FinalTriangles::load_one(Runtime& runtime, Buffer<T>& buffer, std::size_t slot) {
-  buffer = runtime.upload("final triangles", reinterpret_cast<const T*>(spilled_[slot].bytes.get()), counts_[slot]);
-  spilled_[slot] = {};
-}
-
-void FinalTriangles::spill(Runtime& runtime) {
-  for_arrays([&](auto& buffer, std::size_t slot) { spill_one(runtime, buffer, slot); });
-}
-
-void FinalTriangles::release() {
-  for_arrays([&](auto& buffer, std::size_t slot) { buffer = {}, spilled_[slot] = {}; });
+void FinalTriangles::spill(Runtime& runtime, const std::string& directory) {
+  auto spilled = std::make_unique<Spill>(directory);
+  spilled->put(runtime, corners);
+  spilled->put(runtime, neighbours);
+  spilled->put(runtime, constrained);
+  spilled->put(runtime, ids);
+  spilled->put(runtime, points);
+  release();
+  spilled_ = std::move(spilled);
 }
 
 void FinalTriangles::load(Runtime& runtime) {
-  for_arrays([&](auto& buffer, std::size_t slot) { load_one(runtime, buffer, slot); });
+  corners = spilled_->take<cl_uint>(runtime, "final corners");
+  neighbours = spilled_->take<cl_int>(runtime, "final neighbours");
+  constrained = spilled_->take<cl_uchar>(runtime, "final flags");
+  ids = spilled_->take<cl_uint>(runtime, "input numbers of a tile");
+  points = spilled_->take<cl_int2>(runtime, "points of a tile");
+  spilled_.reset();
+}
+
+void FinalTriangles::release() {
+  corners = {}, neighbours = {}, constrained = {}, ids = {}, points = {};
+  spilled_.reset();
 }
 
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,

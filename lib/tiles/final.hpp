@@ -3,6 +3,7 @@
 #pragma once
 
 #include "batch/device_pool.hpp"
+#include "tiles/spill.hpp"
 
 namespace gcdt::tiles {
 
@@ -20,22 +21,16 @@ class FinalTriangles {
   runtime::Buffer<cl_int2> points;  ///< by vertex
 
   bool on_device() const { return corners.allocated(); }
-  void spill(runtime::Runtime& runtime);
-  bool is_spilled() const { return !on_device() && spilled_[0].bytes; }
+  /// `directory`: see Spill. After an error all is on the device as before.
+  void spill(runtime::Runtime& runtime, const std::string& directory);
+  bool is_spilled() const { return spilled_ != nullptr; }
   /// Back to a device, any of the pool's.
   void load(runtime::Runtime& runtime);
   /// Gives all memory back; `count` stays.
   void release();
 
  private:
-  template <class Use>
-  void for_arrays(Use&& use);
-  template <class T>
-  void spill_one(runtime::Runtime& runtime, runtime::Buffer<T>& buffer, std::size_t slot);
-  template <class T>
-  void load_one(runtime::Runtime& runtime, runtime::Buffer<T>& buffer, std::size_t slot);
-  std::array<HostArray, 5> spilled_;
-  std::array<std::size_t, 5> counts_{};
+  std::unique_ptr<Spill> spilled_;
 };
 
 /// Where the triangles of a tile go in the result.

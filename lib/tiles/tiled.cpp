@@ -185,7 +185,8 @@ class Tiled {
   void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
     const auto fits = [&] { return lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity; };
     for (SolvedTile& tile : tiles_)
-      if (!fits() && tile.final.on_device() && tile.device == lent.device) tile.final.spill(lent.runtime);
+      if (!fits() && tile.final.on_device() && tile.device == lent.device)
+        tile.final.spill(lent.runtime, pool_.spill_directory());
     if (!fits()) task_.staged.leave(lent.device);
   }
 

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tiles behind the interface: options, memory, devices that fail, errors.
+#include <csignal>
+
+#include <sys/resource.h>
+
 #include "faulty_device.hpp"
 #include "pool_cases.hpp"
+#include "scratch_folder.hpp"
 #include "tiles/tiled.hpp"
 
 using namespace gcdt;
@@ -98,6 +103,39 @@ TEST_CASE("a problem that is too large for a device is cut into as many tiles as
   CHECK(std::string(refused.error(0)->what()).find("seam") != std::string::npos);
   CHECK(small.triangulate(batch_of({workload("uniform", 300000)}), in_tiles(1)).error(0)->status() ==
         Status::out_of_memory);
+}
+
+TEST_CASE("tiles are spilled to files, of which nothing is left, and the mesh is the same") {
+  constexpr std::uint64_t memory = 72u << 20;
+  const testing::ScratchFolder folder;
+  const auto is_empty = [&] { return folder.names().empty(); };
+  const Workload work = workload("uniform", 200000);
+  Pool whole(test_device()), small(test_device(), {}, {}, memory, folder / "");
+  const BatchResult expected = whole.triangulate(batch_of({work}));
+  const auto check = [&] {
+    const BatchResult made = small.triangulate(batch_of({work}));
+    CHECK((made.error(0) ? std::string(made.error(0)->what()) : "") == "");
+    if (!made.error(0)) CHECK(difference(detail::triangulation(made, 0), detail::triangulation(expected, 0)) == "");
+    CHECK(is_empty());
+  };
+  check();
+
+  // Files of the process may have no more than a megabyte: as on a full disk, writing fails.
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{}, little{};
+  REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+  little = {1u << 20, before.rlim_max};
+  REQUIRE(setrlimit(RLIMIT_FSIZE, &little) == 0);
+  const BatchResult refused = small.triangulate(batch_of({work}));
+  REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
+  REQUIRE(refused.error(0).has_value());
+  CHECK(refused.error(0)->status() == Status::spill_failed);
+  CHECK(std::string(refused.error(0)->what()).find(folder / "") != std::string::npos);
+  CHECK(is_empty());
+  check();
+
+  Pool nowhere(test_device(), {}, {}, memory, folder / "none");
+  CHECK(nowhere.triangulate(batch_of({work})).error(0)->status() == Status::spill_failed);
 }
 
 TEST_CASE("tiles can be cancelled, and the pool is usable afterwards") {
