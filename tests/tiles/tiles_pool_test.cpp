@@ -109,11 +109,12 @@ TEST_CASE("tiles are spilled to files, of which nothing is left, and the mesh is
   constexpr std::uint64_t memory = 72u << 20;
   const testing::ScratchFolder folder;
   const auto is_empty = [&] { return folder.names().empty(); };
-  const Workload work = workload("uniform", 200000);
+  const Workload work = workload("uniform", 300000);
+  const Options many = in_tiles(16);  // small ones, of which few have room beside what each run needs
   Pool whole(test_device()), small(test_device(), {}, {}, memory, folder / "");
   const BatchResult expected = whole.triangulate(batch_of({work}));
   const auto check = [&] {
-    const BatchResult made = small.triangulate(batch_of({work}));
+    const BatchResult made = small.triangulate(batch_of({work}), many);
     CHECK((made.error(0) ? std::string(made.error(0)->what()) : "") == "");
     if (!made.error(0)) CHECK(difference(detail::triangulation(made, 0), detail::triangulation(expected, 0)) == "");
     CHECK(is_empty());
@@ -126,7 +127,7 @@ TEST_CASE("tiles are spilled to files, of which nothing is left, and the mesh is
   REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
   little = {1u << 20, before.rlim_max};
   REQUIRE(setrlimit(RLIMIT_FSIZE, &little) == 0);
-  const BatchResult refused = small.triangulate(batch_of({work}));
+  const BatchResult refused = small.triangulate(batch_of({work}), many);
   REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
   REQUIRE(refused.error(0).has_value());
   CHECK(refused.error(0)->status() == Status::spill_failed);
@@ -135,7 +136,7 @@ TEST_CASE("tiles are spilled to files, of which nothing is left, and the mesh is
   check();
 
   Pool nowhere(test_device(), {}, {}, memory, folder / "none");
-  CHECK(nowhere.triangulate(batch_of({work})).error(0)->status() == Status::spill_failed);
+  CHECK(nowhere.triangulate(batch_of({work}), many).error(0)->status() == Status::spill_failed);
 }
 
 TEST_CASE("tiles can be cancelled, and the pool is usable afterwards") {
