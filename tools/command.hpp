@@ -69,6 +69,7 @@ struct BatchArguments {
   std::vector<std::string> inputs, formats = {"ele"};
   std::string folder, crossing = "reject", domain = "hull", grid, device, statistics, trace;
   bool verify = false, quiet = false, regions = false, distinct = false;
+  RefineArguments refine;
 };
 
 /// Each returns when all is done and throws io::Failure or gcdt::Error otherwise.

@@ -170,6 +170,7 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
                 "Label the regions that constraints bound (.vtu; region attributes in .ele too)");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   add_distinct(*app, arguments.distinct);
+  command::add_refinement(*app, arguments.refine);
   app->add_option("--device", arguments.device,
                   "Devices, separated by commas: all, gpu, cpu, auto (all GPUs if there are any, else a CPU), numbers "
                   "from \"gcdt devices\", parts of names; default: the variable GCDT_DEVICE, else auto")

@@ -313,8 +313,8 @@ typedef struct gcdt_options {
    * many as memory asks for, mostly 1. All other functions want 0 or 1. */
   uint32_t tiles;
   /* What the triangles of the domain are refined to; null: nothing. The caller's, read only during the call. For
-   * gcdt_triangulate and gcdt_cl_triangulate, and to verify what they made (gcdt_verify_refined); others refuse it.
-   * Of a result that is there: gcdt_result_refine. */
+   * gcdt_triangulate, gcdt_pool_triangulate and theirs of gcdt_cl.h, and to verify what they made
+   * (gcdt_verify_refined); others refuse it. Of a result that is there: gcdt_result_refine. */
   const gcdt_refinement* refine;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \

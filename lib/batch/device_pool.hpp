@@ -84,6 +84,10 @@ class DevicePool {
   void run_job(std::size_t worker, Schedule& schedule, const std::shared_ptr<Job>& job, const BatchInput& batch,
                const Options& options);
   Made make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
+  Made make_forest(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
+  Made make_refined(Worker& worker, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,
+                    const Options& options);
+  ForestResult make_single(Worker& worker, const BatchInput& batch, std::uint32_t problem, const Options& options);
   void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);
   void settle(Worker& worker);
   void lose(std::size_t device, const Error& error);

@@ -25,6 +25,20 @@ struct BatchInput {
   std::uint64_t m(std::uint64_t p) const { return constraint_offsets[p + 1] - constraint_offsets[p]; }
 };
 
+/// Errors of one problem; others are the call's, or a device's.
+inline bool is_of_problem(Status status) {
+  switch (status) {
+    case Status::coordinate_not_finite:
+    case Status::coordinate_outside_grid:
+    case Status::index_out_of_range:
+    case Status::too_many_vertices:
+    case Status::constraints_cross:
+    case Status::vertices_coincide:
+    case Status::out_of_memory: return true;
+    default: return false;
+  }
+}
+
 /// Where the problems of a run begin among all input vertices and constraints, on host and device: P + 1 elements.
 struct ProblemRanges {
   std::vector<cl_uint> first_input, first_constraint;

@@ -285,20 +285,6 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
 
 namespace {
 
-/// Errors of one problem; others are the call's.
-bool is_of_problem(Status status) {
-  switch (status) {
-    case Status::coordinate_not_finite:
-    case Status::coordinate_outside_grid:
-    case Status::index_out_of_range:
-    case Status::too_many_vertices:
-    case Status::constraints_cross:
-    case Status::vertices_coincide:
-    case Status::out_of_memory: return true;
-    default: return false;
-  }
-}
-
 BatchInput one_of(const BatchInput& batch, std::uint32_t problem) {
   BatchInput one = batch;
   one.problems = 1;
