@@ -195,7 +195,9 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
     collections.add(problem, arguments.folder, problem.failure ? nullptr : &*mesh);
   if (problem.failure) return;
   io::OutputFiles files(stop_if_interrupted);
-  for (const auto& [path, write] : own) write(files.add(path), {problem.input, *mesh});
+  io::Result written(problem.input, *mesh);
+  written.coloured_by_angle = arguments.colour == "angle";
+  for (const auto& [path, write] : own) write(files.add(path), written);
   files.commit();
 }
 
