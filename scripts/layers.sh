@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # kernels/common, and only lib/api includes it.
 declare -A order=(
   [lib]="exact device mesh phases query solve batch tiles api"
-  [kernels]="common sort order flip insert constrain output check domain refine query programs"
+  [kernels]="common sort order flip insert constrain output check domain refine query tiles programs"
 )
 declare -A place=([lib/proof]=0)
 for tree in "${!order[@]}"; do

@@ -12,14 +12,6 @@
 
 namespace gcdt {
 
-namespace {
-
-Error host_failed(const std::exception& error) {
-  return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
-}
-
-}  // namespace
-
 DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trace) : reports_(members.size()) {
   if (members.empty()) throw Error(Status::no_device, "a pool without devices");
   if (log)
@@ -112,7 +104,7 @@ std::vector<DevicePlan> DevicePool::plan() {
   return plans;
 }
 
-std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans) const {
+std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans, const Call& call) const {
   std::vector<WorkerState> all;
   for (const Worker& worker : workers_) {
     const DevicePlan& plan = plans[worker.device];
@@ -122,36 +114,55 @@ std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans
     state.throughput = worker.throughput;
     state.first_part = (worker.number + 1) / static_cast<double>(plan.workers);
     state.started = plan.beside_gpus && worker.backoff.sits_out();
-    state.lost = state.ended = reports_[worker.device].lost.has_value();
+    state.lost = state.ended = reports_[worker.device].lost || (call.make_one && !is_first_of(worker, call.who));
+    if (call.make_one) state.plan.job_weight = 0;  // one problem a job
     all.push_back(state);
   }
   return all;
 }
 
-std::uint64_t DevicePool::capacity() const {
+bool DevicePool::prepares_host_memory() const {
+  return std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) {
+    return worker.runtime && runtime::prepares_host_memory(*worker.runtime);
+  });
+}
+
+std::vector<std::uint64_t> DevicePool::capacities() const {
   std::vector<PooledDevice> devices = devices_;
   for (std::size_t i = 0; i < devices.size(); ++i) devices[i].lost = reports_[i].lost.has_value();
   const std::vector<DevicePlan> plans = plan_pool(devices);
-  std::uint64_t most = 0;
+  std::vector<std::uint64_t> all;
   for (std::size_t i = 0; i < plans.size(); ++i)
-    if (!devices[i].lost) most = std::max(most, plans[i].capacity);
-  return most;
+    if (!devices[i].lost) all.push_back(plans[i].capacity);
+  if (all.empty()) all.push_back(0);
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
-  const auto start = std::chrono::steady_clock::now();
   // Checked here, so that no device is blamed for it.
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
   if (options.refine)
     check_refinement(*options.refine, options, batch.problems > 0 ? batch.vertex_offsets[batch.problems] : 0);
+  return run({batch, options, nullptr, Who::all});
+}
+
+PoolResult DevicePool::run(const Call& call) {
+  const auto start = std::chrono::steady_clock::now();
   if (all_lost()) throw_reasons();
   const std::vector<DevicePlan> plans = plan();
-  for (Worker& worker : workers_) worker.warms_up = plans[worker.device].warms_up;
+  for (Worker& worker : workers_) {
+    worker.warms_up = plans[worker.device].warms_up && !call.make_one;
+    if (call.make_one && worker.number > 0 && worker.runtime) {  // the first one needs the memory
+      worker.primitives->release();
+      worker.runtime->memory().trim();
+    }
+  }
   for (DeviceReport& report : reports_) report = {report.info, report.lost};
-  const std::vector<WorkerState> states = this->states(plans);
-  Schedule schedule(batch, states);
+  const std::vector<WorkerState> states = this->states(plans, call);
+  Schedule schedule(call.batch, states);
   std::vector<std::thread> threads;
   const auto join = [&] {
     for (std::thread& thread : threads) thread.join();
@@ -159,10 +170,10 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   bool wanted = true;
   try {
     for (std::size_t i = 0; i < workers_.size(); ++i)
-      if (!states[i].lost) threads.emplace_back([&, i] { work(i, schedule, batch, options); });
+      if (!states[i].lost) threads.emplace_back([&, i] { work(i, schedule, call); });
     for (double done = 0; done < 1 && wanted;) {
       done = schedule.wait();
-      if (options.progress) wanted = options.progress("batch", done);
+      if (call.options.progress) wanted = call.options.progress("batch", done);
     }
     if (!wanted) schedule.cancel();
   } catch (...) {
@@ -176,23 +187,27 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
     workers_[i].throughput = state.throughput;
     workers_[i].backoff.next_call(state.too_slow);
   }
-  for (Worker& worker : workers_)
-    if (reports_[worker.device].lost) worker.staging.reset(), worker.primitives.reset(), worker.runtime.reset();
+  forget_lost();
   if (!wanted) throw Error(Status::cancelled, "cancelled during batch");
   if (schedule.unsettled() > 0) throw_reasons();
   return {std::move(schedule.results), std::move(schedule.places), std::move(schedule.errors),
           milliseconds_since(start)};
 }
 
+void DevicePool::forget_lost() {
+  for (Worker& worker : workers_)
+    if (reports_[worker.device].lost) worker.staging.reset(), worker.primitives.reset(), worker.runtime.reset();
+}
+
 // A worker's thread. It ends when the schedule has nothing left for the worker, or when the device is lost.
-void DevicePool::work(std::size_t number, Schedule& schedule, const BatchInput& batch, const Options& options) {
+void DevicePool::work(std::size_t number, Schedule& schedule, const Call& call) {
   Worker& worker = workers_[number];
-  if (worker.warms_up && !options.refine && !worker.backoff.sits_out() &&
-      worker.warmed_up.count(warmup_key(options)) == 0)
-    warm_up(number, schedule, options);
+  if (worker.warms_up && !call.options.refine && !worker.backoff.sits_out() &&
+      worker.warmed_up.count(warmup_key(call.options)) == 0)
+    warm_up(number, schedule, call.options);
   while (const std::shared_ptr<Job> job = schedule.take(number)) {
     try {
-      run_job(number, schedule, job, batch, options);
+      run_job(number, schedule, job, call);
     } catch (const Shortage& shortage) {
       settle(worker);
       worker.runtime->memory().trim();
@@ -267,20 +282,21 @@ void DevicePool::warm_up(std::size_t number, Schedule& schedule, const Options& 
   }
 }
 
-void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job,
-                         const BatchInput& batch, const Options& options) {
+void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Call& call) {
   Worker& worker = workers_[number];
-  Options own = options;
+  Options own = call.options;
   own.progress = {};
   worker.runtime->give_up_when([&schedule, job] { return schedule.needless(*job); });
   const Stopwatch stopwatch(*worker.runtime);
-  Made made = make(worker, batch, job->problems, own);
+  Made made = call.make_one
+                  ? make_one_by_one(number, job->problems, *call.make_one, schedule.state(number).plan.capacity)
+                  : make(worker, call.batch, job->problems, own);
   const double ms = stopwatch.milliseconds();
   if (!schedule.finish(number, job, std::move(made.result), std::move(made.errors), ms)) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   DeviceReport& report = reports_[worker.device];
   report.problems += job->problems.size();
-  for (const std::uint32_t p : job->problems) report.vertices += batch.n(p);
+  for (const std::uint32_t p : job->problems) report.vertices += call.batch.n(p);
   ++report.runs;
   report.milliseconds += ms;
 }

@@ -32,6 +32,11 @@ struct PoolResult {
   }
 };
 
+/// The error of a device whose host threw something else.
+inline Error host_failed(const std::exception& error) {
+  return Error(Status::device_failed, std::string("the host failed it: ") + error.what());
+}
+
 class DevicePool {
  public:
   struct Member {
@@ -47,9 +52,30 @@ class DevicePool {
   /// status that all failed with, naming every device's reason.
   PoolResult triangulate(const BatchInput& batch, const Options& options);
 
+  /// What a device's first worker lends to who makes something there, on the worker's thread.
+  struct Lent {
+    std::size_t device;
+    runtime::Runtime& runtime;
+    Primitives& primitives;
+    std::uint64_t capacity;  ///< bytes that may be used at once
+  };
+  using MakeOne = std::function<ForestResult(Lent& lent, std::uint32_t problem)>;
+  /// `gpus`: if there are some that are not lost; else all.
+  enum class Who { all, gpus };
+  /// As triangulate(), but each problem is made by `make`, by itself, on one worker a device; of the batch only the
+  /// sizes are read, and of the options only the progress. An Error of a problem (is_of_problem()) is the problem's;
+  /// others take the device out of the pool. A problem may be made on several devices at once.
+  PoolResult make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make);
+  /// Calls `use` for each device that is not lost, at once. Returns whether all did it: a device that throws an Error
+  /// is taken out of the pool. Throws if none is left.
+  bool on_each(Who who, const std::function<void(Lent& lent)>& use);
+
   std::size_t size() const { return reports_.size(); }
   /// Bytes that one problem may need, on the device that has most.
-  std::uint64_t capacity() const;
+  std::uint64_t capacity() const { return capacities().back(); }
+  std::uint64_t least_capacity() const { return capacities().front(); }
+  /// Whether a device that is not lost does (Tuning::prepares_host_memory).
+  bool prepares_host_memory() const;
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
 
  private:
@@ -76,23 +102,37 @@ class DevicePool {
     std::uint32_t problem;
     Error error;
   };
+  /// A call: what is to be made, and by what, if not by triangulate_forest().
+  struct Call {
+    const BatchInput& batch;
+    const Options& options;
+    const MakeOne* make_one;
+    Who who;
+  };
   void open(Member& member, std::size_t device, const DevicePlan& plan);
   std::vector<DevicePlan> plan();
-  std::vector<WorkerState> states(const std::vector<DevicePlan>& plans) const;
-  void work(std::size_t worker, Schedule& schedule, const BatchInput& batch, const Options& options);
+  std::vector<WorkerState> states(const std::vector<DevicePlan>& plans, const Call& call) const;
+  PoolResult run(const Call& call);
+  void work(std::size_t worker, Schedule& schedule, const Call& call);
   void warm_up(std::size_t worker, Schedule& schedule, const Options& options);
-  void run_job(std::size_t worker, Schedule& schedule, const std::shared_ptr<Job>& job, const BatchInput& batch,
-               const Options& options);
+  void run_job(std::size_t worker, Schedule& schedule, const std::shared_ptr<Job>& job, const Call& call);
   Made make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
   Made make_forest(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
   Made make_refined(Worker& worker, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,
                     const Options& options);
   ForestResult make_single(Worker& worker, const BatchInput& batch, std::uint32_t problem, const Options& options);
+  Made make_one_by_one(std::size_t worker, const std::vector<std::uint32_t>& numbers, const MakeOne& make,
+                       std::uint64_t capacity);
   void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);
   void settle(Worker& worker);
   void lose(std::size_t device, const Error& error);
+  /// Of the devices that are not lost, ascending; {0} if all are.
+  std::vector<std::uint64_t> capacities() const;
+  void forget_lost();
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
+  /// Whether the worker is the first of a device that is one of these.
+  bool is_first_of(const Worker& worker, Who who) const;
 
   std::mutex mutex_;  ///< held during callbacks, and while a device is reported as lost
   runtime::Log log_;  ///< takes the mutex, as does the trace

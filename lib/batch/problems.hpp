@@ -25,20 +25,6 @@ struct BatchInput {
   std::uint64_t m(std::uint64_t p) const { return constraint_offsets[p + 1] - constraint_offsets[p]; }
 };
 
-/// Errors of one problem; others are the call's, or a device's.
-inline bool is_of_problem(Status status) {
-  switch (status) {
-    case Status::coordinate_not_finite:
-    case Status::coordinate_outside_grid:
-    case Status::index_out_of_range:
-    case Status::too_many_vertices:
-    case Status::constraints_cross:
-    case Status::vertices_coincide:
-    case Status::out_of_memory: return true;
-    default: return false;
-  }
-}
-
 /// Where the problems of a run begin among all input vertices and constraints, on host and device: P + 1 elements.
 struct ProblemRanges {
   std::vector<cl_uint> first_input, first_constraint;
@@ -52,13 +38,27 @@ struct InvalidProblems {
   std::vector<std::pair<std::uint32_t, Error>> errors;
 };
 
+/// Whether an error is of one problem of a batch, and says nothing of the others.
+inline bool is_of_problem(Status status) {
+  switch (status) {
+    case Status::coordinate_not_finite:
+    case Status::coordinate_outside_grid:
+    case Status::index_out_of_range:
+    case Status::too_many_vertices:
+    case Status::constraints_cross:
+    case Status::vertices_coincide:
+    case Status::out_of_memory: return true;
+    default: return false;
+  }
+}
+
 /// What a problem in tiles has cost (lib/tiles).
 struct TiledReport {
   std::uint32_t tiles = 0;  ///< 0: it was not cut
   std::uint64_t seam_vertices = 0, seam_constraints = 0;
-  /// Of the steps: placing vertices on the grid and sharing out the input; the tiles' calls; finding final triangles;
-  /// making the seam's problem and its call; joining, with its check.
-  double ms_share = 0, ms_tiles = 0, ms_final = 0, ms_seam = 0, ms_join = 0;
+  /// Of the steps: choosing the grid and sharing out the constraints; the tiles' runs; making the seam's problem and
+  /// its run; copying what is final to its place; the rest of the result, with its check.
+  double ms_share = 0, ms_tiles = 0, ms_seam = 0, ms_write = 0, ms_join = 0;
 };
 
 /// What one run made of some problems of a batch. Every problem's arrays are what it would have by itself, but of those

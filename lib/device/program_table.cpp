@@ -56,6 +56,7 @@ const ProgramInfo programs[] = {
     {"sort_finish", "core", false},
     {"split", "split", true},
     {"stitch", "stitch", true},
+    {"tiles", "tiles", false},
 };
 
 }  // namespace

@@ -34,8 +34,8 @@ bool loads_code_by_width(const DeviceInfo& info) {
 std::atomic<int> loaded_by_width{0};  // runtimes
 
 // Threads that copy so many bytes to or from chunks. Workers that share a context are threads enough.
-unsigned threads_for(const Runtime& runtime, std::size_t bytes, bool shares_context) {
-  if (shares_context) return 1;
+unsigned threads_for(const Runtime& runtime, std::size_t bytes, bool for_many) {
+  if (for_many) return 1;
   const std::size_t worth = 1 + bytes / runtime.tuning().copied_by_thread;
   const unsigned most = std::min(runtime.tuning().copy_threads, std::max(std::thread::hardware_concurrency(), 1u));
   return static_cast<unsigned>(std::min<std::size_t>(worth, most));
@@ -166,9 +166,9 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 }
 
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
-  TransferChunks* chunks = shares_context_ ? nullptr : chunks_for(bytes);
+  TransferChunks* chunks = transfers_for_many() ? nullptr : chunks_for(bytes);
   if (!chunks) return write_at_once(to, offset, from, bytes);
-  const unsigned threads = threads_for(*this, bytes, shares_context_);
+  const unsigned threads = threads_for(*this, bytes, transfers_for_many());
   settled(*this, [&] { write_through(*chunks, threads, to, offset, static_cast<const unsigned char*>(from), bytes); });
 }
 
@@ -226,28 +226,26 @@ cl_int Runtime::ask_until_done(cl_event event) {
 }
 
 void Runtime::share_context() {
-  chunks_ = std::make_unique<TransferChunks>(*this, 2, Tuning::download_chunk, true);
-  shares_context_ = chunks_->pinned();
+  shared_chunks_ = std::make_unique<TransferChunks>(*this, 2, Tuning::download_chunk, true);
+  shares_context_ = shared_chunks_->pinned();
   if (shares_context_) return;
-  chunks_.reset();
+  shared_chunks_.reset();
   log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: its workers wait for one another");
 }
 
 void Runtime::use_transfer_chunks() { wants_chunks_ = prepares_host_memory(*this); }
 
-void Runtime::release_transfer_chunks() {
-  if (!shares_context_) chunks_.reset();
-}
+void Runtime::release_transfer_chunks() { chunks_.reset(); }
 
 // Null if a transfer of so many bytes does not go through chunks.
 TransferChunks* Runtime::chunks_for(std::size_t bytes) {
-  if (shares_context_) return chunks_.get();
-  if (!wants_chunks_ || bytes < tuning().least_chunked) return nullptr;
+  if (transfers_for_many()) return shared_chunks_.get();
+  if (!(wants_chunks_ || (alone_ && prepares_host_memory(*this))) || bytes < tuning().least_chunked) return nullptr;
   if (!chunks_) {
     chunks_ = std::make_unique<TransferChunks>(*this, tuning().transfer_chunks, tuning().transfer_chunk, true);
     if (!chunks_->pinned()) {
       chunks_.reset();
-      wants_chunks_ = false;
+      wants_chunks_ = alone_ = false;
       log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: transfers are slow");
     }
   }
@@ -259,7 +257,7 @@ void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t 
   ++read_backs_;
   if (TransferChunks* chunks = chunks_for(bytes))
     settled(*this, [&] {
-      read_through(*chunks, threads_for(*this, bytes, shares_context_), {{from, to, bytes, offset}});
+      read_through(*chunks, threads_for(*this, bytes, transfers_for_many()), {{from, to, bytes, offset}});
     });
   else
     call("clEnqueueReadBuffer", "",
@@ -274,7 +272,7 @@ void Runtime::read_all(const std::vector<HostRead>& reads) {
   settled(*this, [&] {
     if (TransferChunks* chunks = chunks_for(bytes)) {
       ++read_backs_;
-      read_through(*chunks, threads_for(*this, bytes, shares_context_), reads);
+      read_through(*chunks, threads_for(*this, bytes, transfers_for_many()), reads);
       return waited();
     }
     for (std::size_t i = 0; i + 1 < reads.size(); ++i)

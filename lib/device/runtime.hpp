@@ -245,6 +245,9 @@ class Runtime {
   /// From now on, large transfers go through pinned memory, made by the first, where prepares_host_memory() says so.
   void use_transfer_chunks();
   void release_transfer_chunks();  ///< until the next large transfer
+  /// Whether nobody else uses the device for now: then large transfers of a shared context go as if it were not,
+  /// through more and larger chunks, and by several threads.
+  void set_alone(bool alone) { alone_ = alone; }
   /// Reads bytes into host memory and waits for it.
   void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   /// All of them, none of which is empty, and waits once. Whatever happens, none goes on afterwards.
@@ -324,6 +327,7 @@ class Runtime {
   void self_test();
   void waited();
   cl_int ask_until_done(cl_event event);
+  bool transfers_for_many() const { return shares_context_ && !alone_; }
   TransferChunks* chunks_for(std::size_t bytes);
   Kernel& find_kernel(const char* program, const char* kernel);
   const cl::Program& find_program(const char* program);
@@ -354,8 +358,7 @@ class Runtime {
   std::size_t alignment_ = 0;
   std::shared_ptr<DeviceMemory> memory_ = std::make_shared<BufferPool>(BufferSource{});
   Geometry geometry_;
-  /// Groups that launches have where the driver needs them to be of one width; 0: nowhere.
-  std::size_t widest_ = 0;
+  std::size_t widest_ = 0;  ///< groups that launches have where the driver needs them to be of one width; 0: nowhere
   std::shared_ptr<void> present_;                      ///< among the runtimes that need it
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
   std::shared_ptr<Programs> programs_;
@@ -364,9 +367,9 @@ class Runtime {
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
   bool times_steps_ = true;
-  bool emulate_mul_hi_ = false;                         ///< the device's own is wrong
-  bool shares_context_ = false, wants_chunks_ = false;  ///< shared: it asks, and does not wait in the driver
-  std::unique_ptr<TransferChunks> chunks_;  ///< there if the context is shared, or a large transfer has been made
+  bool emulate_mul_hi_ = false;                                         ///< the device's own is wrong
+  bool shares_context_ = false, wants_chunks_ = false, alone_ = false;  ///< shared: it asks, and does not wait
+  std::unique_ptr<TransferChunks> shared_chunks_, chunks_;  ///< if the context is; if a large transfer has been made
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).
@@ -377,13 +380,10 @@ DeviceInfo describe(const cl::Device& device, const Tuning& tuning = {});  ///< 
 
 /// As what such a device is treated.
 DeviceKind kind_of(const DeviceInfo& info, const Tuning& tuning);
-
-/// Whether `device` has a compiler and OpenCL 1.2.
+/// Whether it has a compiler and OpenCL 1.2.
 bool usable(const cl::Device& device);
-
 /// All usable devices of all platforms, in the order of gcdt_device_get.
 std::vector<cl::Device> all_devices();
-
 /// A sub-device of `device` with all but `left` of its compute units, at least one; `device` itself if it has one or
 /// cannot be divided.
 cl::Device part_of(const cl::Device& device, std::uint32_t left);

@@ -23,6 +23,18 @@ struct Stopwatch {
   const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };
 
+/// Adds the time until its end.
+class Timed {
+ public:
+  explicit Timed(double& ms) : ms_(ms) {}
+  Timed(const Timed&) = delete;
+  ~Timed() { ms_ += milliseconds_since(start_); }
+
+ private:
+  double& ms_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 /// From its construction to end(). What was queued before should be finished: it would count. Steps nest. After an
 /// exception whoever catches it clears the trace.
 class Step {

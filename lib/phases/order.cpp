@@ -58,24 +58,8 @@ Survey checked_survey(cl_uint type, const cl_ulong* found) {
 /// Of the maxima of kernel `quantise`; the largest move.
 double checked_move(runtime::Runtime& runtime, const InputPoints& points, const cl_ulong* found,
                     const device::Scale& scale) {
-  const cl_ulong outside = found[GCDT_QUANTISE_OUTSIDE];
-  if (outside != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside);
+  check_outside(found[GCDT_QUANTISE_OUTSIDE]);
   return largest_move(runtime, points, 0, points.n, found[GCDT_QUANTISE_MOVE], scale);
-}
-
-Survey survey(runtime::Runtime& runtime, const InputPoints& staged) {
-  Maxima maxima(runtime, staged.n, GCDT_SURVEY_COLUMNS);
-  runtime.launch("order", "survey", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
-                 maxima.rows, maxima.table);
-  return checked_survey(staged.type, maxima.read(runtime).data());
-}
-
-// How many decimals the input needs to be written; more than `limit` if more than `limit`.
-int count_decimals(runtime::Runtime& runtime, const InputPoints& staged, cl_int limit) {
-  Maxima maxima(runtime, staged.n, 1);
-  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
-                 limit, maxima.rows, maxima.table);
-  return static_cast<int>(maxima.read(runtime)[0]);
 }
 
 // In the order of docs/contract.md, 1: binary, decimal, rounded. A given grid is read first, as an error in it is the
@@ -83,7 +67,7 @@ int count_decimals(runtime::Runtime& runtime, const InputPoints& staged, cl_int 
 ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, const std::optional<FixedGrid>& fixed) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
-  const Survey found = survey(runtime, staged);
+  const Survey found = checked_survey(staged.type, survey_maxima(runtime, staged).data());
   if (given) return *given;
   const GridChoice choice = gcdt::choose_grid(found);
   if (choice.decimals_limit < 0) return choice.grid;
@@ -91,22 +75,9 @@ ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, con
 }
 
 Keys quantise(runtime::Runtime& runtime, const InputPoints& staged, const ChosenGrid& chosen) {
-  Keys keys;
-  keys.grid = chosen.grid;
-  keys.decimals = chosen.decimals;
-  keys.codes = runtime.allocate<cl_ulong>("Morton codes", staged.n);
-  keys.numbers = runtime.allocate<cl_uint>("input numbers", staged.n);
-  if (chosen.decimals) {
-    const auto decimals = runtime.upload_one("decimals", *chosen.decimals);
-    runtime.launch("order", "quantise_decimals", runtime::over(staged.n), staged.n, staged.type, staged.coordinates,
-                   decimals, keys.codes, keys.numbers);
-    return keys;
-  }
-  const auto scale = runtime.upload_one("scale", chosen.scale);
-  Maxima maxima(runtime, staged.n, GCDT_QUANTISE_COLUMNS);
-  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), staged.n, staged.type, staged.coordinates,
-                 scale, maxima.rows, keys.codes, keys.numbers, maxima.table);
-  keys.grid.largest_move = checked_move(runtime, staged, maxima.read(runtime).data(), chosen.scale);
+  Codes made = codes_on(runtime, staged, chosen);
+  Keys keys = {chosen.grid, chosen.decimals, std::move(made.codes), std::move(made.numbers)};
+  if (!chosen.decimals) keys.grid.largest_move = checked_move(runtime, staged, made.maxima.data(), chosen.scale);
   return keys;
 }
 
@@ -183,6 +154,46 @@ Error survey_error(cl_uint type, std::uint64_t coordinate) {
   if (type == GCDT_COORDINATES_INT64)
     return coordinate_error(Status::coordinate_outside_grid, " is beyond 2^53", coordinate);
   return coordinate_error(Status::coordinate_not_finite, " is not a finite number", coordinate);
+}
+
+void check_outside(cl_ulong outside) {
+  if (outside != 0) throw coordinate_error(Status::coordinate_outside_grid, " is outside the grid", ~outside);
+}
+
+std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtime, const InputPoints& points) {
+  Maxima maxima(runtime, points.n, GCDT_SURVEY_COLUMNS);
+  runtime.launch("order", "survey", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
+                 maxima.rows, maxima.table);
+  const std::vector<cl_ulong> most = maxima.read(runtime);
+  std::array<cl_ulong, GCDT_SURVEY_COLUMNS> columns{};
+  std::copy(most.begin(), most.end(), columns.begin());
+  return columns;
+}
+
+int count_decimals(runtime::Runtime& runtime, const InputPoints& points, cl_int limit) {
+  Maxima maxima(runtime, points.n, 1);
+  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
+                 limit, maxima.rows, maxima.table);
+  return static_cast<int>(maxima.read(runtime)[0]);
+}
+
+Codes codes_on(runtime::Runtime& runtime, const InputPoints& points, const ChosenGrid& chosen) {
+  Codes made;
+  made.codes = runtime.allocate<cl_ulong>("Morton codes", points.n);
+  made.numbers = runtime.allocate<cl_uint>("input numbers", points.n);
+  if (chosen.decimals) {
+    const auto decimals = runtime.upload_one("decimals", *chosen.decimals);
+    runtime.launch("order", "quantise_decimals", runtime::over(points.n), points.n, points.type, points.coordinates,
+                   decimals, made.codes, made.numbers);
+    return made;
+  }
+  const auto scale = runtime.upload_one("scale", chosen.scale);
+  Maxima maxima(runtime, points.n, GCDT_QUANTISE_COLUMNS);
+  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
+                 scale, maxima.rows, made.codes, made.numbers, maxima.table);
+  const std::vector<cl_ulong> most = maxima.read(runtime);
+  std::copy(most.begin(), most.end(), made.maxima.begin());
+  return made;
 }
 
 cl_uint coordinates_type(Points::Type type) {

@@ -32,6 +32,23 @@ void check_vertex_count(std::uint64_t n);
 /// Copies points from host memory. Throws too_many_vertices.
 InputPoints stage(runtime::Runtime& runtime, Points points);
 
+/// The columns of kernel `survey` (order.h). Blocks.
+std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtime, const InputPoints& points);
+/// How many decimals the points need to be written; more than `limit` if more than `limit`. Blocks.
+int count_decimals(runtime::Runtime& runtime, const InputPoints& points, cl_int limit);
+
+/// Points on a grid that was chosen before.
+struct Codes {
+  runtime::Buffer<cl_ulong> codes;   ///< Morton codes
+  runtime::Buffer<cl_uint> numbers;  ///< of the points: 0, 1, ...
+  /// The columns of kernel `quantise` (order.h); on a decimal grid 0.
+  std::array<cl_ulong, GCDT_QUANTISE_COLUMNS> maxima{};
+};
+/// Blocks, but on a decimal grid.
+Codes codes_on(runtime::Runtime& runtime, const InputPoints& points, const ChosenGrid& chosen);
+/// The error for the greatest of a column GCDT_QUANTISE_OUTSIDE, if there is one.
+void check_outside(cl_ulong outside);
+
 struct OrderResult {
   Vertices vertices;
   std::uint64_t merged = 0;  ///< input points that are not representatives

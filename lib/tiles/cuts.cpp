@@ -2,6 +2,9 @@
 #include "tiles/cuts.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
 
@@ -24,10 +27,17 @@ std::array<std::size_t, 2> Cuts::tiles_of(const Box& box) const {
   return {tile_at(box.least), tile_at(box.most)};
 }
 
-Cuts even_cuts(const GridPoints& points, std::size_t tiles) {
-  const std::size_t count = std::min(points.size(), std::max(sample_size, 256 * tiles));
+std::array<std::uint64_t, 2> Cuts::codes_of(std::size_t tile) const {
+  const std::uint64_t first = tile == 0 ? 0 : first_codes_[tile - 1];
+  if (tile == first_codes_.size()) return {first, std::numeric_limits<std::uint64_t>::max()};
+  if (first_codes_[tile] == 0) return {1, 0};
+  return {first, first_codes_[tile] - 1};
+}
+
+Cuts even_cuts(const GridInput& input, std::size_t tiles) {
+  const std::size_t n = input.n(), count = std::min(n, std::max(sample_size, 256 * tiles));
   std::vector<std::uint64_t> sample(count);
-  for (std::size_t i = 0; i < count; ++i) sample[i] = code_of(points[points.size() * i / count]);
+  for_each_in_threads(count, [&](std::size_t i) { sample[i] = code_of(input.at(n * i / count)); });
   std::sort(sample.begin(), sample.end());
   std::vector<std::uint64_t> first_codes;
   for (std::size_t t = 1; t < tiles; ++t) first_codes.push_back(count == 0 ? 0 : sample[count * t / tiles]);

@@ -5,20 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/levels.h"
 #include "tiles/placed.hpp"
 
 namespace gcdt::tiles {
-
-/// A box of grid points, its border included.
-struct Box {
-  std::array<std::int64_t, 2> least, most;
-};
-
-/// The Morton code of a grid point, by which the Z-order goes.
-inline std::uint64_t code_of(const GridPoint& p) {
-  return device::gcdt_morton(static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1]));
-}
 
 /// Tiles are ranges of the Z-order: tile t has the grid points with codes from begin(t) up to begin(t + 1). The code of
 /// a point grows with either coordinate, so those of a box lie between the codes of its least and its greatest corner:
@@ -31,6 +20,8 @@ class Cuts {
 
   std::size_t tiles() const { return first_codes_.size() + 1; }
   std::size_t tile_of(std::uint64_t code) const;
+  /// The first and the last code of a tile. A tile without points may have none in between.
+  std::array<std::uint64_t, 2> codes_of(std::size_t tile) const;
   /// The first and the last tile that points of the box may be of.
   std::array<std::size_t, 2> tiles_of(const Box& box) const;
 
@@ -38,7 +29,7 @@ class Cuts {
   std::vector<std::uint64_t> first_codes_;
 };
 
-/// Cuts that give each of so many tiles about as many of the points, from a sample of them.
-Cuts even_cuts(const GridPoints& points, std::size_t tiles);
+/// Cuts that give each of so many tiles about as many of the vertices, from a sample of them.
+Cuts even_cuts(const GridInput& input, std::size_t tiles);
 
 }  // namespace gcdt::tiles

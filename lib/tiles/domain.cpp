@@ -83,10 +83,10 @@ class Selection {
   void count_turns() {
     turns_.resize(pieces_.size());
     for_each_in_threads(pieces_.size(), [&](std::size_t piece) {
-      const GridPoint &p = input_.points[pieces_[piece][0]], &q = input_.points[pieces_[piece][1]];
+      const GridPoint p = input_.at(pieces_[piece][0]), q = input_.at(pieces_[piece][1]);
       for (std::uint32_t i = offsets_[piece]; i < offsets_[piece + 1]; ++i) {
         const Constraint& c = input_.constraints[sources_[i]];
-        const GridPoint &a = input_.points[c[0]], &b = input_.points[c[1]];
+        const GridPoint a = input_.at(c[0]), b = input_.at(c[1]);
         const std::int64_t along = (std::int64_t{b[0]} - a[0]) * (std::int64_t{q[0]} - p[0]) +
                                    (std::int64_t{b[1]} - a[1]) * (std::int64_t{q[1]} - p[1]);
         turns_[piece] += along > 0 ? 1 : -1;
@@ -109,7 +109,8 @@ class Selection {
   std::int32_t turn_across(std::uint32_t h) const {
     const Triangle& t = triangles_[h / 3];
     const std::uint32_t a = t[(h % 3 + 1) % 3], b = t[(h % 3 + 2) % 3];
-    const std::uint32_t piece = piece_between(pieces_, input_.points, a, b);
+    const std::uint32_t piece = piece_between(
+        pieces_, [&](std::uint32_t v) { return input_.at(v); }, a, b);
     const std::int32_t left_over_right = pieces_[piece][0] == a ? turns_[piece] : -turns_[piece];
     return across(h) < 0 ? left_over_right : -left_over_right;
   }

@@ -12,32 +12,17 @@ namespace {
 
 constexpr std::uint16_t open_constraint = std::numeric_limits<std::uint16_t>::max();
 
-Box no_box() {
-  const std::int64_t most = std::numeric_limits<std::int64_t>::max();
-  return {{most, most}, {-1, -1}};
-}
-
-void extend(Box& box, const GridPoint& p) {
-  for (int axis = 0; axis < 2; ++axis) {
-    box.least[axis] = std::min<std::int64_t>(box.least[axis], p[axis]);
-    box.most[axis] = std::max<std::int64_t>(box.most[axis], p[axis]);
-  }
-}
-
-Box box_around(const GridPoints& points) {
-  Box box = no_box();
-  for (const GridPoint& p : points) extend(box, p);
-  return box;
-}
-
-Box box_of(const GridInput& input, const Constraint& c) {
-  Box box = no_box();
-  for (const std::uint32_t end : c) extend(box, input.points[end]);
-  return box;
-}
-
 Role role_of(const std::vector<Role>& roles, std::size_t constraint) {
   return roles.empty() ? Role::any : roles[constraint];
+}
+
+Box box_between(const GridPoint& a, const GridPoint& b) {
+  Box box{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    box.least[axis] = std::min(a[axis], b[axis]);
+    box.most[axis] = std::max(a[axis], b[axis]);
+  }
+  return box;
 }
 
 /// How many elements of each tile come before each part, and where a part writes its next: a counting sort by parts,
@@ -62,60 +47,13 @@ class Places {
   std::vector<std::vector<std::size_t>> counts_;
 };
 
-void share_vertices(const GridInput& input, const Cuts& cuts, Partition& made) {
-  const GridPoints& points = input.points;
-  const Parts parts(points.size());
-  Places places(parts, cuts.tiles());
-  made.tile_of.resize(points.size());
-  made.place.resize(points.size());
-  parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
-    for (std::size_t v = first; v < end; ++v) {
-      const std::size_t t = cuts.tile_of(code_of(points[v]));
-      made.tile_of[v] = static_cast<std::uint16_t>(t);
-      ++places.next(part, t);
-    }
-  });
-  const std::vector<std::size_t> counts = places.add_up();
-  for (std::size_t t = 0; t < cuts.tiles(); ++t) {
-    made.tiles[t].own = static_cast<std::uint32_t>(counts[t]);
-    made.tiles[t].points.resize(counts[t]);
-    made.tiles[t].ids.resize(counts[t]);
-  }
-  parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
-    for (std::size_t v = first; v < end; ++v) {
-      const std::size_t t = made.tile_of[v], at = places.next(part, t)++;
-      made.tiles[t].points[at] = points[v];
-      made.tiles[t].ids[at] = static_cast<std::uint32_t>(v);
-      made.place[v] = static_cast<std::uint32_t>(at);
-    }
-  });
-  for_each_in_threads(
-      made.tiles.size(), [&](std::size_t t) { made.tiles[t].box = box_around(made.tiles[t].points); }, 1);
-  made.box = no_box();
-  for (const Tile& tile : made.tiles) {
-    if (tile.own == 0) continue;
-    for (int axis = 0; axis < 2; ++axis) {
-      made.box.least[axis] = std::min(made.box.least[axis], tile.box.least[axis]);
-      made.box.most[axis] = std::max(made.box.most[axis], tile.box.most[axis]);
-    }
-  }
-}
-
-void check_ends(const GridInput& input) {
-  const std::size_t n = input.points.size();
-  Parts(input.constraints.size()).run([&](std::size_t, std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c)
-      for (std::size_t end = 0; end < 2; ++end)
-        if (input.constraints[c][end] >= n) throw index_error(c, end, n);
-  });
-}
-
 /// The tile that has all of the constraint, or open_constraint.
-std::uint16_t tile_of_constraint(const GridInput& input, const Cuts& cuts, const Partition& made, const Constraint& c) {
-  const std::uint16_t t = made.tile_of[c[0]];
-  if (made.tile_of[c[1]] != t) return open_constraint;
-  const auto [first, last] = cuts.tiles_of(box_of(input, c));
-  return first == t && last == t ? t : open_constraint;
+std::uint16_t tile_of_constraint(const GridInput& input, const Cuts& cuts, const Constraint& c) {
+  const GridPoint a = input.at(c[0]), b = input.at(c[1]);
+  const std::size_t t = cuts.tile_of(code_of(a));
+  if (cuts.tile_of(code_of(b)) != t) return open_constraint;
+  const auto [first, last] = cuts.tiles_of(box_between(a, b));
+  return first == t && last == t ? static_cast<std::uint16_t>(t) : open_constraint;
 }
 
 void share_constraints(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles, Partition& made) {
@@ -128,8 +66,7 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c)) continue;
-      tile_of[c] =
-          role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, made, constraints[c]);
+      tile_of[c] = role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, constraints[c]);
       if (tile_of[c] == open_constraint)
         open[part].push_back(static_cast<std::uint32_t>(c));
       else
@@ -145,49 +82,42 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c) || tile_of[c] == open_constraint) continue;
-      Tile& tile = made.tiles[tile_of[c]];
+      Share& tile = made.tiles[tile_of[c]];
       const std::size_t at = places.next(part, tile_of[c])++;
-      tile.constraints[at] = {made.place[constraints[c][0]], made.place[constraints[c][1]]};
+      tile.constraints[at] = constraints[c];
       tile.constraint_ids[at] = static_cast<std::uint32_t>(c);
     }
   });
 }
 
-/// Open constraints by tile through which they may pass, and the ends that these tiles lack.
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+/// Open constraints by tile through which they may pass, with their ends.
 void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles, Partition& made) {
-  std::vector<std::vector<std::uint32_t>> passing(cuts.tiles());
   for (const std::uint32_t c : made.open) {
-    Box box = box_of(input, input.constraints[c]);
-    for (int axis = 0; axis < 2; ++axis) {  // a route is less than one cell away
+    const Constraint& ends = input.constraints[c];
+    const GridPoint points[2] = {input.at(ends[0]), input.at(ends[1])};
+    Box box = box_between(points[0], points[1]);
+    for (std::size_t axis = 0; axis < 2; ++axis) {  // a route is less than one cell away
       box.least[axis] = std::max<std::int64_t>(box.least[axis] - 1, 0);
       box.most[axis] = std::min<std::int64_t>(box.most[axis] + 1, GCDT_GRID_LAST);
     }
     const auto [first, last] = cuts.tiles_of(box);
-    for (std::size_t t = first; t <= last; ++t)
-      if (made.tiles[t].own > 0) passing[t].push_back(c);
+    for (std::size_t t = first; t <= last; ++t) {
+      Share& tile = made.tiles[t];
+      tile.passages.push_back({ends[0], ends[1], role_of(roles, c) == Role::wide});
+      for (std::size_t end = 0; end < 2; ++end)
+        (cuts.tile_of(code_of(points[end])) == t ? tile.open_ends : tile.foreign).push_back(ends[end]);
+    }
   }
   for_each_in_threads(
       cuts.tiles(),
       [&](std::size_t t) {
-        Tile& tile = made.tiles[t];
-        std::vector<std::uint32_t> others;
-        for (const std::uint32_t c : passing[t])
-          for (const std::uint32_t end : input.constraints[c])
-            if (made.tile_of[end] != t) others.push_back(end);
-        std::sort(others.begin(), others.end());
-        others.erase(std::unique(others.begin(), others.end()), others.end());
-        for (const std::uint32_t v : others) {
-          tile.points.push_back(input.points[v]);
-          tile.ids.push_back(v);
-        }
-        const auto vertex = [&](std::uint32_t end) {
-          if (made.tile_of[end] == t) return made.place[end];
-          const auto found = std::lower_bound(others.begin(), others.end(), end);
-          return tile.own + static_cast<std::uint32_t>(found - others.begin());
-        };
-        for (const std::uint32_t c : passing[t])
-          tile.passages.push_back(
-              {vertex(input.constraints[c][0]), vertex(input.constraints[c][1]), role_of(roles, c) == Role::wide});
+        sort_unique(made.tiles[t].foreign);
+        sort_unique(made.tiles[t].open_ends);
       },
       1);
 }
@@ -197,11 +127,23 @@ void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role
 Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles) {
   Partition made;
   made.tiles.resize(cuts.tiles());
-  share_vertices(input, cuts, made);
-  check_ends(input);
   share_constraints(input, cuts, roles, made);
   share_open(input, cuts, roles, made);
   return made;
+}
+
+void check_ends(const GridInput& input) {
+  const std::size_t n = input.n();
+  const bool good = count_in_threads(input.constraints.size(), [&](std::size_t c) {
+                      return input.constraints[c][0] >= n || input.constraints[c][1] >= n;
+                    }) == 0;
+  if (good) return;
+  check_inside(input);
+  Parts(input.constraints.size()).run([&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c)
+      for (std::size_t end = 0; end < 2; ++end)
+        if (input.constraints[c][end] >= n) throw index_error(c, end, n);
+  });
 }
 
 }  // namespace gcdt::tiles

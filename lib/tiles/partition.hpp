@@ -1,43 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which tile has which vertices and constraints.
+// Which constraints are whose. Vertices are a tile's by their codes, which the tile's device finds by itself.
 #pragma once
 
 #include "tiles/cuts.hpp"
 
 namespace gcdt::tiles {
 
-/// The input on its grid. Arrays are the caller's.
-struct GridInput {
-  const GridPoints& points;
-  Constraints constraints;
-};
-
-/// A constraint that is no tile's, since it may leave every tile, as a tile's mesh sees it.
+/// A constraint that is no tile's, since it may leave every tile, and may pass through one.
 struct Passage {
-  std::uint32_t from, to;  ///< its ends, vertices of the tile
+  std::uint32_t from, to;  ///< its ends
   bool wide;               ///< it may be replaced by its route, which is near it (docs/splitting.md, S2)
 };
 
-/// What a tile's call is given. Vertices have the tile's own first, in order of their input numbers, then those of
-/// other tiles where constraints end that may pass through.
-struct Tile {
-  GridPoints points;
-  Array<std::uint32_t> ids;  ///< input numbers
-  std::uint32_t own = 0;     ///< so many vertices are the tile's own
+/// What a tile has beside its own vertices. All numbers are input numbers.
+struct Share {
   Array<Constraint> constraints;
-  Array<std::uint32_t> constraint_ids;  ///< input numbers, ascending
+  Array<std::uint32_t> constraint_ids;  ///< ascending
   std::vector<Passage> passages;
-  Box box{};  ///< around its own vertices, if there are any
+  /// Vertices of other tiles where passages end, ascending: the tile's mesh has them, too.
+  std::vector<std::uint32_t> foreign;
+  std::vector<std::uint32_t> open_ends;  ///< its own vertices where passages end, ascending
 };
 
-/// All of the input, shared out. A constraint is of the tile that has the whole box around it; the others are open, and
-/// come together in the seam.
+/// The constraints, shared out. One is of the tile that has the whole box around it; the others are open, and come
+/// together in the seam.
 struct Partition {
-  std::vector<Tile> tiles;
-  std::vector<std::uint32_t> open;  ///< input numbers, ascending
-  Array<std::uint16_t> tile_of;     ///< by input vertex
-  Array<std::uint32_t> place;       ///< by input vertex: its number in its tile
-  Box box{};                        ///< around all vertices
+  std::vector<Share> tiles;
+  std::vector<std::uint32_t> open;  ///< ascending
 };
 
 /// What is asked of a constraint.
@@ -47,7 +36,10 @@ enum class Role : std::uint8_t {
   out,   ///< left out
 };
 
-/// Throws index_out_of_range as cleaning does. `roles`: by constraint; none if all are `any`.
+/// The ends of all constraints are vertices. `roles`: by constraint; none if all are `any`.
 Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles);
+
+/// Throws index_out_of_range as cleaning does; before that, as order() does, coordinate_outside_grid.
+void check_ends(const GridInput& input);
 
 }  // namespace gcdt::tiles

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/passages.hpp"
 
+#include <atomic>
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <unordered_map>
 #include <unordered_set>
+
+#include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
 
 namespace {
-
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 /// A triangle, and which of its corners is meant.
 struct Corner {
@@ -18,13 +19,24 @@ struct Corner {
   unsigned at;
 };
 
+/// A triangle at each vertex that has one: any, since all find the same way on.
+class Starts {
+ public:
+  explicit Starts(const WalkedTile& mesh) : triangle_at_(new std::atomic<std::uint32_t>[mesh.points.size()]) {
+    for_each_in_threads(mesh.triangles.size(), [&](std::size_t t) {
+      for (const std::uint32_t v : mesh.triangles[t])
+        triangle_at_[v].store(static_cast<std::uint32_t>(t), std::memory_order_relaxed);
+    });
+  }
+  std::uint32_t operator[](std::uint32_t v) const { return triangle_at_[v].load(std::memory_order_relaxed); }
+
+ private:
+  std::unique_ptr<std::atomic<std::uint32_t>[]> triangle_at_;
+};
+
 class Walker {
  public:
-  Walker(const ProblemMesh& mesh, const GridPoints& points, const std::function<void(std::uint32_t)>& use)
-      : mesh_(mesh), points_(points), use_(use), triangle_at_(points.size(), none) {
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-      for (const std::uint32_t v : mesh.triangles[t]) triangle_at_[v] = t;
-  }
+  Walker(const WalkedTile& mesh, const Starts& starts) : mesh_(mesh), points_(mesh.points), starts_(starts) {}
 
   // Ends: each step leads to a vertex that is nearer to the end, and a mesh has finitely many.
   void walk(std::uint32_t from, std::uint32_t to, bool wide) {
@@ -32,8 +44,9 @@ class Walker {
     passed_.clear();
     for (std::uint32_t v = from; v != to;) v = next_vertex(v);
     if (wide) widen(from, to);
-    for (const std::uint32_t t : passed_) use_(t);
+    all_.insert(all_.end(), passed_.begin(), passed_.end());
   }
+  const std::vector<std::uint32_t>& passed() const { return all_; }
 
  private:
   /// The triangles around a vertex, counter-clockwise; from one edge of the hull to the other if the vertex is on it.
@@ -56,7 +69,7 @@ class Walker {
     const auto [found, is_new] = fans_.try_emplace(v);
     Fan& fan = found->second;
     if (!is_new) return fan;
-    const std::uint32_t any = triangle_at_[v];
+    const std::uint32_t any = starts_[v];
     std::uint32_t first = any;
     for (std::int32_t t = static_cast<std::int32_t>(any); t >= 0;) {
       first = static_cast<std::uint32_t>(t);
@@ -174,23 +187,29 @@ class Walker {
     throw Error(Status::check_failed, "tiles: a walk along a constraint left the mesh");
   }
 
-  const ProblemMesh& mesh_;
-  const GridPoints& points_;
-  const std::function<void(std::uint32_t)>& use_;
-  std::vector<std::uint32_t> triangle_at_;
+  const WalkedTile& mesh_;
+  const Span<GridPoint> points_;
+  const Starts& starts_;
   std::unordered_map<std::uint32_t, Fan> fans_;
   std::uint32_t to_ = 0;
-  std::vector<std::uint32_t> passed_;  ///< triangles of this walk
+  std::vector<std::uint32_t> passed_, all_;  ///< triangles of this walk, and of all
 };
 
 }  // namespace
 
-void for_passed_triangles(const ProblemMesh& mesh, const GridPoints& points, const std::vector<Passage>& passages,
-                          const std::function<void(std::uint32_t)>& use) {
-  if (passages.empty() || mesh.triangles.empty()) return;
-  Walker walker(mesh, points, use);
-  for (const Passage& passage : passages)
-    walker.walk(mesh.representative[passage.from], mesh.representative[passage.to], passage.wide);
+std::vector<std::uint32_t> passed_by(const WalkedTile& mesh, const std::vector<Passage>& passages) {
+  std::vector<std::uint32_t> passed;
+  if (passages.empty() || mesh.triangles.empty()) return passed;
+  const Starts starts(mesh);
+  const Parts parts(passages.size(), 64);
+  std::vector<std::vector<std::uint32_t>> found(parts.size());
+  parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
+    Walker walker(mesh, starts);
+    for (std::size_t i = first; i < end; ++i) walker.walk(passages[i].from, passages[i].to, passages[i].wide);
+    found[part] = walker.passed();
+  });
+  for (const auto& some : found) passed.insert(passed.end(), some.begin(), some.end());
+  return passed;
 }
 
 }  // namespace gcdt::tiles

@@ -2,16 +2,20 @@
 // Walks along constraints that are not in a mesh.
 #pragma once
 
-#include <functional>
-
-#include "tiles/tile_mesh.hpp"
+#include "tiles/tile.hpp"
 
 namespace gcdt::tiles {
 
-/// Calls use(triangle) for all triangles that a passage crosses inside or runs along an edge of; of a wide one, also
-/// for those that have a point less than one cell away from it on both axes. For some more than once. Passages end in
-/// vertices of the mesh, and may touch others.
-void for_passed_triangles(const ProblemMesh& mesh, const GridPoints& points, const std::vector<Passage>& passages,
-                          const std::function<void(std::uint32_t)>& use);
+/// A mesh on the host. The arrays must outlive the walks.
+struct WalkedTile {
+  Span<Triangle> triangles;
+  Span<Neighbours> neighbours;
+  Span<GridPoint> points;
+};
+
+/// All triangles that a passage crosses inside or runs along an edge of; of a wide one, also those that have a point
+/// less than one cell away from it on both axes. Some more than once. Passages end in vertices of the mesh, and may
+/// touch others.
+std::vector<std::uint32_t> passed_by(const WalkedTile& mesh, const std::vector<Passage>& passages);
 
 }  // namespace gcdt::tiles

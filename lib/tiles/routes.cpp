@@ -6,8 +6,9 @@ namespace gcdt::tiles {
 namespace {
 
 /// A link in the direction of its constraint, from which it turns by less than a quarter.
-Constraint along(const Constraint& constraint, const Constraint& link, const GridPoints& points) {
-  const GridPoint &a = points[constraint[0]], &b = points[constraint[1]], &p = points[link[0]], &q = points[link[1]];
+template <class PointOf>
+Constraint along(const Constraint& constraint, const Constraint& link, PointOf&& point) {
+  const GridPoint a = point(constraint[0]), b = point(constraint[1]), p = point(link[0]), q = point(link[1]);
   const std::int64_t turn = (std::int64_t{b[0]} - a[0]) * (std::int64_t{q[0]} - p[0]) +
                             (std::int64_t{b[1]} - a[1]) * (std::int64_t{q[1]} - p[1]);
   return turn > 0 ? link : Constraint{link[1], link[0]};
@@ -16,23 +17,23 @@ Constraint along(const Constraint& constraint, const Constraint& link, const Gri
 }  // namespace
 
 Routed take_routes(const GridInput& input, const SplitSeam& split, const std::vector<bool>& is_routed) {
-  const auto sources_of = [&](std::uint32_t c) { return split.seam.sources_of(c, split.all, split.tiles); };
+  const auto sources_of = [&](std::uint32_t c) { return split.seam.sources_of(c, split.tiles); };
   Routed routed;
-  routed.points = input.points;
   std::vector<std::uint32_t> ids = split.seam.ids;
   for (const GridPoint& p : array_of<GridPoint>(split.made, GCDT_ADDED)) {
-    ids.push_back(static_cast<std::uint32_t>(routed.points.size()));
-    routed.points.push_back(p);
+    ids.push_back(static_cast<std::uint32_t>(input.n() + routed.added.size()));
+    routed.added.push_back(p);
   }
+  const auto point = [&](std::uint32_t v) { return v < input.n() ? input.at(v) : routed.added[v - input.n()]; };
   for (const Constraint& pair : array_of<Constraint>(split.made, GCDT_ADDED_CROSSINGS))
     routed.crossing.push_back({sources_of(pair[0]).at(0), sources_of(pair[1]).at(0)});
   std::vector<std::pair<std::uint32_t, Constraint>> links;
-  const ProblemMesh& mesh = split.mesh;
+  const ProblemMesh mesh(split.made);
   for (std::uint32_t piece = 0; piece < mesh.pieces.size(); ++piece) {
     const Constraint link = {ids[mesh.pieces[piece][0]], ids[mesh.pieces[piece][1]]};
     for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
       for (const std::uint32_t c : sources_of(mesh.sources[i]))
-        if (is_routed[c]) links.emplace_back(c, along(input.constraints[c], link, routed.points));
+        if (is_routed[c]) links.emplace_back(c, along(input.constraints[c], link, point));
   }
   std::sort(links.begin(), links.end());
   std::size_t next = 0;

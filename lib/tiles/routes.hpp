@@ -6,9 +6,9 @@
 
 namespace gcdt::tiles {
 
-/// The input with the added vertices behind the others, and links in place of the constraints that are routed.
+/// What is added to the input: vertices behind the others, and links in place of the constraints that are routed.
 struct Routed {
-  GridPoints points;
+  GridPoints added;
   std::vector<Constraint> constraints, crossing;  ///< crossing: by added vertex, as GCDT_ADDED_CROSSINGS
   std::vector<std::uint32_t> owners;              ///< of the constraints: input numbers, ascending
   std::uint64_t count = 0;                        ///< of routed constraints
@@ -18,10 +18,8 @@ struct Routed {
 /// The seam's problem, split.
 struct SplitSeam {
   const Seam& seam;
-  const Partition& all;
   const std::vector<SolvedTile>& tiles;
   const ForestResult& made;
-  ProblemMesh mesh;  ///< of `made`
 };
 
 /// All but the largest move. `is_routed`: by input constraint.

@@ -7,177 +7,133 @@ namespace gcdt::tiles {
 
 namespace {
 
-Constraint edge_of(const ProblemMesh& mesh, std::uint32_t triangle, std::uint32_t k) {
-  const Triangle& t = mesh.triangles[triangle];
-  return {t[(k + 1) % 3], t[(k + 2) % 3]};
+template <class T>
+Span<T> view_of(const ForestResult& made, std::int32_t array) {
+  const auto slot = static_cast<std::size_t>(array);
+  if (made.begins[slot].empty()) return {};
+  return {reinterpret_cast<const T*>(made.arrays[slot].bytes.get()),
+          static_cast<std::size_t>(made.begins[slot].back())};
 }
 
-bool constrained(const ProblemMesh& mesh, std::uint32_t triangle, std::uint32_t k) {
-  return (mesh.constrained[triangle] >> k & 1) != 0;
-}
+Constraint edge_of(const Triangle& t, std::uint32_t k) { return {t[(k + 1) % 3], t[(k + 2) % 3]}; }
 
-/// One tile's share of the seam, in the tile's numbers.
-class TileShare {
- public:
-  TileShare(const Partition& all, const SolvedTile& solved, std::uint32_t tile)
-      : all_(all), given_(all.tiles[tile]), mesh_(solved.mesh), final_(solved.final), tile_(tile) {}
-
-  void gather() {
-    wanted_.assign(given_.own, 0);
-    if (mesh_.triangles.empty()) return take_all();
-    const Parts shares(final_.size());
-    std::vector<Found> found(shares.size());
-    shares.run([&](std::size_t share, std::size_t first, std::size_t end) {
-      for (std::size_t t = first; t < end; ++t)
-        final_[t] ? look_at_final(static_cast<std::uint32_t>(t), found[share])
-                  : look_at_other(static_cast<std::uint32_t>(t), found[share]);
-    });
-    for (const Found& some : found) {
-      border.insert(border.end(), some.border.begin(), some.border.end());
-      parts.insert(parts.end(), some.parts.begin(), some.parts.end());
-      for (const std::uint32_t v : some.vertices) wanted_[v] = 1;
-    }
-    std::sort(parts.begin(), parts.end());
-    parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
-    list_vertices();
-  }
-
-  std::vector<std::uint32_t> vertices, parts;  ///< ascending
-  std::vector<BorderEdge> border;
-
- private:
-  /// What is found at some triangles, in their order; pieces and vertices more than once.
-  struct Found {
-    std::vector<BorderEdge> border;
-    std::vector<std::uint32_t> parts, vertices;
-  };
-
-  /// Fewer than three vertices, or all on one line.
-  void take_all() {
-    for (std::uint32_t v = 0; v < given_.own; ++v) wanted_[v] = mesh_.representative[v] == v;
-    for (std::uint32_t p = 0; p < mesh_.pieces.size(); ++p) parts.push_back(p);
-    list_vertices();
-  }
-
-  void look_at_final(std::uint32_t t, Found& found) const {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::int32_t other = mesh_.neighbours[t][k];
-      const auto [u, v] = edge_of(mesh_, t, k);
-      if (other >= 0 ? final_[static_cast<std::uint32_t>(other)] != 0 : is_hull_of_all(u, v)) continue;
-      found.border.push_back({tile_, t, k});
-      found.vertices.insert(found.vertices.end(), {u, v});
-      if (constrained(mesh_, t, k)) found.parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
-    }
-  }
-
-  void look_at_other(std::uint32_t t, Found& found) const {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      if (const std::uint32_t v = mesh_.triangles[t][k]; v < given_.own) found.vertices.push_back(v);
-      if (!constrained(mesh_, t, k)) continue;
-      const auto [u, v] = edge_of(mesh_, t, k);
-      found.parts.push_back(piece_between(mesh_.pieces, given_.points, u, v));
-    }
-  }
-
-  /// Whether all vertices of all other tiles are left of the edge of the tile's hull, or on its line: their boxes are.
-  bool is_hull_of_all(std::uint32_t u, std::uint32_t v) const {
-    const GridPoint &a = given_.points[u], &b = given_.points[v];
-    for (std::uint32_t other = 0; other < all_.tiles.size(); ++other) {
-      if (other == tile_ || all_.tiles[other].own == 0) continue;
-      const Box& box = all_.tiles[other].box;
-      for (const std::int64_t x : {box.least[0], box.most[0]})
-        for (const std::int64_t y : {box.least[1], box.most[1]})
-          if (orient2d(a, b, {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)}) < 0) return false;
-    }
-    return true;
-  }
-
-  void list_vertices() {
-    for (std::uint32_t v = 0; v < given_.own; ++v)
-      if (wanted_[v]) vertices.push_back(v);
-  }
-
-  const Partition& all_;
-  const Tile& given_;
-  const ProblemMesh& mesh_;
-  const Array<std::uint8_t>& final_;
-  std::uint32_t tile_;
-  std::vector<std::uint8_t> wanted_;
+/// What a tile gives to the seam, in the tile's numbers.
+struct TileShare {
+  std::vector<SeamVertex> vertices;  ///< by number
+  std::vector<BorderEdge> border;    ///< but those of the hull of all
 };
 
-/// The seam's number of each of a tile's vertices that are in the seam.
+/// Whether all vertices of all other tiles are left of the edge of a tile's hull, or on its line: their boxes are.
+bool is_hull_of_all(const std::vector<SolvedTile>& tiles, std::size_t tile, const GridPoint& a, const GridPoint& b) {
+  for (std::size_t other = 0; other < tiles.size(); ++other) {
+    if (other == tile || tiles[other].own == 0) continue;
+    const Box& box = tiles[other].box;
+    for (const std::int64_t x : {box.least[0], box.most[0]})
+      for (const std::int64_t y : {box.least[1], box.most[1]})
+        if (orient2d(a, b, {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)}) < 0) return false;
+  }
+  return true;
+}
+
+constexpr auto by_number = [](const SeamVertex& a, const SeamVertex& b) { return a.vertex < b.vertex; };
+
+TileShare share_of(const std::vector<SolvedTile>& tiles, std::size_t t) {
+  const SolvedTile& tile = tiles[t];
+  TileShare share;
+  std::vector<SeamVertex> ends;
+  const auto end_at = [&](std::uint32_t v) {
+    return *std::lower_bound(tile.hull_vertices.begin(), tile.hull_vertices.end(), SeamVertex{v, 0, {}}, by_number);
+  };
+  for (const BorderEdge& edge : tile.border) {
+    if (edge.is_on_hull()) {
+      const SeamVertex from = end_at(edge.from), to = end_at(edge.to);
+      if (is_hull_of_all(tiles, t, from.point, to.point)) continue;
+      ends.insert(ends.end(), {from, to});
+    }
+    share.border.push_back(edge);
+  }
+  std::sort(ends.begin(), ends.end(), by_number);
+  ends.erase(std::unique(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.vertex == b.vertex; }),
+             ends.end());
+  std::set_union(tile.vertices.begin(), tile.vertices.end(), ends.begin(), ends.end(),
+                 std::back_inserter(share.vertices), by_number);
+  return share;
+}
+
+/// The seam's number of a tile's vertex.
 class SeamNumbers {
  public:
-  SeamNumbers(const std::vector<TileShare>& shares) {
-    std::uint32_t first = 0;
-    for (const TileShare& share : shares) {
-      shares_.push_back(&share.vertices);
-      firsts_.push_back(first);
-      first += static_cast<std::uint32_t>(share.vertices.size());
-    }
-  }
+  SeamNumbers(const std::vector<TileShare>& shares, const std::vector<std::uint32_t>& firsts)
+      : shares_(shares), firsts_(firsts) {}
   std::uint32_t of(std::size_t tile, std::uint32_t v) const {
-    const std::vector<std::uint32_t>& vertices = *shares_[tile];
-    const auto found = std::lower_bound(vertices.begin(), vertices.end(), v);
-    if (found == vertices.end() || *found != v)
+    const std::vector<SeamVertex>& vertices = shares_[tile].vertices;
+    const auto found = std::lower_bound(vertices.begin(), vertices.end(), SeamVertex{v, 0, {}}, by_number);
+    if (found == vertices.end() || found->vertex != v)
       throw Error(Status::check_failed, "tiles: an end of a constraint of the seam is not in the seam");
     return firsts_[tile] + static_cast<std::uint32_t>(found - vertices.begin());
   }
 
  private:
-  std::vector<const std::vector<std::uint32_t>*> shares_;
-  std::vector<std::uint32_t> firsts_;
+  const std::vector<TileShare>& shares_;
+  const std::vector<std::uint32_t>& firsts_;
 };
 
-std::vector<std::uint32_t> open_constraints(const Partition& all, const std::vector<SolvedTile>& tiles) {
-  std::vector<std::uint32_t> open = all.open;
-  for (std::size_t t = 0; t < tiles.size(); ++t)
-    for (const std::uint32_t c : tiles[t].mesh.dropped) open.push_back(all.tiles[t].constraint_ids[c]);
-  std::sort(open.begin(), open.end());
-  return open;
+/// The tile's vertex that stands for an end of an open constraint.
+std::uint32_t stand_in(const SolvedTile& tile, std::uint32_t end) {
+  const auto found = std::lower_bound(tile.ends.begin(), tile.ends.end(), end);
+  if (found == tile.ends.end() || *found != end)
+    throw Error(Status::check_failed, "tiles: a tile does not know the end of an open constraint");
+  return tile.stand_ins[static_cast<std::size_t>(found - tile.ends.begin())];
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> Seam::sources_of(std::size_t constraint, const Partition& all,
-                                            const std::vector<SolvedTile>& tiles) const {
+ProblemMesh::ProblemMesh(const ForestResult& made)
+    : triangles(view_of<Triangle>(made, GCDT_TRIANGLES)),
+      neighbours(view_of<Neighbours>(made, GCDT_NEIGHBOURS)),
+      constrained(view_of<std::uint8_t>(made, GCDT_CONSTRAINED)),
+      pieces(view_of<Constraint>(made, GCDT_PIECES)),
+      source_offsets(view_of<std::uint32_t>(made, GCDT_SOURCE_OFFSETS)),
+      sources(view_of<std::uint32_t>(made, GCDT_SOURCES)) {}
+
+std::vector<std::uint32_t> Seam::sources_of(std::size_t constraint, const std::vector<SolvedTile>& tiles) const {
   std::vector<std::uint32_t> sources;
-  for_sources(constraint, all, tiles, [&](std::uint32_t c) { sources.push_back(c); });
+  for_sources(constraint, tiles, [&](std::uint32_t c) { sources.push_back(c); });
   return sources;
 }
 
-Seam make_seam(const GridInput& input, const Partition& all, const std::vector<SolvedTile>& tiles) {
-  std::vector<TileShare> shares;
-  for (std::uint32_t t = 0; t < tiles.size(); ++t) shares.emplace_back(all, tiles[t], t);
+Seam make_seam(const TileTask& task, const std::vector<std::uint32_t>& open, const std::vector<SolvedTile>& tiles) {
+  std::vector<TileShare> shares(tiles.size());
   for_each_in_threads(
-      tiles.size(), [&](std::size_t t) { shares[t].gather(); }, 1);
+      tiles.size(), [&](std::size_t t) { shares[t] = share_of(tiles, t); }, 1);
   Seam seam;
-  const SeamNumbers numbers(shares);
-  for (std::uint32_t t = 0; t < tiles.size(); ++t) {
-    const Tile& given = all.tiles[t];
-    for (const std::uint32_t v : shares[t].vertices) {
-      seam.points.push_back(given.points[v]);
-      seam.ids.push_back(given.ids[v]);
-    }
-    for (const BorderEdge& edge : shares[t].border) {
-      const auto [u, v] = edge_of(tiles[t].mesh, edge.triangle, edge.k);
-      seam.constraints.push_back({numbers.of(t, v), numbers.of(t, u)});
-      seam.border.push_back(edge);
-    }
+  for (const TileShare& share : shares) {
+    seam.firsts.push_back(static_cast<std::uint32_t>(seam.ids.size()));
+    for (const SeamVertex& v : share.vertices) seam.points.push_back(v.point), seam.ids.push_back(v.id);
   }
+  seam.firsts.push_back(static_cast<std::uint32_t>(seam.ids.size()));
+  const SeamNumbers numbers(shares, seam.firsts);
   for (std::uint32_t t = 0; t < tiles.size(); ++t)
-    for (const std::uint32_t piece : shares[t].parts) {
-      const Constraint& ends = tiles[t].mesh.pieces[piece];
-      seam.constraints.push_back({numbers.of(t, ends[0]), numbers.of(t, ends[1])});
-      seam.parts.push_back({t, piece});
+    for (const BorderEdge& edge : shares[t].border) {
+      seam.constraints.push_back({numbers.of(t, edge.to), numbers.of(t, edge.from)});
+      seam.border.push_back({t, edge});
     }
-  seam.open = open_constraints(all, tiles);
+  for (std::uint32_t t = 0; t < tiles.size(); ++t)
+    for (std::uint32_t p = 0; p < tiles[t].pieces.size(); ++p) {
+      if (tiles[t].kept[p] != 0) continue;
+      const Constraint& ends = tiles[t].pieces[p];
+      seam.constraints.push_back({numbers.of(t, ends[0]), numbers.of(t, ends[1])});
+      seam.parts.push_back({t, p});
+    }
+  seam.open = open;
+  for (const SolvedTile& tile : tiles) seam.open.insert(seam.open.end(), tile.dropped.begin(), tile.dropped.end());
+  std::sort(seam.open.begin(), seam.open.end());
   const auto number = [&](std::uint32_t end) {
-    const std::size_t t = all.tile_of[end];
-    return numbers.of(t, tiles[t].mesh.representative[all.place[end]]);
+    const std::size_t t = task.cuts.tile_of(code_of(task.input.at(end)));
+    return numbers.of(t, stand_in(tiles[t], end));
   };
   for (const std::uint32_t c : seam.open)
-    seam.constraints.push_back({number(input.constraints[c][0]), number(input.constraints[c][1])});
+    seam.constraints.push_back({number(task.input.constraints[c][0]), number(task.input.constraints[c][1])});
   return seam;
 }
 
@@ -185,21 +141,21 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
   SolvedSeam solved;
   const std::size_t count = mesh.triangles.size();
   solved.border.assign(count, {-1, -1, -1});
-  solved.inner.assign(count, {-1, -1, -1});
+  solved.constrained.assign(count, 0);
   std::vector<std::uint8_t> outside(count, 0);
   solved.kept.assign(count, seam.border.empty() ? 1 : 0);
-  for_each_in_threads(count, [&](std::size_t number) {
-    const auto t = static_cast<std::uint32_t>(number);
+  const auto point = [&](std::uint32_t v) { return seam.points[v]; };
+  for_each_in_threads(count, [&](std::size_t t) {
     for (std::uint32_t k = 0; k < 3; ++k) {
-      if (!constrained(mesh, t, k)) continue;
-      const Constraint edge = edge_of(mesh, t, k);
-      const std::uint32_t piece = piece_between(mesh.pieces, seam.points, edge[0], edge[1]);
+      if ((mesh.constrained[t] >> k & 1) == 0) continue;
+      const Constraint edge = edge_of(mesh.triangles[t], k);
+      const std::uint32_t piece = piece_between(mesh.pieces, point, edge[0], edge[1]);
       for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i) {
         const std::uint32_t source = mesh.sources[i];
-        if (source >= seam.first_part()) {
-          solved.inner[t][k] = static_cast<std::int32_t>(piece);
-          continue;
-        }
+        const bool is_border = source < seam.first_part();
+        if (!is_border || seam.border[source].edge.is_constrained())
+          solved.constrained[t] |= static_cast<std::uint8_t>(1u << k);
+        if (!is_border) continue;
         solved.border[t][k] = static_cast<std::int32_t>(source);
         (seam.constraints[source] == edge ? solved.kept : outside)[t] = 1;
       }
@@ -222,7 +178,7 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
   for (std::size_t t = 0; t < count; ++t)
     if (outside[t] && solved.kept[t])
       throw Error(Status::check_failed, "tiles: the border of the final triangles is not closed in the seam");
-  solved.mesh = std::move(mesh);
+  solved.mesh = mesh;
   return solved;
 }
 

@@ -2,63 +2,85 @@
 // The seam: what is left of the plane between the final triangles of all tiles, as one more problem.
 #pragma once
 
-#include "tiles/tile_mesh.hpp"
+#include "tiles/tile.hpp"
 
 namespace gcdt::tiles {
 
-/// An edge of a final triangle that no final triangle of its tile is across from, but the convex hull's: edge k of
-/// `triangle` of `tile`.
-struct BorderEdge {
-  std::uint32_t tile, triangle, k;
+/// A view of the arrays of a result of one problem, which must outlive it.
+struct ProblemMesh {
+  ProblemMesh() = default;
+  explicit ProblemMesh(const ForestResult& made);
+
+  Span<Triangle> triangles;
+  Span<Neighbours> neighbours;
+  Span<std::uint8_t> constrained;
+  Span<Constraint> pieces;
+  Span<std::uint32_t> source_offsets, sources;
 };
 
-/// A tile's mesh, and what of it is final.
-struct SolvedTile {
-  ProblemMesh mesh;
-  Array<std::uint8_t> final;
-};
+/// The number of the piece between two vertices; pieces are in the order of their ends' codes. `point(v)`: vertex v on
+/// the grid. Throws check_failed if there is none.
+template <class PointOf>
+std::uint32_t piece_between(Span<Constraint> pieces, PointOf&& point, std::uint32_t u, std::uint32_t v) {
+  const auto key = [&](const Constraint& ends) {
+    return std::make_pair(code_of(point(ends[0])), code_of(point(ends[1])));
+  };
+  const Constraint wanted = code_of(point(u)) < code_of(point(v)) ? Constraint{u, v} : Constraint{v, u};
+  const auto wanted_key = key(wanted);
+  const auto found = std::lower_bound(pieces.begin(), pieces.end(), wanted,
+                                      [&](const Constraint& a, const Constraint&) { return key(a) < wanted_key; });
+  if (found == pieces.end() || *found != wanted)
+    throw Error(Status::check_failed, "tiles: a constrained edge is no piece");
+  return static_cast<std::uint32_t>(found - pieces.begin());
+}
 
-/// The problem of the seam. Its constraints are, in this order: the border, each edge with the seam on its left; the
-/// tiles' pieces that are not inside of final triangles; and the input constraints that no tile has.
+/// The problem of the seam. Its vertices come tile by tile. Its constraints are, in this order: the border, each edge
+/// with the seam on its left; the tiles' pieces that no final triangle has; and the input constraints that no tile has.
 struct Seam {
   GridPoints points;
-  std::vector<std::uint32_t> ids;  ///< of the vertices: input numbers
+  std::vector<std::uint32_t> ids;     ///< of the vertices: input numbers
+  std::vector<std::uint32_t> firsts;  ///< of each tile's vertices, and of all
   Array<Constraint> constraints;
 
+  struct Border {
+    std::uint32_t tile;
+    BorderEdge edge;
+  };
   /// A tile's piece.
   struct Part {
     std::uint32_t tile, piece;
   };
-  std::vector<BorderEdge> border;  ///< by tile, triangle and k
+  std::vector<Border> border;  ///< by tile, triangle and k
   std::vector<Part> parts;
   std::vector<std::uint32_t> open;  ///< input numbers, ascending
   std::size_t first_part() const { return border.size(); }
   std::size_t first_open() const { return border.size() + parts.size(); }
+  std::size_t tile_of(std::uint32_t vertex) const {
+    return static_cast<std::size_t>(std::upper_bound(firsts.begin(), firsts.end(), vertex) - firsts.begin()) - 1;
+  }
   /// Calls use(c) for the input constraints that a constraint of the seam stands for; none for the border.
   template <class Use>
-  void for_sources(std::size_t constraint, const Partition& all, const std::vector<SolvedTile>& tiles,
-                   Use&& use) const {
+  void for_sources(std::size_t constraint, const std::vector<SolvedTile>& tiles, Use&& use) const {
     if (constraint < first_part()) return;
     if (constraint >= first_open()) return use(open[constraint - first_open()]);
     const auto& [tile, piece] = parts[constraint - first_part()];
-    const ProblemMesh& mesh = tiles[tile].mesh;
-    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
-      use(all.tiles[tile].constraint_ids[mesh.sources[i]]);
+    const SolvedTile& from = tiles[tile];
+    for (std::uint32_t i = from.source_offsets[piece]; i < from.source_offsets[piece + 1]; ++i) use(from.sources[i]);
   }
   /// The same as a list.
-  std::vector<std::uint32_t> sources_of(std::size_t constraint, const Partition& all,
-                                        const std::vector<SolvedTile>& tiles) const;
+  std::vector<std::uint32_t> sources_of(std::size_t constraint, const std::vector<SolvedTile>& tiles) const;
 };
 
-Seam make_seam(const GridInput& input, const Partition& all, const std::vector<SolvedTile>& tiles);
+/// `open`: input constraints that no tile was given, ascending.
+Seam make_seam(const TileTask& task, const std::vector<std::uint32_t>& open, const std::vector<SolvedTile>& tiles);
 
 /// The mesh of the seam's problem, and which of its triangles are of the seam. `border` is the number of the border
-/// edge that a triangle of the seam has there, or -1; `inner`, the number of the mesh's piece that stands for input
-/// constraints there, or -1.
+/// edge that a triangle of the seam has there, or -1.
 struct SolvedSeam {
   ProblemMesh mesh;
   std::vector<std::uint8_t> kept;
-  std::vector<Neighbours> border, inner;
+  std::vector<Neighbours> border;
+  std::vector<std::uint8_t> constrained;  ///< by triangle: bit k is set if an input constraint runs along edge k
 };
 
 /// Throws check_failed if the border does not part what is of the seam from the rest.

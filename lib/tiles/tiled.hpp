@@ -12,9 +12,10 @@ namespace gcdt::tiles {
 /// bytes that one device would give (docs/scale.md).
 PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options);
 
-/// One problem, the batch's first, cut where the caller wants: `cut` is given its vertices on their grid. Throws what
-/// gcdt::triangulate() does, and out_of_memory if a tile or the seam is too large for every device.
-ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options,
-                             const std::function<Cuts(const GridPoints&)>& cut);
+/// One problem, the batch's first, cut where the caller wants: `cut` is given it on its grid, and makes about so many
+/// `tiles`. Throws what gcdt::triangulate() does, and out_of_memory if a tile or the seam is too large for every
+/// device.
+ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
+                             const std::function<Cuts(const GridInput&)>& cut);
 
 }  // namespace gcdt::tiles

@@ -35,14 +35,14 @@ struct OneProblem {
   std::array<std::uint64_t, 2> n, m;
 };
 
-using Cut = std::function<Cuts(const tiles::GridPoints&)>;
+using Cut = std::function<Cuts(const tiles::GridInput&)>;
 
 /// The mesh, or the error's text.
 std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& cut, const Options& options,
                                                DevicePool& pool = halves()) {
   const OneProblem problem(work);
   try {
-    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, cut);
+    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, 4, cut);
     return {test::part_of(made, 0), ""};
   } catch (const Error& error) {
     return {{}, error.what()};
@@ -50,18 +50,18 @@ std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& 
 }
 
 Cut evenly(std::size_t tiles) {
-  return [tiles](const tiles::GridPoints& points) { return tiles::even_cuts(points, tiles); };
+  return [tiles](const tiles::GridInput& input) { return tiles::even_cuts(input, tiles); };
 }
 
 /// At vertices and between them, some more than once.
 Cut anywhere(std::size_t tiles, Random& random) {
-  return [tiles, &random](const tiles::GridPoints& points) {
+  return [tiles, &random](const tiles::GridInput& input) {
     std::vector<std::uint64_t> codes;
     while (codes.size() + 1 < tiles) {
       const std::uint64_t kind = random.below(4);
       if (kind == 0) codes.push_back(random.next() >> (2 + random.below(62)));
       if (kind == 1 && !codes.empty()) codes.push_back(codes.back());
-      if (kind >= 2) codes.push_back(tiles::code_of(points[random.below(points.size())]) + kind - 2);
+      if (kind >= 2) codes.push_back(tiles::code_of(input.at(random.below(input.n()))) + kind - 2);
     }
     std::sort(codes.begin(), codes.end());
     return Cuts(codes);
@@ -142,7 +142,7 @@ TEST_CASE("a route goes through a vertex that no triangle has which its constrai
   REQUIRE(std::count(alone.pieces.begin(), alone.pieces.end(), Constraint{2, 1}) == 1);
   check_same(
       work,
-      [](const tiles::GridPoints&) {
+      [](const tiles::GridInput&) {
         return Cuts({tiles::code_of({4096, 4096})});
       },
       options);

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tile's part in a problem that is cut (docs/scale.md): its vertices among all, what of its mesh is final, what the
+// seam is to know of it, and where its triangles are in the result. Vertices are the tile's: its own by ascending input
+// number, then the ends of other tiles' constraints that pass.
+#include "common/corners.h"
+#include "common/pieces.h"
+#include "common/predicates.h"
+#include "tiles/tiles.h"
+
+// ---- Its input --------------------------------------------------------------------------------------
+
+// One work-item per point. Reads codes. Writes flags[i]: whether point i is the tile's own. Word i has one writer.
+kernel void tile_own(const uint count, const ulong first_code, const ulong last_code, global const ulong* codes,
+                     global uint* flags) {
+  FOR_EACH(i, count) flags[i] = codes[i] >= first_code && codes[i] <= last_code ? 1u : 0u;
+}
+
+// One work-item per point. Reads codes, and the scan of tile_own's flags. Writes coordinates and ids from `at` on:
+// places differ, by the scan. `first_id`: the input number of point 0.
+kernel void tile_take(const uint count, const uint first_id, const uint at, global const ulong* codes,
+                      global const uint* before, global ulong* coordinates, global uint* ids) {
+  FOR_EACH(i, count) {
+    if (before[i + 1u] == before[i]) continue;
+    const uint place = at + before[i];
+    coordinates[place] = (ulong)gcdt_gather_bits(codes[i]) | ((ulong)gcdt_gather_bits(codes[i] >> 1) << 32);
+    ids[place] = first_id + i;
+  }
+}
+
+// The place of an id among ids[low .. high - 1], which ascend; `high` if it is not there. Ends: the range halves.
+static inline uint place_of_id(global const uint* ids, uint low, uint high, uint wanted) {
+  const uint end = high;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if (ids[middle] < wanted)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return low < end && ids[low] == wanted ? low : end;
+}
+
+// One work-item per number. Reads ids: those of own vertices ascend, and so do the others. Writes vertices[i], the
+// tile's vertex of input number wanted[i]; `all` if it is not there. Word i has one writer.
+kernel void tile_numbers(const uint count, const uint own, const uint all, global const uint* ids,
+                         global const uint* wanted, global uint* vertices) {
+  FOR_EACH(i, count) {
+    const uint place = place_of_id(ids, 0u, own, wanted[i]);
+    vertices[i] = place < own ? place : place_of_id(ids, own, all, wanted[i]);
+  }
+}
+
+// One work-item per element of a list. Writes out[i]. Word i has one writer.
+kernel void tile_gather(const uint count, global const uint* list, global const uint* from, global uint* out) {
+  FOR_EACH(i, count) out[i] = from[list[i]];
+}
+kernel void tile_gather_points(const uint count, global const uint* list, global const int2* from, global int2* out) {
+  FOR_EACH(i, count) out[i] = from[list[i]];
+}
+
+// One work-item per own vertex. Raises box to the greatest of x, y, and of what they are below the last grid point: by
+// atomic_max, whose order cannot matter.
+kernel void tile_box(const uint own, global const int2* points, volatile global uint* box) {
+  uint4 most = (uint4)(0u, 0u, 0u, 0u);
+  FOR_EACH(v, own) {
+    const uint x = (uint)points[v].x, y = (uint)points[v].y;
+    most = max(most, (uint4)(x, y, GCDT_TILE_LAST - x, GCDT_TILE_LAST - y));
+  }
+  atomic_max(box, most.x);
+  atomic_max(box + 1, most.y);
+  atomic_max(box + 2, most.z);
+  atomic_max(box + 3, most.w);
+}
+
+// One work-item per own vertex. Writes flags[v]: whether another vertex stands for v. Word v has one writer.
+kernel void tile_merged_flags(const uint own, global const uint* representatives, global uint* flags) {
+  FOR_EACH(v, own) flags[v] = representatives[v] == v ? 0u : 1u;
+}
+
+// One work-item per own vertex. Reads the scan of those flags. Writes for each merged vertex its input number and that
+// of its representative: places differ, by the scan.
+kernel void tile_merged(const uint own, global const uint* before, global const uint* representatives,
+                        global const uint* ids, global uint2* merged) {
+  FOR_EACH(v, own)
+  if (before[v + 1u] != before[v]) merged[before[v]] = (uint2)(ids[v], ids[representatives[v]]);
+}
+
+// One work-item per own vertex, of a tile without triangles. Writes wanted[v]: whether v stands for itself. Word v has
+// one writer.
+kernel void tile_standing(const uint own, global const uint* representatives, global uint* wanted) {
+  FOR_EACH(v, own) wanted[v] = representatives[v] == v ? 1u : 0u;
+}
+
+// ---- Final triangles --------------------------------------------------------------------------------
+
+// What of the box around the circle of a triangle is in the box of all vertices, as its least and its greatest corner
+// (x, y). All of it is rounded outwards.
+//
+// Numbers are counted from corner a. Bounds, with e = 2^-24: a difference of coordinates is off by e of itself, b2 and
+// c2 by 4 e, a product with another difference by 6 e, so a numerator by 8 e of h, the sum of its products' magnitudes;
+// the area, which is exact as a 64-bit integer, by e, and 1 / (2 area) by 4 e. So the centre is off by less than
+// 16 e h / |2 area| = 2^-20 h / |2 area| on either axis; slack has four times that. The square root is good to 3 ulp.
+// A centre is less than 2^95 away; if it is more than 2^60, the squares might overflow, and all of the box is taken.
+typedef struct Reach {
+  int2 least, most;
+} Reach;
+
+#define REACH_TINY 0x1p-18f
+
+// A whole number, not less (upwards) or not more than what, if it is of the grid's size; else beyond it.
+static inline long whole_above(float what) {
+  return what >= 0x1p33f ? (long)1 << 33 : convert_long_rtp(max(what, -0x1p33f));
+}
+static inline long whole_below(float what) {
+  return what <= -0x1p33f ? -((long)1 << 33) : convert_long_rtn(min(what, 0x1p33f));
+}
+
+// Half of what the circle measures along one axis, where its other coordinate is between `least` and `most`: less than
+// the radius if the centre is d beyond them.
+static inline float half_width(float radius, float centre, float slack, float least, float most) {
+  const float beyond = max(centre - most, least - centre);
+  const float d = beyond - slack - (fabs(centre) + fabs(least) + fabs(most)) * REACH_TINY - 1.0f;
+  const float width = d <= 0.0f ? radius : sqrt(max(0.0f, (radius - d) * (radius + d)));
+  return width * (1.0f + REACH_TINY) + slack + 1.0f;
+}
+
+static inline Reach reach_of_circle(int2 a, int2 b, int2 c, int4 all) {
+  const Vertex va = gcdt_finite_vertex(a.x, a.y), vb = gcdt_finite_vertex(b.x, b.y), vc = gcdt_finite_vertex(c.x, c.y);
+  const float bx = (float)((long)b.x - a.x), by = (float)((long)b.y - a.y), cx = (float)((long)c.x - a.x),
+              cy = (float)((long)c.y - a.y);
+  const float scale = 0.5f / (float)gcdt_orient2d_finite(va, vb, vc);
+  const float b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+  const float centre_x = (b2 * cy - c2 * by) * scale, centre_y = (c2 * bx - b2 * cx) * scale;
+  const float slack_x = (fabs(b2 * cy) + fabs(c2 * by)) * scale * REACH_TINY,
+              slack_y = (fabs(c2 * bx) + fabs(b2 * cx)) * scale * REACH_TINY;
+  if (max(fabs(centre_x), fabs(centre_y)) > 0x1p60f) return (Reach){all.xy, all.zw};
+  const float radius = sqrt(centre_x * centre_x + centre_y * centre_y) * (1.0f + REACH_TINY) + slack_x + slack_y;
+  const float half_x = half_width(radius, centre_y, slack_y, (float)(all.y - (long)a.y), (float)(all.w - (long)a.y)),
+              half_y = half_width(radius, centre_x, slack_x, (float)(all.x - (long)a.x), (float)(all.z - (long)a.x));
+  Reach reach;
+  reach.least.x = (int)clamp((long)a.x + whole_below(centre_x - half_x - slack_x), (long)all.x, (long)all.z);
+  reach.least.y = (int)clamp((long)a.y + whole_below(centre_y - half_y - slack_y), (long)all.y, (long)all.w);
+  reach.most.x = (int)clamp((long)a.x + whole_above(centre_x + half_x + slack_x), (long)all.x, (long)all.z);
+  reach.most.y = (int)clamp((long)a.y + whole_above(centre_y + half_y + slack_y), (long)all.y, (long)all.w);
+  return reach;
+}
+
+static inline ulong code_of(int2 p) { return gcdt_morton((uint)p.x, (uint)p.y); }
+
+// One work-item per triangle. Reads the mesh and points. Writes final[t]: whether the box around its circle, cut to
+// `all`, the box of all vertices, is the tile's. Word t has one writer.
+// After this kernel the final triangles are of the whole result, but for those that an open constraint passes (T2).
+kernel void tile_final(const uint triangles, global const uint* corners, global const int2* points, const int4 all,
+                       const ulong first_code, const ulong last_code, global uint* final) {
+  FOR_EACH(t, triangles) {
+    const Reach reach =
+        reach_of_circle(points[corners[3u * t]], points[corners[3u * t + 1u]], points[corners[3u * t + 2u]], all);
+    final[t] = code_of(reach.least) >= first_code && code_of(reach.most) <= last_code ? 1u : 0u;
+  }
+}
+
+// One work-item per element of a list of triangles, which may have some more than once: all that write a word write 0.
+kernel void tile_not_final(const uint count, global const uint* list, global uint* final) {
+  FOR_EACH(i, count) final[list[i]] = 0u;
+}
+
+// ---- What the seam gets -----------------------------------------------------------------------------
+
+// One work-item per triangle. Reads final, 1 or 0, and the mesh; pieces' ends as vertices of the mesh. Writes 1 to
+// wanted[v] for the own corners of triangles that are not final, and to kept[p] for the pieces along edges of those
+// that are. All that write a word write 1.
+kernel void tile_mark(const uint triangles, const uint own, global const uint* final, global const uint* corners,
+                      global const uchar* constrained, global const Levels* levels, global const uint* input_vertex,
+                      const uint pieces, global const uint2* ends, global uint* wanted, global uint* kept) {
+  FOR_EACH(t, triangles) {
+    for (uint k = 0; k < 3u; ++k) {
+      const uint v = corners[3u * t + k];
+      if (!final[t]) {
+        if (v < own) wanted[v] = 1u;
+      } else if ((constrained[t] >> k) & 1u) {
+        const uint piece = find_piece(levels, pieces, ends, input_vertex[corners[3u * t + next_corner(k)]],
+                                      input_vertex[corners[3u * t + previous_corner(k)]]);
+        if (piece != GCDT_NONE) kept[piece] = 1u;
+      }
+    }
+  }
+}
+
+// One work-item per triangle. Reads the scan of final, and the mesh. Writes the final triangles' arrays, where
+// neighbours are numbers of final triangles, GCDT_TILE_HULL or GCDT_TILE_BORDER; and sides[r], the number of edges of
+// final triangle r that have no final neighbour. Places differ, by the scan.
+kernel void tile_finals(const uint triangles, global const uint* before, global const uint* corners,
+                        global const int* neighbours, global const uchar* constrained, global uint* out_corners,
+                        global int* out_neighbours, global uchar* out_constrained, global uint* sides) {
+  FOR_EACH(t, triangles) {
+    const uint r = before[t];
+    if (before[t + 1u] == r) continue;
+    uint count = 0;
+    for (uint k = 0; k < 3u; ++k) {
+      const int u = neighbours[3u * t + k];
+      int other = GCDT_TILE_HULL;
+      if (u >= 0) other = before[u + 1] == before[u] ? GCDT_TILE_BORDER : (int)before[u];
+      if (other < 0) ++count;
+      out_corners[3u * r + k] = corners[3u * t + k];
+      out_neighbours[3u * r + k] = other;
+    }
+    out_constrained[r] = constrained[t];
+    sides[r] = count;
+  }
+}
+
+// One work-item per final triangle. Reads the scan of sides. Writes its edges without a final neighbour: the triangle,
+// where the edge begins and ends, and k with marks (tiles.h). Places differ, by the scan.
+kernel void tile_border(const uint finals, global const uint* before, global const uint* corners,
+                        global const int* neighbours, global const uchar* constrained, global uint4* border) {
+  FOR_EACH(r, finals) {
+    uint place = before[r];
+    for (uint k = 0; k < 3u; ++k) {
+      const int u = neighbours[3u * r + k];
+      if (u >= 0) continue;
+      const uint marks =
+          (u == GCDT_TILE_HULL ? GCDT_TILE_ON_HULL : 0u) | ((constrained[r] >> k) & 1u ? GCDT_TILE_CONSTRAINED : 0u);
+      border[place++] = (uint4)(r, corners[3u * r + next_corner(k)], corners[3u * r + previous_corner(k)], k | marks);
+    }
+  }
+}
+
+// ---- The result -------------------------------------------------------------------------------------
+
+// One work-item per triangle of the seam among those of the tile. Reads its key, the codes of its first two vertices,
+// and the final triangles, which are in the order of theirs. Writes before[i], the number of final ones before it. Word
+// i has one writer. Ends: the range halves.
+kernel void tile_before(const uint count, const uint finals, global const ulong2* keys, global const uint* corners,
+                        global const int2* points, global uint* before) {
+  FOR_EACH(i, count) {
+    const ulong2 key = keys[i];
+    uint low = 0, high = finals;
+    while (low < high) {
+      const uint middle = low + (high - low) / 2u;
+      ulong found = code_of(points[corners[3u * middle]]), wanted = key.x;
+      if (found == wanted) found = code_of(points[corners[3u * middle + 1u]]), wanted = key.y;
+      if (found < wanted)
+        low = middle + 1u;
+      else
+        high = middle;
+    }
+    before[i] = low;
+  }
+}
+
+// One work-item per final triangle. Reads `before` of `count` triangles of the seam, which ascend. Writes places[r],
+// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer. Ends: the
+// range halves.
+kernel void tile_places(const uint finals, const uint count, global const uint* before, global uint* places) {
+  FOR_EACH(r, finals) {
+    uint low = 0, high = count;
+    while (low < high) {
+      const uint middle = low + (high - low) / 2u;
+      if (before[middle] <= r)
+        low = middle + 1u;
+      else
+        high = middle;
+    }
+    places[r] = r + low;
+  }
+}
+
+// One work-item per final triangle. Reads places, ids and what tile_finals has written. Writes the triangle's arrays at
+// its place: input numbers, neighbours as places from `first` on, -1 where there is no final one. Places differ. Places
+// of the seam's triangles are not written.
+kernel void tile_write(const uint finals, const uint first, global const uint* places, global const uint* ids,
+                       global const uint* corners, global const int* neighbours, global const uchar* constrained,
+                       global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
+  FOR_EACH(r, finals) {
+    const uint place = places[r];
+    for (uint k = 0; k < 3u; ++k) {
+      const int u = neighbours[3u * r + k];
+      out_corners[3u * place + k] = ids[corners[3u * r + k]];
+      out_neighbours[3u * place + k] = u < 0 ? -1 : (int)(first + places[u]);
+    }
+    out_constrained[place] = constrained[r];
+  }
+}

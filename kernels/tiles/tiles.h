@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the host reads of a tile. OpenCL C and C++17.
+#ifndef GCDT_TILES_H
+#define GCDT_TILES_H
+
+// The last grid point of an axis.
+#define GCDT_TILE_LAST 0x7FFFFFFFu
+
+// In place of the number of a final neighbour: the edge is of the hull of the tile; there is one that is not final.
+#define GCDT_TILE_HULL (-1)
+#define GCDT_TILE_BORDER (-2)
+
+// With the k of an edge of the border.
+#define GCDT_TILE_CONSTRAINED 4u
+#define GCDT_TILE_ON_HULL 8u
+
+#endif

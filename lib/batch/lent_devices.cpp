@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// The devices of a pool, lent to who makes something of their own on them.
+#include <thread>
+
+#include "batch/device_pool.hpp"
+
+namespace gcdt {
+
+namespace {
+
+/// As long as it lives, the runtime's transfers may use all of the device's link.
+class Alone {
+ public:
+  explicit Alone(runtime::Runtime& runtime) : runtime_(runtime) { runtime_.set_alone(true); }
+  Alone(const Alone&) = delete;
+  ~Alone() { runtime_.set_alone(false); }
+
+ private:
+  runtime::Runtime& runtime_;
+};
+
+}  // namespace
+
+bool DevicePool::is_first_of(const Worker& worker, Who who) const {
+  const auto is_gpu = [](const Worker& other) { return other.runtime && other.runtime->kind() == DeviceKind::gpu; };
+  return worker.number == 0 &&
+         (who == Who::all || is_gpu(worker) || std::none_of(workers_.begin(), workers_.end(), is_gpu));
+}
+
+PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make) {
+  return run({sizes, options, &make, who});
+}
+
+bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
+  const std::vector<DevicePlan> plans = plan();
+  std::vector<std::thread> threads;
+  std::atomic<bool> all{true};
+  for (std::size_t i = 0; i < workers_.size(); ++i) {
+    if (reports_[workers_[i].device].lost || !is_first_of(workers_[i], who)) continue;
+    threads.emplace_back([&, i] {
+      Worker& worker = workers_[i];
+      Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity};
+      const Alone alone(*worker.runtime);
+      try {
+        use(lent);
+        return;
+      } catch (const Error& error) {
+        settle(worker);
+        lose(worker.device, error);
+      } catch (const std::exception& error) {
+        settle(worker);
+        lose(worker.device, host_failed(error));
+      }
+      all = false;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  forget_lost();
+  if (all_lost()) throw_reasons();
+  return all;
+}
+
+DevicePool::Made DevicePool::make_one_by_one(std::size_t number, const std::vector<std::uint32_t>& numbers,
+                                             const MakeOne& make, std::uint64_t capacity) {
+  Worker& worker = workers_[number];
+  Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity};
+  const Alone alone(*worker.runtime);
+  Made made;
+  for (const std::uint32_t p : numbers) {
+    try {
+      ForestResult one = make(lent, p);
+      one.problems = {p};
+      made.result.add(std::move(one));
+    } catch (const Error& error) {
+      if (error.status() == Status::out_of_memory) throw Shortage{p, error};
+      if (!is_of_problem(error.status())) throw;
+      settle(worker);
+      made.errors.emplace_back(p, error);
+    }
+  }
+  return made;
+}
+
+}  // namespace gcdt

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/staged.hpp"
+
+#include <algorithm>
+
+#include "device/step.hpp"
+#include "phases/triangulation.hpp"
+
+namespace gcdt::tiles {
+
+namespace {
+
+using Surveyed = std::array<cl_ulong, GCDT_SURVEY_COLUMNS>;
+
+template <std::size_t N>
+void raise(std::array<cl_ulong, N>& most, const std::array<cl_ulong, N>& found) {
+  for (std::size_t i = 0; i < N; ++i) most[i] = std::max(most[i], found[i]);
+}
+
+}  // namespace
+
+Staged::Staged(DevicePool& pool, Points points, std::size_t tiles)
+    : pool_(pool), points_(points), keeps_(pool.size(), 0), chunks_(pool.size()) {
+  const std::uint64_t capacity = pool.least_capacity(), n = points.size();
+  vertices_of_chunk_ =
+      std::clamp<std::size_t>(capacity / Tuning::part_of_tile_chunk, Tuning::least_tile_chunk, Tuning::most_tile_chunk);
+  const std::uint64_t all = 8 * n * words_per_vertex(points.type());
+  for (std::size_t device = 0; device < keeps_.size(); ++device)
+    keeps_[device] = all + forest_bytes(1, n / std::max<std::size_t>(tiles, 1), 0) < capacity;
+}
+
+void Staged::for_chunks(DevicePool::Lent& lent,
+                        const std::function<void(const InputPoints& points, std::size_t first)>& use) {
+  std::vector<InputPoints>& kept = chunks_[lent.device];
+  const auto n = static_cast<std::size_t>(points_.size());
+  std::vector<InputPoints> sent;
+  for (std::size_t first = 0, i = 0; first < n; first += vertices_of_chunk_, ++i) {
+    if (i < kept.size()) {
+      use(kept[i], first);
+      continue;
+    }
+    InputPoints chunk =
+        stage(lent.runtime, part_of(points_.type(), points_.data(), first, std::min(vertices_of_chunk_, n - first)));
+    use(chunk, first);
+    if (keeps_[lent.device]) sent.push_back(std::move(chunk));
+  }
+  if (!sent.empty()) kept = std::move(sent);
+}
+
+void Staged::leave(std::size_t device) {
+  chunks_[device].clear();
+  keeps_[device] = 0;
+}
+
+// Ends: every time that no device has looked at all chunks, one is lost.
+template <class Columns, class Look>
+Columns Staged::look(Look&& look_at_chunk) {
+  std::mutex mutex;
+  std::optional<Columns> columns;
+  while (!columns)
+    pool_.on_each(DevicePool::Who::gpus, [&](DevicePool::Lent& lent) {
+      Step looking(lent.runtime, "survey");
+      Columns most{};
+      const auto all_chunks = [&] {
+        for_chunks(lent, [&](const InputPoints& points, std::size_t first) {
+          raise(most, look_at_chunk(lent.runtime, points, first));
+        });
+      };
+      try {
+        all_chunks();
+      } catch (const Error& error) {
+        if (error.status() != Status::out_of_memory || !keeps(lent.device)) throw;
+        leave(lent.device);
+        lent.runtime.memory().trim();
+        all_chunks();
+      }
+      looking.end();
+      const std::lock_guard<std::mutex> lock(mutex);
+      columns = most;
+    });
+  return *columns;
+}
+
+ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveyed) {
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
+  if (points_.size() == 0) return given ? *given : ChosenGrid();
+  const Surveyed found = look<Surveyed>([](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
+    Surveyed columns = survey_maxima(runtime, points);
+    if (columns[GCDT_SURVEY_BAD] != 0) columns[GCDT_SURVEY_BAD] -= 2 * first;  // complements: the least is greatest
+    return columns;
+  });
+  if (found[GCDT_SURVEY_BAD] != 0) throw survey_error(coordinates_type(points_.type()), ~found[GCDT_SURVEY_BAD]);
+  surveyed = survey_of(found.data());
+  if (given) return *given;
+  const GridChoice choice = choose_grid(surveyed);
+  const int limit = choice.decimals_limit;
+  if (limit < 0) return choice.grid;
+  using Digits = std::array<cl_ulong, 1>;
+  const Digits digits = look<Digits>([&](runtime::Runtime& runtime, const InputPoints& points, std::size_t) {
+    return Digits{static_cast<cl_ulong>(count_decimals(runtime, points, limit))};
+  });
+  return choice.with_decimals(static_cast<int>(digits[0]));
+}
+
+}  // namespace gcdt::tiles

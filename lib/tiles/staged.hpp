@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vertices as they were given, on every device that has room for all of them.
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "batch/device_pool.hpp"
+
+namespace gcdt::tiles {
+
+/// A device looks through the input chunk by chunk: to find the grid, and for each tile that it solves, to find the
+/// tile's vertices. Chunks stay on the device if that does not take the memory that a tile needs.
+class Staged {
+ public:
+  /// `tiles`: how many the input will have. The points must outlive the object.
+  Staged(DevicePool& pool, Points points, std::size_t tiles);
+
+  /// The grid that one device would choose (docs/contract.md, 1). Throws as order() does. `surveyed` is not set without
+  /// points.
+  ChosenGrid choose(const std::optional<FixedGrid>& fixed, Survey& surveyed);
+
+  /// Calls use(points, first) for each chunk on the device; `first` is the number of its first vertex.
+  void for_chunks(DevicePool::Lent& lent, const std::function<void(const InputPoints& points, std::size_t first)>& use);
+  /// Gives back the device's chunks; they are sent again when they are wanted.
+  void leave(std::size_t device);
+  bool keeps(std::size_t device) const { return keeps_[device]; }
+
+ private:
+  /// Of the columns that the chunks have, by whichever devices look: GPUs if there are some.
+  template <class Columns, class Look>
+  Columns look(Look&& look_at_chunk);
+
+  DevicePool& pool_;
+  const Points points_;
+  std::size_t vertices_of_chunk_;
+  std::vector<char> keeps_;                       ///< by device; a device's thread alone changes its own
+  std::vector<std::vector<InputPoints>> chunks_;  ///< by device; empty or all
+};
+
+}  // namespace gcdt::tiles

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/take.hpp"
+
+namespace gcdt::tiles {
+
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+
+class Taker {
+ public:
+  Taker(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile)
+      : lent_(lent),
+        runtime_(lent.runtime),
+        primitives_(lent.primitives),
+        input_(task.input),
+        staged_(task.staged),
+        share_(share),
+        codes_(task.cuts.codes_of(tile)) {
+    const std::size_t n = input_.n(), expected = n / task.cuts.tiles();
+    taken_.points.coordinates = runtime_.allocate<cl_ulong>("coordinates of a tile", 0);
+    taken_.ids = runtime_.allocate<cl_uint>("input numbers of a tile", 0);
+    reserve(std::min(n, expected + expected / 8 + Tuning::least_tile_chunk));
+  }
+
+  Taken take() {
+    staged_.for_chunks(lent_, [&](const InputPoints& points, std::size_t first) {
+      const Codes codes = codes_on(runtime_, points, input_.chosen);
+      taken_.move_key = std::max<std::uint64_t>(taken_.move_key, codes.maxima[GCDT_QUANTISE_MOVE]);
+      note_outside(codes.maxima[GCDT_QUANTISE_OUTSIDE], first);
+      take_chunk(points.n, codes, first);
+    });
+    check_outside(outside_);
+    if (!input_.added.empty()) {
+      const InputPoints added = stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size()));
+      take_chunk(added.n, codes_on(runtime_, added, fixed_grid(FixedGrid{0, 0, "1"})), input_.given.size());
+    }
+    taken_.own = taken_.all;
+    add_foreign();
+    taken_.points.n = taken_.all;
+    taken_.points.type = GCDT_COORDINATES_INT32;
+    taken_.points.coordinates.shrink(taken_.all);
+    taken_.ids.shrink(taken_.all);
+    return std::move(taken_);
+  }
+
+ private:
+  void take_chunk(cl_uint count, const Codes& codes, std::size_t first_id) {
+    const auto before = runtime_.allocate<cl_uint>("own vertices before", std::size_t{count} + 1);
+    runtime_.launch("tiles", "tile_own", over(count), count, cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, codes.codes,
+                    before);
+    const cl_uint found = primitives_.scan_total(before, count);
+    const std::size_t needed = std::size_t{taken_.all} + found;
+    if (needed > taken_.ids.size()) reserve(std::min<std::size_t>(input_.n(), std::max(needed, 2 * taken_.ids.size())));
+    runtime_.launch("tiles", "tile_take", over(count), count, static_cast<cl_uint>(first_id), taken_.all, codes.codes,
+                    before, taken_.points.coordinates, taken_.ids);
+    taken_.all += found;
+  }
+
+  /// The column of a chunk counts in it; it holds the complement of the least such coordinate.
+  void note_outside(cl_ulong of_chunk, std::size_t first_id) {
+    if (of_chunk != 0) outside_ = std::max<cl_ulong>(outside_, of_chunk - 2 * first_id);
+  }
+
+  /// Room for so many of its own vertices, and all foreign ones; what is there stays.
+  void reserve(std::size_t own) {
+    const std::size_t room = own + share_.foreign.size();
+    auto coordinates = runtime_.allocate<cl_ulong>("coordinates of a tile", room);
+    auto ids = runtime_.allocate<cl_uint>("input numbers of a tile", room);
+    runtime_.copy(taken_.points.coordinates, coordinates, taken_.all);
+    runtime_.copy(taken_.ids, ids, taken_.all);
+    taken_.points.coordinates = std::move(coordinates);
+    taken_.ids = std::move(ids);
+  }
+
+  void add_foreign() {
+    if (share_.foreign.empty() || taken_.own == 0) return;
+    std::vector<cl_ulong> points;
+    for (const std::uint32_t v : share_.foreign) {
+      const GridPoint p = input_.at(v);
+      points.push_back(static_cast<std::uint32_t>(p[0]) | std::uint64_t{static_cast<std::uint32_t>(p[1])} << 32);
+    }
+    if (taken_.all + points.size() > taken_.ids.size()) reserve(taken_.all);
+    runtime_.write(taken_.points.coordinates, points.data(), points.size(), taken_.all);
+    runtime_.write(taken_.ids, share_.foreign.data(), points.size(), taken_.all);
+    taken_.all += static_cast<cl_uint>(points.size());
+  }
+
+  DevicePool::Lent& lent_;
+  Runtime& runtime_;
+  Primitives& primitives_;
+  const GridInput& input_;
+  Staged& staged_;
+  const Share& share_;
+  const std::array<std::uint64_t, 2> codes_;
+  Taken taken_;
+  cl_ulong outside_ = 0;
+};
+
+}  // namespace
+
+Taken take(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile) {
+  return Taker(lent, task, share, tile).take();
+}
+
+}  // namespace gcdt::tiles

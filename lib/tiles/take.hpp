@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a tile takes from the input.
+#pragma once
+
+#include "tiles/tile.hpp"
+
+namespace gcdt::tiles {
+
+/// A tile's vertices: its own by ascending input number, then foreign ones.
+struct Taken {
+  InputPoints points;  ///< on the grid, as integers
+  runtime::Buffer<cl_uint> ids;
+  cl_uint own = 0, all = 0;    ///< without and with foreign ones
+  std::uint64_t move_key = 0;  ///< of all vertices that were given (gcdt_move_key)
+};
+
+/// On the device; the whole input goes there chunk by chunk, which keeps what is the tile's. Throws
+/// coordinate_outside_grid. A tile without vertices of its own gets no foreign ones.
+Taken take(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile);
+
+}  // namespace gcdt::tiles

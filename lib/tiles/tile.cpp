@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/tile.hpp"
+
+#include "device/step.hpp"
+#include "solve/triangulate.hpp"
+#include "tiles/parts.hpp"
+#include "tiles/passages.hpp"
+#include "tiles/take.hpp"
+
+namespace gcdt::tiles {
+
+using runtime::Buffer;
+using runtime::over;
+using runtime::Runtime;
+
+namespace {
+
+template <class T, class From>
+std::vector<T> read_all_of(Runtime& runtime, const Buffer<From>& from, std::size_t count) {
+  static_assert(sizeof(T) == sizeof(From), "one is read as the other");
+  std::vector<T> values(count);
+  runtime.read_bytes(from.handle(), 0, values.data(), count * sizeof(T));
+  return values;
+}
+
+template <class T, class From>
+Array<T> read_array(Runtime& runtime, const Buffer<From>& from, std::size_t count) {
+  static_assert(sizeof(T) == sizeof(From), "one is read as the other");
+  Array<T> values(count);
+  runtime.read_bytes(from.handle(), 0, values.data(), count * sizeof(T));
+  return values;
+}
+
+/// From the input to a SolvedTile.
+class TileRun {
+ public:
+  TileRun(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile)
+      : runtime_(lent.runtime), primitives_(lent.primitives), task_(task), share_(share), tile_(tile) {
+    Step taking(runtime_, "take");
+    Taken taken = take(lent, task, share, tile);
+    taking.end();
+    solved_.own = taken.own;
+    solved_.move_key = taken.move_key;
+    solved_.device = lent.device;
+    all_ = taken.all;
+    solved_.final.ids = std::move(taken.ids);
+    if (taken.own > 0) triangulate(std::move(taken.points));
+  }
+
+  SolvedTile finish() {
+    if (solved_.own == 0) {
+      solved_.final = {};
+      return std::move(solved_);
+    }
+    Step finding(runtime_, "final");
+    find_box();
+    list_merged();
+    find_ends();
+    find_final();
+    finding.end();
+    Step giving(runtime_, "seam");
+    give_to_seam();
+    keep_final();
+    giving.end();
+    primitives_.release();
+    runtime_.finish();
+    return std::move(solved_);
+  }
+
+ private:
+  const Buffer<cl_uint>& ids() const { return solved_.final.ids; }
+  const Buffer<cl_int2>& points() const { return solved_.final.points; }
+  cl_uint triangles() const { return made_.mesh.triangles; }
+
+  void triangulate(InputPoints taken) {
+    Options options;
+    options.grid = FixedGrid{0, 0, "1"};  // vertices are in cells of the common grid
+    options.crossing = Crossing::drop;
+    options.check = task_.check;
+    InputSource source = {all_, share_.constraints.size(), {}};
+    source.load = [&] { return DeviceInput{std::move(taken), local_constraints()}; };
+    made_ = gcdt::triangulate(runtime_, primitives_, source, options);
+    solved_.final.points = runtime_.allocate<cl_int2>("points of a tile", all_);
+    runtime_.launch("tiles", "tile_gather_points", over(all_), all_, made_.vertices.input_vertex, made_.vertices.points,
+                    solved_.final.points);
+  }
+
+  Buffer<cl_uint2> local_constraints() {
+    const std::size_t m = share_.constraints.size();
+    auto local = runtime_.allocate<cl_uint2>("constraints of a tile", m);
+    if (m == 0) return local;
+    const auto given = stage(runtime_, Constraints(share_.constraints.data(), m));
+    runtime_.launch("tiles", "tile_numbers", over(2 * m), static_cast<cl_uint>(2 * m), solved_.own, all_, ids(), given,
+                    local);
+    return local;
+  }
+
+  void find_box() {
+    const auto box = runtime_.filled<cl_uint>("box of a tile", 4, 0);
+    runtime_.launch("tiles", "tile_box", over(solved_.own), solved_.own, points(), box);
+    cl_uint most[4];
+    runtime_.read(box, most, 4);
+    solved_.box = {{GCDT_TILE_LAST - most[2], GCDT_TILE_LAST - most[3]}, {most[0], most[1]}};
+  }
+
+  void list_merged() {
+    const auto before = runtime_.allocate<cl_uint>("merged vertices before", std::size_t{solved_.own} + 1);
+    runtime_.launch("tiles", "tile_merged_flags", over(solved_.own), solved_.own, made_.representatives, before);
+    const cl_uint count = primitives_.scan_total(before, solved_.own);
+    if (count == 0) return;
+    const auto merged = runtime_.allocate<cl_uint2>("merged vertices", count);
+    runtime_.launch("tiles", "tile_merged", over(solved_.own), solved_.own, before, made_.representatives, ids(),
+                    merged);
+    solved_.merged = read_all_of<Constraint>(runtime_, merged, count);
+  }
+
+  /// The tile's vertices that stand for those of these input numbers.
+  std::vector<std::uint32_t> stand_ins(const std::vector<std::uint32_t>& wanted) {
+    const auto count = static_cast<cl_uint>(wanted.size());
+    if (count == 0) return {};
+    const auto list = runtime_.upload("input numbers", wanted), found = runtime_.allocate<cl_uint>("vertices", count),
+               standing = runtime_.allocate<cl_uint>("representatives", count);
+    runtime_.launch("tiles", "tile_numbers", over(count), count, solved_.own, all_, ids(), list, found);
+    runtime_.launch("tiles", "tile_gather", over(count), count, found, made_.representatives, standing);
+    return read_all_of<std::uint32_t>(runtime_, standing, count);
+  }
+
+  // Of passages and of what was dropped, which passes from now on, too. All that are its own are open ends.
+  void find_ends() {
+    for (const std::uint32_t c : read_all_of<std::uint32_t>(runtime_, made_.dropped, made_.dropped.size()))
+      solved_.dropped.push_back(share_.constraint_ids[c]);
+    std::vector<std::uint32_t>& ends = solved_.ends = share_.open_ends;
+    for (const std::uint32_t c : solved_.dropped)
+      for (const std::uint32_t end : task_.input.constraints[c]) ends.push_back(end);
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    solved_.stand_ins = stand_ins(ends);
+  }
+
+  void find_final() {
+    final_ = runtime_.allocate<cl_uint>("final triangles", std::size_t{triangles()} + 1);
+    if (triangles() == 0) return runtime_.fill<cl_uint>(final_, 0, 1);
+    const Box& all = task_.input.box;
+    const cl_int4 box = {{static_cast<cl_int>(all.least[0]), static_cast<cl_int>(all.least[1]),
+                          static_cast<cl_int>(all.most[0]), static_cast<cl_int>(all.most[1])}};
+    const auto [first, last] = task_.cuts.codes_of(tile_);
+    runtime_.launch("tiles", "tile_final", over(triangles()), triangles(), made_.mesh.corners, points(), box,
+                    cl_ulong{first}, cl_ulong{last}, final_);
+    const std::vector<std::uint32_t> passed = passed_triangles();
+    if (passed.empty()) return;
+    const auto count = static_cast<cl_uint>(passed.size());
+    runtime_.launch("tiles", "tile_not_final", over(count), count, runtime_.upload("passed triangles", passed), final_);
+  }
+
+  std::vector<std::uint32_t> passed_triangles() {
+    std::vector<Passage> passages = share_.passages;
+    for (const std::uint32_t c : solved_.dropped)
+      passages.push_back({task_.input.constraints[c][0], task_.input.constraints[c][1], false});
+    if (passages.empty()) return {};
+    std::vector<std::uint32_t> ends;
+    for (const Passage& passage : passages) ends.push_back(passage.from), ends.push_back(passage.to);
+    ends = stand_ins(ends);
+    for (std::size_t i = 0; i < passages.size(); ++i) passages[i].from = ends[2 * i], passages[i].to = ends[2 * i + 1];
+    Array<Triangle> corners(triangles());
+    Array<Neighbours> neighbours(triangles());
+    runtime_.read_bytes(made_.mesh.corners.handle(), 0, corners.data(), corners.size() * sizeof(Triangle));
+    runtime_.read_bytes(made_.mesh.neighbours.handle(), 0, neighbours.data(), neighbours.size() * sizeof(Neighbours));
+    const auto grid_points = read_array<GridPoint>(runtime_, points(), all_);
+    return passed_by({corners, neighbours, grid_points}, passages);
+  }
+
+  void give_to_seam() {
+    const cl_uint pieces = made_.pieces.count;
+    auto wanted = runtime_.filled<cl_uint>("vertices of the seam", std::size_t{solved_.own} + 1, 0),
+         kept = runtime_.filled<cl_uint>("kept pieces", pieces, 0);
+    if (triangles() == 0)
+      runtime_.launch("tiles", "tile_standing", over(solved_.own), solved_.own, made_.representatives, wanted);
+    else
+      runtime_.launch("tiles", "tile_mark", over(triangles()), triangles(), solved_.own, final_, made_.mesh.corners,
+                      made_.mesh.constrained, made_.vertices.levels_buffer, made_.vertices.input_vertex, pieces,
+                      pieces_as_vertices(), wanted, kept);
+    solved_.kept = read_array<std::uint32_t>(runtime_, kept, pieces);
+    const cl_uint count = primitives_.scan_total(wanted, solved_.own);
+    const auto list = runtime_.allocate<cl_uint>("vertices of the seam", count);
+    primitives_.compact_indices(wanted, list, solved_.own);
+    solved_.vertices = seam_vertices(list, count);
+    give_pieces();
+  }
+
+  Buffer<cl_uint2> pieces_as_vertices() {
+    const cl_uint words = 2 * made_.pieces.count;
+    auto ends = runtime_.allocate<cl_uint2>("pieces as vertices", made_.pieces.count);
+    if (words > 0)
+      runtime_.launch("tiles", "tile_gather", over(words), words, made_.pieces.ends, made_.vertices.input_vertex, ends);
+    return ends;
+  }
+
+  void give_pieces() {
+    const Pieces& pieces = made_.pieces;
+    const cl_uint count = pieces.count, words = 2 * count;
+    solved_.pieces = read_array<Constraint>(runtime_, pieces.ends, count);
+    const auto numbered = runtime_.allocate<cl_uint2>("pieces as input numbers", count);
+    if (words > 0) runtime_.launch("tiles", "tile_gather", over(words), words, pieces.ends, ids(), numbered);
+    solved_.piece_ids = read_array<Constraint>(runtime_, numbered, count);
+    solved_.source_offsets = read_array<std::uint32_t>(runtime_, pieces.source_offsets, std::size_t{count} + 1);
+    solved_.sources = read_array<std::uint32_t>(runtime_, pieces.sources, pieces.source_count);
+    for_each_in_threads(solved_.sources.size(),
+                        [&](std::size_t i) { solved_.sources[i] = share_.constraint_ids[solved_.sources[i]]; });
+  }
+
+  std::vector<SeamVertex> seam_vertices(const Buffer<cl_uint>& list, cl_uint count) {
+    if (count == 0) return {};
+    const auto numbers = runtime_.allocate<cl_uint>("input numbers", count);
+    const auto where = runtime_.allocate<cl_int2>("points", count);
+    runtime_.launch("tiles", "tile_gather", over(count), count, list, ids(), numbers);
+    runtime_.launch("tiles", "tile_gather_points", over(count), count, list, points(), where);
+    const auto vertices = read_all_of<std::uint32_t>(runtime_, list, count),
+               input_numbers = read_all_of<std::uint32_t>(runtime_, numbers, count);
+    const auto grid_points = read_all_of<GridPoint>(runtime_, where, count);
+    std::vector<SeamVertex> made(count);
+    for (std::size_t i = 0; i < count; ++i) made[i] = {vertices[i], input_numbers[i], grid_points[i]};
+    return made;
+  }
+
+  void keep_final() {
+    FinalTriangles& final = solved_.final;
+    final.count = primitives_.scan_total(final_, triangles());
+    OrderedMesh mesh = std::move(made_.mesh);
+    made_ = {};
+    final.corners = runtime_.allocate<cl_uint>("final corners", 3 * std::size_t{final.count});
+    final.neighbours = runtime_.allocate<cl_int>("final neighbours", 3 * std::size_t{final.count});
+    final.constrained = runtime_.allocate<cl_uchar>("final flags", final.count);
+    if (final.count == 0) return;
+    auto sides = runtime_.allocate<cl_uint>("border edges before", std::size_t{final.count} + 1);
+    runtime_.launch("tiles", "tile_finals", over(mesh.triangles), mesh.triangles, final_, mesh.corners, mesh.neighbours,
+                    mesh.constrained, final.corners, final.neighbours, final.constrained, sides);
+    mesh = {};
+    const cl_uint count = primitives_.scan_total(sides, final.count);
+    const auto border = runtime_.allocate<cl_uint4>("border", count);
+    runtime_.launch("tiles", "tile_border", over(final.count), final.count, sides, final.corners, final.neighbours,
+                    final.constrained, border);
+    solved_.border = read_all_of<BorderEdge>(runtime_, border, count);
+    std::vector<std::uint32_t> ends;
+    for (const BorderEdge& edge : solved_.border)
+      if (edge.is_on_hull()) ends.push_back(edge.from), ends.push_back(edge.to);
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    if (!ends.empty())
+      solved_.hull_vertices =
+          seam_vertices(runtime_.upload("vertices of the hull", ends), static_cast<cl_uint>(ends.size()));
+  }
+
+  Runtime& runtime_;
+  Primitives& primitives_;
+  const TileTask& task_;
+  const Share& share_;
+  const std::size_t tile_;
+  cl_uint all_ = 0;  ///< vertices, foreign ones with them
+  DeviceTriangulation made_;
+  Buffer<cl_uint> final_;  ///< by triangle 1 or 0, then scanned
+  SolvedTile solved_;
+};
+
+}  // namespace
+
+SolvedTile solve_tile(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile) {
+  lent.runtime.memory().begin_call();
+  lent.runtime.use_programs(runtime::Meshes::one);
+  return TileRun(lent, task, share, tile).finish();
+}
+
+}  // namespace gcdt::tiles
