@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The plots of the benchmark, for report.py: against the best peer, and the paper's figures 12, 13 and 14."""
+"""The plots of the benchmark, for report.py: against the best peer, and the paper's figures 12, 13 and 14. Of a file of
+refinement (LABEL-refine.jsonl) rounds against log(L/h): plots.py FILE."""
 
+import json
+import math
 import os
 import sys
 
@@ -111,3 +114,47 @@ def draw(rows, machine, stem, labels, times, phases):
         axes.grid(True, which="major", alpha=0.3)
         save(figure, "-growth-of-shapes")
     return made
+
+
+def draw_rounds(path):
+    """Rounds of squares by the ratio of side and wanted size; returns the file's name."""
+    with open(path) as file:
+        rows = [json.loads(line) for line in file]
+    rows = sorted((r["length_ratio"], r["rounds"]) for r in rows if "length_ratio" in r)
+    if len(rows) < 3:
+        print("plots: fewer than three squares: no plot of rounds", file=sys.stderr)
+        return None
+    try:
+        import matplotlib
+    except ImportError:
+        print("plots: matplotlib is not there: no plots", file=sys.stderr)
+        return None
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    ratios, rounds = zip(*rows)
+    logs = [math.log2(ratio) for ratio in ratios]
+    mean, middle = sum(logs) / len(logs), sum(rounds) / len(rounds)
+    slope = sum((x - mean) * (y - middle) for x, y in zip(logs, rounds)) / sum((x - mean) ** 2 for x in logs)
+    figure, axes = pyplot.subplots(figsize=(6, 4))
+    axes.plot(ratios, rounds, "o-", label="a square by area")
+    axes.plot(
+        ratios,
+        [middle + slope * (x - mean) for x in logs],
+        "--",
+        color="black",
+        linewidth=0.8,
+        label=f"{slope:.1f} rounds each time that L/h doubles",
+    )
+    axes.set(xscale="log", xlabel="L/h: side of the square / root of the largest area", ylabel="rounds", ylim=(0, None))
+    axes.grid(alpha=0.3)
+    axes.legend()
+    name = os.path.splitext(path)[0] + "-rounds.png"
+    figure.tight_layout()
+    figure.savefig(name, dpi=110)
+    pyplot.close(figure)
+    return name
+
+
+if __name__ == "__main__":
+    print("written:", draw_rounds(sys.argv[1]), file=sys.stderr)

@@ -3,6 +3,7 @@
 # Runs the benchmark of bench/README.md, as far as its rows are not there yet, and prints the table.
 # Usage: scripts/bench.sh cpu|gpu [OPTION]...
 #        scripts/bench.sh batches LABEL [ARGUMENT]...    gcdt_bench_batch, kept as LABEL-batches.jsonl
+#        scripts/bench.sh refine LABEL [ARGUMENT]...     gcdt_bench_refine, kept as LABEL-refine.jsonl, and a plot of rounds
 #        scripts/bench.sh ablation LABEL [ARGUMENT]...   gcdt_bench_ablation, kept as LABEL-ablation.md
 #   --quick            small inputs and few runs: shows that everything works; the figures mean nothing
 #   --only NAME[:N]    only these workloads (separated by commas), such as letters or uniform:1000000
@@ -13,7 +14,7 @@
 # Variables: GCDT_DEVICE chooses the device (default: the first CPU or GPU). GCDT_BENCH_BIN is a folder of binaries
 # built elsewhere (gcdt_bench, gcdt_bench_cgal). GCDT_BENCH_RESULTS is where results go (default bench/results).
 # GCDT_BENCH_MAPS is a folder of further maps in .poly format. GCDT_BENCH_PYTHON is a Python 3 with matplotlib, and
-# CuPy on a GPU. GCDT_BENCH_SCRATCH is a folder for inputs handed to peers (default /dev/shm or /tmp).
+# CuPy on a GPU, or the package triangle for refinement. GCDT_BENCH_SCRATCH is a folder for inputs handed to peers (default /dev/shm or /tmp).
 # GCDT_BENCH_COMMIT names the version measured, where the tree is no git checkout.
 # A LABEL names the devices in the file's name, such as nvidia-h200-x2.
 set -euo pipefail
@@ -24,7 +25,7 @@ command_line="scripts/bench.sh $*"
 label=
 case ${1-} in
   cpu | gpu) kind=$1; shift ;;
-  batches | ablation)
+  batches | refine | ablation)
     [[ $# -ge 2 && $2 != -* ]] || { usage >&2; exit 2; }
     kind=$1; label=$2; shift 2 ;;
   -h | --help) usage; exit 0 ;;
@@ -76,6 +77,23 @@ case $kind in
     keep "$results/$label-batches.jsonl" \
       "{\"command\": \"$command_line\", \"commit\": \"$commit\", \"date\": \"$(date -u +%F)\", \"host_threads\": $(nproc)}" \
       "$binaries/gcdt_bench_batch" "$@"
+    exit ;;
+  refine)
+    maps=()
+    for map in "$root"/examples/data/*.poly ${GCDT_BENCH_MAPS:+"$GCDT_BENCH_MAPS"/*.poly}; do
+      [[ -e $map ]] && maps+=(--map "$map")
+    done
+    python=${GCDT_BENCH_PYTHON:-python3}
+    peer=()
+    if "$python" -c "import triangle" 2>/dev/null; then
+      peer=(--peer "$python '$root/bench/peers/triangle_refine.py'")
+    else
+      echo "bench.sh: no package triangle: rows have no peer" >&2
+    fi
+    keep "$results/$label-refine.jsonl" \
+      "{\"command\": \"$command_line\", \"commit\": \"$commit\", \"date\": \"$(date -u +%F)\", \"host_threads\": $(nproc)}" \
+      "$binaries/gcdt_bench_refine" "${maps[@]}" "${peer[@]}" "$@"
+    "$python" "$root/bench/plots.py" "$results/$label-refine.jsonl"
     exit ;;
   ablation)
     keep "$results/$label-ablation.md" "\`$command_line\` at $commit, $(date -u +%F), $(nproc) host threads." \

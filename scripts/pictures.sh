@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Draws docs/countries.png and docs/regions.png anew. Needs rsvg-convert (package librsvg2-bin).
+# Draws docs/countries.png, docs/regions.png and docs/refined.png anew. Needs rsvg-convert (package librsvg2-bin).
 # Usage: scripts/pictures.sh [GCDT]
 #   GCDT   the command; without one, build/tools/gcdt, as scripts/demo.sh builds it
 set -euo pipefail
@@ -40,7 +40,10 @@ close_borders() {
 "$gcdt" triangulate "$input" --quiet -o "$work/countries.svg"
 close_borders "$input" >"$work/closed.poly"
 "$gcdt" triangulate "$work/closed.poly" --domain outer --verify --quiet -o "$work/regions.svg"
+"$gcdt" triangulate examples/letter.poly --domain outer-holes --refine 30 --max-area 900 --colour angle --verify --quiet \
+  -o "$work/refined.svg"
 for picture in countries regions; do
   rsvg-convert -w 1000 "$work/$picture.svg" -o "docs/$picture.png"
 done
-echo "pictures: docs/countries.png, docs/regions.png"
+rsvg-convert -w 480 "$work/refined.svg" -o docs/refined.png
+echo "pictures: docs/countries.png, docs/regions.png, docs/refined.png"

@@ -46,16 +46,18 @@ class Singles {
     if (spec_ == "all") spec_ = "auto";
   }
 
-  /// The options for an input; only as long as it is there.
-  Options options(const io::Input& input) const {
+  /// The options for a problem; only as long as it is there.
+  Options options(const Problem& problem) const {
     Options own = options_;
-    set_domain(arguments_.domain, input, own);
+    set_domain(arguments_.domain, problem.input, own);
+    own.refine = problem.refinement->wanted();
     return own;
   }
-  Triangulation triangulate(const io::Input& input) {
+  Triangulation triangulate(const Problem& problem) {
     const Clock clock(milliseconds);
+    const io::Input& input = problem.input;
     if (!solver_) solver_.emplace(device_number(spec_, true));
-    Triangulation mesh = solver_->triangulate(input.vertices, input.constraints, options(input));
+    Triangulation mesh = solver_->triangulate(input.vertices, input.constraints, options(problem));
     constraints += input.constraints.size();
     vertices += input.vertices.size();
     triangles += mesh.triangles.size();
@@ -80,10 +82,11 @@ void prove(Problem& problem, const Triangulation& mesh, const Options& options) 
   const io::Input& input = problem.input;
   const Grid& grid = mesh.statistics.grid;
   const bool regions = options.regions || options.domain != Domain::hull;
+  const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
   const Verification proof =
-      regions ? gcdt::verify_domain(input.vertices, input.constraints, view,
-                                    {mesh.region.data(), mesh.depth.data(), mesh.winding.data()}, grid, options)
-              : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
+      options.refine ? gcdt::verify_refined(input.vertices, input.constraints, view, grid, options)
+      : regions      ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+                     : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!proof.valid)
     problem.failure =
         Failure(Exit::check, fmt::format("{}: the result failed its verification: {}", problem.name, proof.reason));
@@ -128,6 +131,7 @@ void say_notes(const Problem& problem, const Triangulation& mesh, const Options&
   for (const std::string& text :
        {together_note(problem.input, s.vertices_rounded_together, s.rounded_pair), rounding_note(mesh)})
     if (!text.empty()) notes.push_back(text);
+  if (!s.refine.complete) notes.push_back("the limit of added vertices ended the refinement");
   for (const std::string& text : notes) note(fmt::format("{}: {}", problem.name, text));
 }
 
@@ -156,7 +160,7 @@ std::optional<Triangulation> mesh_of(Problem& problem, const BatchResult& result
                                      const Options& options, bool arrays) {
   try {
     if (problem.failure) return {};
-    if (problem.single) return singles.triangulate(problem.input);
+    if (problem.single) return singles.triangulate(problem);
     if (const std::optional<Error> error = result.error(problem.number)) throw *error;
     if (arrays) return detail::triangulation(result, problem.number);
     Triangulation mesh;
@@ -178,8 +182,11 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
     const Statistics& s = mesh->statistics;
     told.rounded_together += s.vertices_rounded_together;
     add({s.crossings, s.vertices_added, s.constraints_split, s.constraint_move}, told.split);
-    if (!arguments.quiet) say_notes(problem, *mesh, options);
-    if (arguments.verify) prove(problem, *mesh, problem.single ? singles.options(problem.input) : options);
+    told.refine_added += s.refine.added;
+    told.refine_incomplete += !s.refine.complete;
+    const Options own = singles.options(problem);
+    if (!arguments.quiet) say_notes(problem, *mesh, own);
+    if (arguments.verify) prove(problem, *mesh, own);
   }
   if (!writes) return;
   std::vector<std::pair<std::string, io::Write>> own;
@@ -188,7 +195,9 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
     collections.add(problem, arguments.folder, problem.failure ? nullptr : &*mesh);
   if (problem.failure) return;
   io::OutputFiles files(stop_if_interrupted);
-  for (const auto& [path, write] : own) write(files.add(path), {problem.input, *mesh});
+  io::Result written(problem.input, *mesh);
+  written.coloured_by_angle = arguments.colour == "angle";
+  for (const auto& [path, write] : own) write(files.add(path), written);
   files.commit();
 }
 
@@ -196,6 +205,9 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
 
 void triangulate_batch(const BatchArguments& arguments) {
   const std::vector<std::string> formats = formats_of(arguments);
+  check_refinement(arguments.refine);
+  if (arguments.refine.angle && arguments.verify && arguments.crossing == "split")
+    throw Failure(Exit::usage, "--verify does not go with both --refine and --crossing split");
   Options options;
   options.crossing = crossing_named(arguments.crossing);
   options.grid = grid_from_option(arguments.grid);
@@ -206,7 +218,10 @@ void triangulate_batch(const BatchArguments& arguments) {
   Told told;
   told.inputs = problems.size();
   const Stopwatch reading;
-  const Batch batch = read(problems, options);
+  std::vector<double> sizes;
+  const Batch batch = read(problems, arguments.refine, options, sizes);
+  options.refine = wanted_by(arguments.refine);
+  if (options.refine) options.refine->sizes = sizes;
   told.read = reading.milliseconds();
   check_outputs(problems, arguments, formats);
   TraceRecord trace;

@@ -137,16 +137,23 @@ void check_outputs(const std::vector<Problem>& problems, const BatchArguments& a
   }
 }
 
-Batch read(std::vector<Problem>& problems, const Options& options) {
+Batch read(std::vector<Problem>& problems, const RefineArguments& refine, const Options& options,
+           std::vector<double>& sizes) {
   Batch batch;
   for (Problem& problem : problems) {
     stop_if_interrupted();
     try {
       problem.input = problem.line ? io::read_geojson_line(problem.path, *problem.line) : io::read_input(problem.path);
       if (problem.line) problem.line->text = {};
-      problem.single = uses_seeds(problem.input, options);
+      problem.refinement = std::make_shared<const InputRefinement>(refine, problem.input);
+      problem.single = uses_seeds(problem.input, options) || refine.region_areas;
       problem.number = batch.size();
-      if (!problem.single) batch.add(problem.input.vertices, problem.input.constraints);
+      if (problem.single) continue;
+      batch.add(problem.input.vertices, problem.input.constraints);
+      if (problem.refinement->wanted()) {
+        const Span<double> own = problem.refinement->wanted()->sizes;
+        sizes.insert(sizes.end(), own.begin(), own.end());
+      }
     } catch (const Failure& failure) {
       problem.failure = failure;
     }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <gcdt/gcdt_pool.hpp>
+#include <memory>
 
 #include "command.hpp"
 #include "io/geojson.hpp"
@@ -22,6 +23,8 @@ struct Problem {
   std::optional<io::Failure> failure;
   std::size_t number = 0;  ///< in the batch
   bool single = false;     ///< not in the batch, which has no seeds, but triangulated by itself
+  /// What it is to be refined to.
+  std::shared_ptr<const InputRefinement> refinement;
 
   /// The file of that format for this problem alone.
   std::filesystem::path output(const std::string& folder, const std::string& format) const;
@@ -39,7 +42,9 @@ std::vector<std::string> formats_of(const BatchArguments& arguments);
 void check_outputs(const std::vector<Problem>& problems, const BatchArguments& arguments,
                    const std::vector<std::string>& formats);
 
-/// Reads all, and makes a batch of those that are not single. What cannot be read has a failure.
-Batch read(std::vector<Problem>& problems, const Options& options);
+/// Reads all, and makes a batch of those that are not single; `sizes` get the lengths wanted at its vertices, if any
+/// are. What cannot be read has a failure.
+Batch read(std::vector<Problem>& problems, const RefineArguments& refine, const Options& options,
+           std::vector<double>& sizes);
 
 }  // namespace gcdt::command

@@ -37,6 +37,8 @@ std::string statistics_json(const Told& told, const gcdt_batch_statistics& s, co
                                        {"vertices_added", told.split.vertices_added},
                                        {"constraints_split", told.split.constraints_split},
                                        {"constraint_move", told.split.constraint_move},
+                                       {"refine_added", told.refine_added},
+                                       {"refine_incomplete", told.refine_incomplete},
                                        {"ms", {{"read", told.read}, {"call", s.ms_call}, {"write", told.write}}},
                                        {"devices", std::move(devices)},
                                        {"version", version()}};
@@ -52,6 +54,9 @@ std::string statistics_table(const Told& told, const gcdt_batch_statistics& s, c
     table += fmt::format("crossings     {} ({} vertices added, {} constraints split, moved by {} at most)\n",
                          told.split.crossings, told.split.vertices_added, told.split.constraints_split,
                          told.split.constraint_move);
+  if (told.refine_added > 0)
+    table += fmt::format("refined       {} vertices added ({} inputs ended by the limit)\n", told.refine_added,
+                         told.refine_incomplete);
   for (const PoolDevice& device : pool.devices())
     table += fmt::format("device        {} ({}): {}\n", device.info.name, device.info.platform,
                          device.lost ? "taken out: " + std::string(device.lost->what())

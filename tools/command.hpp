@@ -18,7 +18,7 @@ namespace gcdt::command {
 struct TriangulateArguments {
   std::string input;
   std::vector<std::string> outputs;
-  std::string crossing = "reject", domain = "hull", grid, device, statistics, trace;
+  std::string crossing = "reject", domain = "hull", colour = "region", grid, device, statistics, trace;
   bool verify = false, assess = false, quiet = false, regions = false, distinct = false;
   std::uint32_t tiles = 0;   ///< 0: as memory asks for
   std::uint64_t memory = 0;  ///< bytes of each device at most; 0: all
@@ -68,8 +68,9 @@ struct VerifyArguments {
 
 struct BatchArguments {
   std::vector<std::string> inputs, formats = {"ele"};
-  std::string folder, crossing = "reject", domain = "hull", grid, device, statistics, trace;
+  std::string colour = "region", folder, crossing = "reject", domain = "hull", grid, device, statistics, trace;
   bool verify = false, quiet = false, regions = false, distinct = false;
+  RefineArguments refine;
 };
 
 /// Each returns when all is done and throws io::Failure or gcdt::Error otherwise.

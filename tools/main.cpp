@@ -88,6 +88,15 @@ void add_domain(CLI::App& app, std::string& domain) {
       ->capture_default_str();
 }
 
+void add_colour(CLI::App& app, std::string& colour) {
+  app.add_option("--colour", colour,
+                 "What the triangles of pictures (.svg, .png, .pdf) are coloured by: region, where there are any, or "
+                 "angle, the least one of each, with the histogram below")
+      ->check(CLI::IsMember({"region", "angle"}).description(""))
+      ->type_name("region|angle")
+      ->capture_default_str();
+}
+
 void add_distinct(CLI::App& app, bool& distinct) {
   app.add_flag("--distinct", distinct, "Refuse input of which rounding to the grid makes vertices one that differ");
 }
@@ -118,6 +127,7 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   add_distinct(*app, arguments.distinct);
   command::add_refinement(*app, arguments.refine);
+  add_colour(*app, arguments.colour);
   app->add_option("--device", arguments.device,
                   std::string(device_help) + "; several, separated by commas, or all, share the work in tiles")
       ->type_name("SPEC,...");
@@ -173,6 +183,8 @@ void add_batch(CLI::App& gcdt, command::BatchArguments& arguments) {
                 "Label the regions that constraints bound (.vtu; region attributes in .ele too)");
   app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
   add_distinct(*app, arguments.distinct);
+  command::add_refinement(*app, arguments.refine);
+  add_colour(*app, arguments.colour);
   app->add_option("--device", arguments.device,
                   "Devices, separated by commas: all, gpu, cpu, auto (all GPUs if there are any, else a CPU), numbers "
                   "from \"gcdt devices\", parts of names; default: the variable GCDT_DEVICE, else auto")

@@ -67,15 +67,22 @@ void check_refinement(const RefineArguments& arguments) {
   require(most >= 0, "--max-vertices", "0 or more", most);
 }
 
-InputRefinement::InputRefinement(const RefineArguments& arguments, const io::Input& input) {
-  if (!arguments.angle) return;
-  Refinement& r = wanted_.emplace();
+std::optional<Refinement> wanted_by(const RefineArguments& arguments) {
+  if (!arguments.angle) return {};
+  Refinement r;
   r.least_angle = *arguments.angle;
   r.most_area = arguments.most_area.value_or(HUGE_VAL);
   r.least_length = arguments.least_length.value_or(0);
   if (arguments.most_added) r.most_added = static_cast<std::uint64_t>(*arguments.most_added);
   r.conforming = arguments.conforming;
   r.splits = arguments.no_split ? Splits::none : arguments.no_border_split ? Splits::inner : Splits::all;
+  return r;
+}
+
+InputRefinement::InputRefinement(const RefineArguments& arguments, const io::Input& input)
+    : wanted_(wanted_by(arguments)) {
+  if (!wanted_) return;
+  Refinement& r = *wanted_;
   if (arguments.region_areas) {
     for (const io::Input::Region& region : input.regions)
       areas_.push_back(region.largest_area > 0 ? region.largest_area : HUGE_VAL);  // -1 is Triangle's for none

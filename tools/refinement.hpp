@@ -29,6 +29,9 @@ void add_refinement(CLI::App& app, RefineArguments& arguments);
 /// Throws io::Failure (Exit::usage) for values that make no sense.
 void check_refinement(const RefineArguments& arguments);
 
+/// What the options say by themselves: without the lengths and areas that an input has. Nothing without --refine.
+std::optional<Refinement> wanted_by(const RefineArguments& arguments);
+
 /// What an input is to be refined to, with the lengths and areas that it has. To be kept as long as its options.
 class InputRefinement {
  public:

@@ -184,10 +184,13 @@ void triangulate(const TriangulateArguments& arguments) {
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
   const std::vector<std::string> paths = with_nodes(arguments, mesh, input.files);
-  const io::Result result(input, mesh);
+  io::Result result(input, mesh);
+  result.coloured_by_angle = arguments.colour == "angle";
   if (arguments.jettison) {
     const auto [used, used_mesh] = jettisoned(result);
-    write_outputs(arguments, paths, {used, used_mesh}, statistics, measured, trace);
+    io::Result left(used, used_mesh);
+    left.coloured_by_angle = result.coloured_by_angle;
+    write_outputs(arguments, paths, left, statistics, measured, trace);
   } else {
     write_outputs(arguments, paths, result, statistics, measured, trace);
   }

@@ -315,7 +315,8 @@ typedef struct gcdt_options {
    * many as memory asks for, mostly 1. All other functions want 0 or 1. */
   uint32_t tiles;
   /* What the triangles of the domain are refined to; null: nothing. The caller's, read only during the call. For
-   * gcdt_triangulate and gcdt_cl_triangulate, and to verify what they made (gcdt_verify_refined); others refuse it. */
+   * gcdt_triangulate, gcdt_pool_triangulate and theirs of gcdt_cl.h, and to verify what they made
+   * (gcdt_verify_refined); others refuse it. Of a result that is there: gcdt_result_refine. */
   const gcdt_refinement* refine;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \
@@ -498,6 +499,18 @@ GCDT_API int32_t gcdt_result_quality(gcdt_result* result, gcdt_quality* quality)
 
 /* Remarks such as that all vertices lie on one line; null from the last on. The result's, until it is released. */
 GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
+
+/* ---- Refinement of a result -------------------------------------------------------------------------------- */
+
+/* Refines `result`, without its input: *refined is, to the byte, the result of the call that made `result` with
+ * `refine` among its options. Of `options` (may be null) check, canonical and progress are read; the result has the
+ * rest, which must be 0. `result` stays as it is, whatever happens, and may be refined again, to other bounds; the two
+ * share nothing, and may be released in any order. The statistics are those of `result` with the refinement's added;
+ * times, launches and bytes are of this call, which takes as much device memory beside `result` as that other call
+ * (gcdt_required_bytes_refined). GCDT_ERROR_INVALID_ARGUMENT: what a call refuses; region_areas, if `result` has no
+ * regions; a `result` of gcdt_adopt, or one that is refined already. Blocks. */
+GCDT_API int32_t gcdt_result_refine(gcdt_result* result, const gcdt_refinement* refine, const gcdt_options* options,
+                                    gcdt_result** refined);
 
 /* ---- Meshes that are there already ------------------------------------------------------------------------- */
 

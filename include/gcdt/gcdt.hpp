@@ -131,6 +131,14 @@ class Result {
             c.least_area, c.largest_area, c.area,          c.least_doubled,        c.largest_doubled,
             c.doubled};
   }
+  /// What the call that made this would have made with `wanted` as Options::refine; this stays as it is. Of `options`
+  /// check, canonical and progress are read, the rest must be as it is at first. See gcdt_result_refine. Blocks.
+  Result refine(const Refinement& wanted, const Options& options = {}) const {
+    const gcdt_refinement c = detail::refinement(wanted);
+    return Result(detail::made<gcdt_result>(
+        options, nullptr, gcdt_result_release,
+        [&](const gcdt_options& given, auto** made) { return gcdt_result_refine(handle(), &c, &given, made); }));
+  }
   /// Where points are: the least triangle that holds each, border included, or -1. See gcdt_locate. Blocks.
   Array<std::int32_t> locate(Points points) const { return locate(points, static_cast<double*>(nullptr)); }
   /// The same with the points' weights in their triangles, in any vector.

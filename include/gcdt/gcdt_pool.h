@@ -96,13 +96,16 @@ typedef struct gcdt_batch_input {
  * if none is left the call fails with every device's reason: the status that all failed with, else
  * GCDT_ERROR_DEVICE_FAILED. Problems that are invalid, or too large for every device, fail alone
  * (gcdt_batch_problem). Under GCDT_CROSSING_SPLIT problems that cross are run one by one, after the others of their
- * run: they take as long as they would take a solver. Domains and regions are each problem's own; hole and region
- * seeds, which would be of one problem, are GCDT_ERROR_INVALID_ARGUMENT.
+ * run: they take as long as they would take a solver, and so do all problems with gcdt_options.refine, of which
+ * most_added counts for each problem, and sizes has one length for each of the batch's vertices, the last offset of
+ * them. Domains and regions are each problem's own; hole and region seeds, which would be of one problem, are
+ * GCDT_ERROR_INVALID_ARGUMENT.
  *
  * A problem that is too large for every device is cut into tiles, and gcdt_options.tiles cuts all of them: each tile is
  * a problem of a batch that all devices share, and what is between them one more (docs/scale.md). The bytes stay the
  * same. The host then needs about 90 bytes a vertex beside input and result. A problem whose rest between the tiles
- * is too large for every device as well is GCDT_ERROR_OUT_OF_MEMORY. Blocks. */
+ * is too large for every device as well is GCDT_ERROR_OUT_OF_MEMORY, and so is a problem to be refined that is too
+ * large, since tiles are not refined. Blocks. */
 GCDT_API int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, const gcdt_options* options,
                                        gcdt_batch** batch);
 
@@ -116,13 +119,15 @@ typedef struct gcdt_problem {
   uint64_t pair_count;
   uint64_t triangles; /* 0 with an error */
   gcdt_grid grid;     /* its struct_size is set by the library */
-  /* Under GCDT_CROSSING_SPLIT, as in gcdt_statistics; else 0. */
+  /* Under GCDT_CROSSING_SPLIT, as in gcdt_statistics; else 0. vertices_added: those of refinement, too. */
   uint64_t crossings, vertices_added, constraints_split;
   double constraint_move;
   uint64_t vertices_rounded_together; /* as in gcdt_statistics */
   uint32_t rounded_pair[2];
   uint32_t tiles;         /* that the problem was cut into; 0: it was not */
   uint64_t seam_vertices; /* of the problem between the tiles; 0 without tiles */
+  /* Of gcdt_options.refine, as in gcdt_statistics; complete: 0 with an error. left: all that are not as wanted. */
+  uint64_t refine_complete, refine_rounds, refine_added, refine_left;
 } gcdt_problem;
 
 GCDT_API int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_problem* info);

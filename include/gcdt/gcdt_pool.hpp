@@ -46,6 +46,12 @@ struct SplitReport {
   double constraint_move = 0;
 };
 
+/// What Options::refine has done to a problem; see the members of gcdt_problem.
+struct RefinedReport {
+  bool complete = true;  ///< it did not end by the limit of vertices
+  std::uint64_t rounds = 0, added = 0, left = 0;
+};
+
 /// How a problem was cut; see the members of gcdt_problem.
 struct TilesReport {
   std::uint32_t tiles = 0;
@@ -80,6 +86,12 @@ class BatchResult {
   SplitReport split(std::size_t problem) const {
     const gcdt_problem c = info(problem);
     return {c.crossings, c.vertices_added, c.constraints_split, c.constraint_move};
+  }
+
+  /// All 0, and complete, for a problem that was not to be refined; not complete with an error.
+  RefinedReport refined(std::size_t problem) const {
+    const gcdt_problem c = info(problem);
+    return {c.refine_complete != 0, c.refine_rounds, c.refine_added, c.refine_left};
   }
 
   TilesReport tiles(std::size_t problem) const {
@@ -131,6 +143,8 @@ inline Statistics statistics(const BatchResult& batch, std::size_t problem) {
   const SplitReport split = batch.split(problem);
   s.crossings = split.crossings, s.vertices_added = split.vertices_added;
   s.constraints_split = split.constraints_split, s.constraint_move = split.constraint_move;
+  const RefinedReport refined = batch.refined(problem);
+  s.refine.complete = refined.complete, s.refine.rounds = refined.rounds, s.refine.added = refined.added;
   return s;
 }
 

@@ -158,8 +158,11 @@ int32_t gcdt_pool_triangulate(gcdt_pool* pool, const gcdt_batch_input* input, co
     require(pool, "pool is null");
     require(batch, "batch is null");
     const ReadBatch read = read_batch(input);
-    const Options wanted = read_options(options, GCDT_MAX_TILES);
-    require(!wanted.refine, "batches are not refined: gcdt_options.refine must be null");
+    Options wanted = read_options(options, GCDT_MAX_TILES);
+    if (wanted.refine) {
+      require(wanted.tiles <= 1, "a problem in tiles is not refined: gcdt_options.tiles must be 0 or 1");
+      wanted.tiles = 1;
+    }
     auto made = std::make_unique<gcdt_batch>();
     made->made = tiles::triangulate(*pool->devices, read.batch, wanted);
     gcdt_batch_statistics& s = made->statistics;
@@ -194,10 +197,15 @@ int32_t gcdt_batch_problem(const gcdt_batch* batch, uint64_t problem, gcdt_probl
       const auto [result, place] = batch->made.at(problem);
       c.grid = detail::grid(result->grids[place]);
       c.triangles = view(*batch, problem, GCDT_TRIANGLES).count;
+      c.refine_complete = 1;
       if (!result->begins[GCDT_ADDED].empty()) {  // a result of one
         const Statistics& s = result->statistics;
         c.crossings = s.crossings, c.vertices_added = s.vertices_added, c.constraints_split = s.constraints_split;
         c.constraint_move = s.constraint_move;
+        c.refine_complete = s.refine.complete;
+        c.refine_rounds = s.refine.rounds, c.refine_added = s.refine.added;
+        c.refine_left = s.refine.left_input_angle + s.refine.left_beside_angle + s.refine.left_grid +
+                        s.refine.left_fixed + s.refine.left_refused + s.refine.left_limit;
       }
       if (!result->together.empty()) {
         c.vertices_rounded_together = result->together[place].count;

@@ -7,6 +7,7 @@
 
 #include "device/host_room.hpp"
 #include "device/transfer_chunks.hpp"
+#include "solve/refine_result.hpp"
 
 using namespace gcdt;
 
@@ -93,7 +94,8 @@ namespace {
 
 constexpr std::size_t least_options = offsetof(gcdt_options, domain);  // of the first version
 
-/// Its values are judged later, by check_refinement().
+}  // namespace
+
 Refinement read_refinement(const gcdt_refinement* given) {
   const gcdt_refinement c = read_struct(given, "gcdt_refinement");
   Refinement refine;
@@ -109,8 +111,6 @@ Refinement read_refinement(const gcdt_refinement* given) {
   refine.region_areas = {c.region_areas, static_cast<std::size_t>(c.region_area_count)};
   return refine;
 }
-
-}  // namespace
 
 Options read_options(const gcdt_options* given, std::uint32_t most_tiles) {
   Options options;
@@ -218,11 +218,12 @@ void State::settle() {
   pending_copies.clear();
 }
 
-DeviceTriangulation State::triangulate(InputSource source, const Options& options) {
+template <class Make>
+DeviceTriangulation State::make(Make&& make) {
   settle();
   try {
     runtime.memory().begin_call();
-    return gcdt::triangulate(runtime, primitives, source, options);
+    return make();
   } catch (...) {
     // The caller may do with its buffers what it likes from now on.
     runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
@@ -230,6 +231,14 @@ DeviceTriangulation State::triangulate(InputSource source, const Options& option
     primitives.release();
     throw;
   }
+}
+
+DeviceTriangulation State::triangulate(InputSource source, const Options& options) {
+  return make([&] { return gcdt::triangulate(runtime, primitives, source, options); });
+}
+
+DeviceTriangulation State::refine(const DeviceTriangulation& made, const Options& options) {
+  return make([&] { return refine_result(runtime, primitives, made, options); });
 }
 
 }  // namespace gcdt::api

@@ -41,6 +41,8 @@ struct State {
   void settle();
   /// Runs the pipeline. Whatever happens, nothing of it is left in the queue.
   DeviceTriangulation triangulate(InputSource source, const Options& options);
+  /// The same with what a result has (solve/refine_result.hpp).
+  DeviceTriangulation refine(const DeviceTriangulation& made, const Options& options);
 
   runtime::Runtime runtime;
   Primitives primitives;
@@ -50,6 +52,10 @@ struct State {
   std::uint64_t results = 0;
   std::atomic_flag in_call = ATOMIC_FLAG_INIT;
   Detail detail;
+
+ private:
+  template <class Make>
+  DeviceTriangulation make(Make&& make);
 };
 
 /// The status of an error: OpenCL's code if one was the reason.
@@ -118,6 +124,8 @@ void write_struct(T value, T* to, const char* name, std::size_t least = sizeof(T
   std::memcpy(to, &value, size);
 }
 
+/// Its values are judged later, by check_refinement().
+Refinement read_refinement(const gcdt_refinement* refine);
 /// Only pools take more than one tile.
 Options read_options(const gcdt_options* options, std::uint32_t most_tiles = 1);
 Crossing read_crossing(std::int32_t crossing, const char* name);

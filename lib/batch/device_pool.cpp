@@ -8,6 +8,7 @@
 #include "batch/single.hpp"
 #include "device/step.hpp"
 #include "mesh/grid.hpp"
+#include "solve/refine.hpp"
 
 namespace gcdt {
 
@@ -143,6 +144,8 @@ PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& optio
   if (!options.hole_seeds.empty() || !options.region_seeds.empty())
     throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
   if (options.grid) fixed_grid(*options.grid);
+  if (options.refine)
+    check_refinement(*options.refine, options, batch.problems > 0 ? batch.vertex_offsets[batch.problems] : 0);
   return run({batch, options, nullptr, Who::all});
 }
 
@@ -199,7 +202,8 @@ void DevicePool::forget_lost() {
 // A worker's thread. It ends when the schedule has nothing left for the worker, or when the device is lost.
 void DevicePool::work(std::size_t number, Schedule& schedule, const Call& call) {
   Worker& worker = workers_[number];
-  if (worker.warms_up && !worker.backoff.sits_out() && worker.warmed_up.count(warmup_key(call.options)) == 0)
+  if (worker.warms_up && !call.options.refine && !worker.backoff.sits_out() &&
+      worker.warmed_up.count(warmup_key(call.options)) == 0)
     warm_up(number, schedule, call.options);
   while (const std::shared_ptr<Job> job = schedule.take(number)) {
     try {
@@ -297,10 +301,16 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
   report.milliseconds += ms;
 }
 
-// Runs the problems. If the input of some is invalid, it takes those out and runs the rest again. That ends because
-// there are fewer each time.
 DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers,
                                   const Options& options) {
+  return options.refine ? make_refined(worker, batch, numbers, options)
+                        : make_forest(worker, batch, std::move(numbers), options);
+}
+
+// Runs the problems. If the input of some is invalid, it takes those out and runs the rest again. That ends because
+// there are fewer each time.
+DevicePool::Made DevicePool::make_forest(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers,
+                                         const Options& options) {
   Made made;
   while (!numbers.empty()) {
     try {
@@ -320,16 +330,35 @@ DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::
     }
   }
   for (const auto& [place, error] : made.result.refused) made.errors.emplace_back(numbers[place], error);
-  for (const std::uint32_t place : made.result.to_split) {
-    const std::uint32_t p = numbers[place];
+  for (const std::uint32_t place : made.result.to_split)
+    made.result.add(make_single(worker, batch, numbers[place], options));
+  return made;
+}
+
+// Refinement numbers added vertices through the whole mesh and judges lengths by the cells of one grid, so problems are
+// refined one by one.
+DevicePool::Made DevicePool::make_refined(Worker& worker, const BatchInput& batch,
+                                          const std::vector<std::uint32_t>& numbers, const Options& options) {
+  Made made;
+  for (const std::uint32_t p : numbers) {
     try {
-      made.result.add(triangulate_single(*worker.runtime, *worker.primitives, batch, p, options));
+      made.result.add(make_single(worker, batch, p, options));
     } catch (const Error& error) {
-      if (error.status() != Status::out_of_memory) throw;
-      throw Shortage{p, error};
+      if (!is_of_problem(error.status())) throw;
+      settle(worker);
+      made.errors.emplace_back(p, error);
     }
   }
   return made;
+}
+
+ForestResult DevicePool::make_single(Worker& worker, const BatchInput& batch, std::uint32_t p, const Options& options) {
+  try {
+    return triangulate_single(*worker.runtime, *worker.primitives, batch, p, options);
+  } catch (const Error& error) {
+    if (error.status() != Status::out_of_memory) throw;
+    throw Shortage{p, error};
+  }
 }
 
 }  // namespace gcdt

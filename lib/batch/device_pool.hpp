@@ -120,6 +120,10 @@ class DevicePool {
   void warm_up(std::size_t worker, Schedule& schedule, const Options& options);
   void run_job(std::size_t worker, Schedule& schedule, const std::shared_ptr<Job>& job, const Call& call);
   Made make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
+  Made make_forest(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
+  Made make_refined(Worker& worker, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,
+                    const Options& options);
+  ForestResult make_single(Worker& worker, const BatchInput& batch, std::uint32_t problem, const Options& options);
   Made make_one_by_one(std::size_t worker, const std::vector<std::uint32_t>& numbers, const MakeOne& make,
                        std::uint64_t capacity);
   void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);

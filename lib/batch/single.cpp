@@ -32,6 +32,9 @@ ForestResult triangulate_single(Runtime& runtime, Primitives& primitives, const 
                                 const Options& options) {
   Options own = options;
   own.canonical = true;
+  if (own.refine && !own.refine->sizes.empty())
+    own.refine->sizes = {own.refine->sizes.data() + batch.vertex_offsets[number],
+                         static_cast<std::size_t>(batch.n(number))};
   const Points points = part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[number]),
                                 static_cast<std::size_t>(batch.n(number)));
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[number],

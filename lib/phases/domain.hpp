@@ -2,6 +2,8 @@
 // Regions and domains (kernels/domain/regions.cl, domain.cl; docs/domains.md): labels, depth, winding, removal.
 #pragma once
 
+#include <optional>
+
 #include "phases/output.hpp"
 
 namespace gcdt {
@@ -11,6 +13,7 @@ struct Regions {
   std::uint32_t count = 0;                          ///< regions of the whole hull, numbered by their least triangles
   std::uint32_t deepest = 0;                        ///< the largest depth
   std::uint64_t open_parity = 0, open_winding = 0;  ///< see Statistics
+  std::optional<std::size_t> seeds;                 ///< Options::region_seeds that were given, if regions were wanted
   runtime::Buffer<cl_uint> region, depth;
   runtime::Buffer<cl_int> winding, seed;
 };

@@ -127,6 +127,7 @@ DeviceTriangulation adopt(Runtime& runtime, Primitives& primitives, DeviceTriang
   s.constraints_overlapping = whole.pieces.source_count - whole.pieces.count;
   whole.hull = std::move(whole.mesh);
   whole.mesh = std::move(mesh);
+  whole.adopted = true;
   return whole;
 }
 

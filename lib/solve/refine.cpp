@@ -200,18 +200,15 @@ void tell_coarse_grid(Run& run) {
   run.statistics.notes.push_back(said);
 }
 
-OrderedMesh refine(Run& run, OrderedMesh ordered, Buffer<cl_uint> refs) {
+OrderedMesh refine(Run& run, TriangleCounts counts, Buffer<cl_uint> refs) {
   const Refinement& wanted = *run.options.refine;
   runtime::Runtime& runtime = run.runtime;
-  const OrderedMesh& hull = run.result.hull.corners.allocated() ? run.result.hull : ordered;
-  if (ordered.triangles == 0) return ordered;
+  run.result.hull = {};
   Buffer<cl_uint> sizes = sizes_in_cells(run, wanted);
-  Buffer<cl_ulong> areas = areas_of_labels(run, wanted, ordered.triangles);
+  Buffer<cl_ulong> areas = areas_of_labels(run, wanted, counts.kept);
   Refiner refiner(runtime, run.primitives, rules_of(wanted, run.vertices.grid.cell()), wanted.most_added,
                   std::move(run.vertices), std::move(run.mesh), run.pieces, std::move(sizes), std::move(areas));
-  refiner.keep(refs, run.result.kept, hull.triangles);
-  ordered = {};
-  run.result.hull = {};
+  refiner.keep(refs, run.result.kept, counts.hull);
   run.result.kept = {};
   tell(run, refiner.run(run.ticker));
   RefinedMesh refined = refiner.finish();

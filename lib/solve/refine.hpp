@@ -13,9 +13,14 @@ void check_refinement(const Refinement& wanted, const Options& options, std::uin
 /// Says in the log and as a note if the grid is too coarse for what is wanted. Called when the grid is known.
 void tell_coarse_grid(Run& run);
 
-/// Refines the triangles of the domain, which select_domain() left in `ordered`, if there are any. `refs`: the face of
-/// each triangle of the hull. Changes all that the run has of mesh, vertices, pieces and domain. Returns the triangles
-/// of the domain.
-OrderedMesh refine(Run& run, OrderedMesh ordered, runtime::Buffer<cl_uint> refs);
+struct TriangleCounts {
+  std::uint32_t kept = 0;  ///< of the domain, at least one
+  std::uint32_t hull = 0;
+};
+
+/// Refines the triangles of the domain, which the run's mesh has among others: run.result.kept, if that is allocated,
+/// has the place of each triangle of the hull among them. `refs`: the face of each triangle of the hull. Changes all
+/// that the run has of mesh, vertices, pieces and domain. Returns the triangles of the domain.
+OrderedMesh refine(Run& run, TriangleCounts counts, runtime::Buffer<cl_uint> refs);
 
 }  // namespace gcdt

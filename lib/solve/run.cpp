@@ -140,6 +140,20 @@ SelectedDomain Run::select(OrderedMesh& ordered) {
   return selected;
 }
 
+void Run::number(OrderedMesh ordered) {
+  result.representatives = number_by_input(runtime, plan, vertices, ordered, pieces);
+  if (result.kept.allocated()) number_corners(runtime, vertices, result.hull);
+  AddedVertices& added = result.added;
+  if (!added.points.allocated()) {
+    added.points = runtime.allocate<cl_int2>("added vertices", 0);
+    added.crossing = runtime.allocate<cl_uint2>("constraints of added vertices", 0);
+  }
+  if (options.refine && !added.origins.allocated())  // nothing was there to be refined
+    added.origins = runtime.filled<cl_uint4>("origins of added vertices", added.count,
+                                             {{GCDT_NONE, GCDT_NONE, GCDT_NONE, GCDT_NONE}});
+  result.mesh = std::move(ordered);
+}
+
 DeviceTriangulation Run::finish() {
   Statistics& s = statistics;
   auto& ms = s.ms;
@@ -161,6 +175,7 @@ DeviceTriangulation Run::finish() {
   s.platform = runtime.info().platform;
   s.version = GCDT_VERSION;
   if (!result.dropped.allocated()) result.dropped = runtime.allocate<cl_uint>("dropped constraints", 0);
+  if (wants_regions()) result.regions.seeds = options.region_seeds.size();
   result.pieces = std::move(pieces);
   result.vertices = std::move(vertices);
   return std::move(result);

@@ -82,6 +82,8 @@ struct Run {
            (options.refine && !options.refine->region_areas.empty());
   }
   WalkedMesh walked() { return {plan, vertices, mesh, history}; }
+  /// Makes `ordered` the result's mesh, and input numbers of vertices.
+  void number(OrderedMesh ordered);
   /// The sums of times, counters and sizes; the result is whole.
   DeviceTriangulation finish();
   /// `error` of a workspace too small for one step, with the bytes that all steps need.

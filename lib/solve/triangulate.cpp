@@ -70,18 +70,12 @@ void select_domain(Run& run, OrderedMesh& ordered) {
   run.result.kept = std::move(selected.kept);
 }
 
-void number(Run& run, OrderedMesh ordered) {
-  DeviceTriangulation& result = run.result;
-  result.representatives = number_by_input(run.runtime, run.plan, run.vertices, ordered, run.pieces);
-  if (result.kept.allocated()) number_corners(run.runtime, run.vertices, result.hull);
-  if (!result.added.points.allocated()) {
-    result.added.points = run.runtime.allocate<cl_int2>("added vertices", 0);
-    result.added.crossing = run.runtime.allocate<cl_uint2>("constraints of added vertices", 0);
-  }
-  if (run.options.refine && !result.added.origins.allocated())  // nothing was there to be refined
-    result.added.origins = run.runtime.filled<cl_uint4>("origins of added vertices", result.added.count,
-                                                        {{GCDT_NONE, GCDT_NONE, GCDT_NONE, GCDT_NONE}});
-  result.mesh = std::move(ordered);
+OrderedMesh refine_domain(Run& run, OrderedMesh ordered, runtime::Buffer<cl_uint> refs) {
+  if (ordered.triangles == 0) return ordered;
+  const TriangleCounts counts = {ordered.triangles,
+                                 run.result.kept.allocated() ? run.result.hull.triangles : ordered.triangles};
+  ordered = {};
+  return refine(run, counts, std::move(refs));
 }
 
 // Fewer than three vertices, or all on one line.
@@ -117,8 +111,9 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
            [&] { ordered = put_in_order(run, refines, refs); });
   if (options.check) run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
   if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
-  if (refines) run.step("refine", ms.refine, 1, [&] { ordered = refine(run, std::move(ordered), std::move(refs)); });
-  run.step("output", ms.output, [&] { number(run, std::move(ordered)); });
+  if (refines)
+    run.step("refine", ms.refine, 1, [&] { ordered = refine_domain(run, std::move(ordered), std::move(refs)); });
+  run.step("output", ms.output, [&] { run.number(std::move(ordered)); });
   DeviceTriangulation made = run.finish();
   Statistics& s = made.statistics;
   if (s.triangles + s.triangles_removed == 0) s.notes.push_back(flat_note(runtime, made.vertices, source));

@@ -39,6 +39,17 @@ Domain domain_named(const std::string& name) {
   return named(name, "domain", names);
 }
 
+Splits splits_named(const std::string& name) {
+  static const std::array<std::pair<const char*, Splits>, 3> names = {
+      {{"all", Splits::all}, {"inner", Splits::inner}, {"none", Splits::none}}};
+  return named(name, "splits", names);
+}
+
+std::vector<double> numbers(const Row<double>& row) {
+  const auto all = span(row);
+  return {all.begin(), all.end()};
+}
+
 constexpr const char* grid_kinds[] = {"binary", "decimal", "rounded", "fixed"};
 
 std::vector<std::array<double, 2>> seeds(const Rows<double, 2>& rows) {
@@ -112,14 +123,28 @@ nb::dict statistics_dict(const Statistics& s) {
 }
 
 void bind_options(nb::module_& m) {
+  nb::class_<GivenRefinement>(m, "Refinement", "What is to be refined to; see gcdt.Refinement.")
+      .def(
+          "__init__",
+          [](GivenRefinement* self, double least_angle, double most_area, const Row<double>& region_areas,
+             const Row<double>& sizes, bool conforming, const std::string& splits, double least_length,
+             const std::optional<std::uint64_t>& most_added) {
+            new (self) GivenRefinement{{}, numbers(region_areas), numbers(sizes)};
+            Refinement& r = self->wanted;
+            r.least_angle = least_angle, r.most_area = most_area, r.least_length = least_length;
+            r.conforming = conforming, r.splits = splits_named(splits);
+            if (most_added) r.most_added = *most_added;
+          },
+          nb::arg("least_angle"), nb::arg("most_area"), nb::arg("region_areas"), nb::arg("sizes"),
+          nb::arg("conforming"), nb::arg("splits"), nb::arg("least_length"), nb::arg("most_added").none());
   nb::class_<CallOptions>(m, "Options", "What a call is to do; see gcdt.triangulate_pslg.")
       .def(
           "__init__",
           [](CallOptions* self, const std::string& crossing, const std::string& domain, const Rows<double, 2>& holes,
              const Rows<double, 2>& regions, bool label_regions,
              const std::optional<std::pair<std::pair<double, double>, std::string>>& grid, bool check, bool canonical,
-             bool distinct, nb::object progress) {
-            new (self) CallOptions{{}, std::move(progress)};
+             bool distinct, nb::object progress, const std::optional<GivenRefinement>& refine) {
+            new (self) CallOptions{{}, std::move(progress), refine};
             Options& o = self->options;
             o.crossing = crossing_named(crossing), o.domain = domain_named(domain);
             o.hole_seeds = seeds(holes), o.region_seeds = seeds(regions), o.regions = label_regions;
@@ -128,7 +153,15 @@ void bind_options(nb::module_& m) {
           },
           nb::arg("crossing"), nb::arg("domain"), nb::arg("holes"), nb::arg("regions"), nb::arg("label_regions"),
           nb::arg("grid").none(), nb::arg("check"), nb::arg("canonical"), nb::arg("distinct"),
-          nb::arg("progress").none());
+          nb::arg("progress").none(), nb::arg("refine").none())
+      .def(
+          "refined",
+          [](const CallOptions& self, const GivenRefinement& refine) {
+            CallOptions made = self;
+            made.refine = refine;
+            return made;
+          },
+          nb::arg("refine"), "The same with another refinement.");
   m.def(
       "devices",
       [] {

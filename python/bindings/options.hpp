@@ -10,14 +10,33 @@
 
 namespace gcdt::python {
 
+/// What is to be refined to, with the lengths and areas that it refers to.
+struct GivenRefinement {
+  Refinement wanted;  ///< without these
+  std::vector<double> region_areas, sizes;
+
+  Refinement view() const {
+    Refinement refine = wanted;
+    refine.region_areas = region_areas, refine.sizes = sizes;
+    return refine;
+  }
+};
+
 /// Options whose progress function looks for signals, so that Ctrl-C ends a call. It does so a few times a second: the
 /// interpreter's lock may have to be waited for.
 struct CallOptions {
-  Options options;
+  Options options;      ///< without refine
   nb::object progress;  ///< called as progress(phase, done); None: not called
+  std::optional<GivenRefinement> refine;
 
-  Options for_call() const {
+  /// Those that a mesh is verified by.
+  Options for_proof() const {
     Options given = options;
+    if (refine) given.refine = refine->view();
+    return given;
+  }
+  Options for_call() const {
+    Options given = for_proof();
     auto next = std::chrono::steady_clock::now() + signal_interval;
     given.progress = [this, next](const char* phase, double done) mutable {
       const auto now = std::chrono::steady_clock::now();

@@ -77,8 +77,11 @@ void bind_proof(nb::module_& m) {
         {
           nb::gil_scoped_release release;
           const bool of_domain = options.options.domain != Domain::hull || region;
-          found = of_domain ? verify_domain(given, pairs, mesh.view(), regions, on, options.options)
-                            : verify(given, pairs, mesh.view(), on, options.options.crossing);
+          if (options.refine)
+            found = verify_refined(given, pairs, mesh.view(), on, options.for_proof());
+          else
+            found = of_domain ? verify_domain(given, pairs, mesh.view(), regions, on, options.options)
+                              : verify(given, pairs, mesh.view(), on, options.options.crossing);
         }
         return verdict(found);
       },
@@ -88,11 +91,12 @@ void bind_proof(nb::module_& m) {
   m.def(
       "added_values",
       [](const Pairs& vertices, const Rows<std::uint32_t, 2>& constraints, const Rows<double, 2>& added,
-         const Rows<std::uint32_t, 2>& crossings, const Row<double>& values) {
-        return handed_over(
-            added_values(points(vertices), span(constraints), span(added), span(crossings), span(values)));
+         const Rows<std::uint32_t, 2>& crossings, const Rows<std::uint32_t, 4>& origins, const Row<double>& values) {
+        return handed_over(added_values(points(vertices), span(constraints), span(added), span(crossings),
+                                        span(origins), span(values)));
       },
-      nb::arg("vertices"), nb::arg("constraints"), nb::arg("added"), nb::arg("crossings"), nb::arg("values"));
+      nb::arg("vertices"), nb::arg("constraints"), nb::arg("added"), nb::arg("crossings"), nb::arg("origins"),
+      nb::arg("values"));
 }
 
 }  // namespace gcdt::python

@@ -28,6 +28,7 @@ class DeviceResult {
     return *result_;
   }
   SharedSolver& solver() const { return *solver_; }
+  const std::shared_ptr<SharedSolver>& shared_solver() const { return solver_; }
 
   /// What question(result) answers, in a turn and without the interpreter's lock. Another thread may release the result
   /// meanwhile: then it ends here, in the turn.

@@ -69,6 +69,19 @@ nb::tuple adopt(const std::shared_ptr<SharedSolver>& shared, const Pairs& vertic
   return both(std::move(kept), std::move(mesh));
 }
 
+nb::tuple refine(DeviceResult& self, const CallOptions& options) {
+  Options own = options.for_call();
+  const Refinement wanted = own.refine.value();
+  own.refine.reset();
+  Triangulation mesh;
+  Result refined = self.ask([&](const Result& r) {
+    Result made = r.refine(wanted, own);
+    made.download(mesh);
+    return made;
+  });
+  return both(std::make_unique<DeviceResult>(self.shared_solver(), std::move(refined)), std::move(mesh));
+}
+
 nb::dict quality_dict(const Quality& q) {
   nb::dict d;
   d["triangles"] = q.triangles;
@@ -83,6 +96,7 @@ void bind_results(nb::module_& m) {
   nb::class_<DeviceResult> result(m, "Result", "A mesh in device memory.");
   result.def("release", &DeviceResult::release, "Gives the device memory back to the solver.")
       .def_prop_ro("released", &DeviceResult::released)
+      .def("refine", &refine, nb::arg("options"))
       .def(
           "count", [](const DeviceResult& self, int array) { return self.get().count(array); }, nb::arg("array"))
       .def(

@@ -20,7 +20,6 @@ from ._errors import (
     Error,
     IndexOutOfRange,
     InputError,
-    NeedsRefinement,
     NoDevice,
     OutOfMemory,
 )
@@ -30,6 +29,7 @@ from ._mesh import Mesh
 from ._polygons import PolygonTriangles, from_shapely, ring_constraints, triangulate_geometries, triangulate_polygons
 from ._pool import Batch, Pool, Problem
 from ._pslg import Verification, adopt, triangulate_pslg, verify
+from ._refinement import Refinement
 from ._solver import DeviceInfo, Solver, default_solver, devices
 from ._triangle import triangulate
 
@@ -48,12 +48,12 @@ __all__ = [
     "IndexOutOfRange",
     "InputError",
     "Mesh",
-    "NeedsRefinement",
     "NoDevice",
     "OutOfMemory",
     "PolygonTriangles",
     "Pool",
     "Problem",
+    "Refinement",
     "Solver",
     "Verification",
     "adopt",

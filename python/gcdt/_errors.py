@@ -60,10 +60,6 @@ class Cancelled(Error, RuntimeError):
     """The progress function returned False."""
 
 
-class NeedsRefinement(Error, NotImplementedError):
-    """A switch asks for vertices that improve the quality of the mesh (refinement), which this version does not do."""
-
-
 _CLASSES: dict[str, type[Error]] = {
     "invalid_argument": InputError,
     "coordinate_not_finite": CoordinateError,

@@ -14,10 +14,12 @@ from . import _arrays, _gcdt, _views
 
 if TYPE_CHECKING:
     from ._pslg import Verification
+    from ._refinement import Refinement
+    from ._solver import Progress
 
 
 class Mesh:
-    """A constrained Delaunay triangulation with T triangles, of n vertices and A that splitting has added.
+    """A constrained Delaunay triangulation with T triangles, of n vertices and A that splitting and refinement added.
 
     Arrays, all in host memory (docs/contract.md has their order):
 
@@ -31,9 +33,11 @@ class Mesh:
     `source_offsets`  (P + 1,) uint32     sources[source_offsets[i]:source_offsets[i + 1]] are the constraints of the
     `sources`         (S,) uint32         input that run along pieces[i]
     `dropped`         (D,) uint32         constraints dropped under crossing="drop"
-    `added`           (A, 2) float64      vertices added under crossing="split"
+    `added`           (A, 2) float64      vertices added under crossing="split", then by refinement
     `added_on_grid`   (A, 2) int32        the same on the grid
-    `added_crossing`  (A, 2) uint32       the pair of constraints that crosses there
+    `added_crossing`  (A, 2) uint32       the pair of constraints that crosses there; of refinement 2^32 - 1 twice
+    `added_origin`    (A, 4) uint32       with refine (else empty): what the vertex was put on: three corners, or two
+                                          ends and 2^32 - 1; then the constraint along it, or 2^32 - 1
     `region`          (T,) uint32         with a domain or label_regions (else empty): the number of the region,
     `depth`           (T,) uint32         the least number of constrained edges between it and the outside,
     `winding`         (T,) int32          how often constraints wind around it counter-clockwise,
@@ -56,6 +60,7 @@ class Mesh:
     added: NDArray[np.float64]
     added_on_grid: NDArray[np.int32]
     added_crossing: NDArray[np.uint32]
+    added_origin: NDArray[np.uint32]
     region: NDArray[np.uint32]
     depth: NDArray[np.uint32]
     winding: NDArray[np.int32]
@@ -136,9 +141,36 @@ class Mesh:
         return self._result.interpolate(where, _arrays.values_of(given, count, "values", "vertices"), float(outside))
 
     def added_values(self, values: ArrayLike) -> NDArray[np.float64]:
-        """(A,): for each added vertex the mean of what the two constraints that cross there have, of (n,) values."""
+        """(A,) values at added vertices, of (n,) at those of the input.
+
+        At a crossing the mean of what the two constraints have there, linear between their ends; of refinement what
+        is linear on the triangle or edge that the vertex was put on.
+        """
         known = _arrays.values_of(values, len(self.vertices), "values", "vertices")
-        return _gcdt.added_values(self.vertices, self.constraints, self.added, self.added_crossing, known)
+        return _gcdt.added_values(
+            self.vertices, self.constraints, self.added, self.added_crossing, self.added_origin, known
+        )
+
+    def refine(
+        self,
+        refine: Refinement | float = 20.0,
+        *,
+        check: bool = True,
+        canonical: bool = True,
+        progress: Progress | None = None,
+    ) -> Mesh:
+        """The mesh that the call which made this would have made with `refine`, without its input being gone through.
+
+        This mesh stays as it is, and may be refined again, to other bounds; not so a mesh that is refined or was
+        adopted. `refine`: a `gcdt.Refinement`, or the least angle in degrees.
+        """
+        from ._options import options
+        from ._refinement import refinement
+
+        wanted = options(refine=refine, check=check, canonical=canonical, progress=progress)
+        made = self._result.refine(wanted)
+        own = self._options.refined(refinement(refine))
+        return Mesh(made, self.vertices, self.constraints, own, self._solver)
 
     @cached_property
     def hull(self) -> NDArray[np.uint32]:
@@ -172,7 +204,11 @@ class Mesh:
     # ---- Proofs -----------------------------------------------------------------------------------------------
 
     def verify(self) -> Verification:
-        """Proves on the host, by exact arithmetic and other code, that the mesh is what `triangulate_pslg` promises."""
+        """Proves on the host, by exact arithmetic and other code, that the mesh is what `triangulate_pslg` promises.
+
+        Of a refined mesh that its triangles are those of the domain, constraints chains within their bounds, and angles
+        and areas as wanted, or excused; not under crossing="split" (docs/refinement.md).
+        """
         from ._pslg import Verification
 
         labelled = len(self.region) > 0

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _arrays, _gcdt
 from ._errors import make
+from ._refinement import Refinement, refinement
 from ._solver import Progress
 
 
@@ -35,6 +36,7 @@ def options(
     canonical: bool = True,
     distinct: bool = False,
     progress: Progress | None = None,
+    refine: Refinement | float | None = None,
 ) -> Any:
     """The extension's options; see `gcdt.triangulate_pslg`."""
     none = np.empty((0, 2))
@@ -49,4 +51,5 @@ def options(
         bool(canonical),
         bool(distinct),
         progress,
+        refinement(refine),
     )

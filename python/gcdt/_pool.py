@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _drivers, _gcdt
 from ._errors import Error, make
 from ._options import options
+from ._refinement import Refinement
 from ._solver import DeviceInfo, Log, Progress
 
 
@@ -30,7 +31,7 @@ class Problem:
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """Its grid, and what splitting has done."""
+        """Its grid, and what splitting and refinement have done."""
         return self._batch._native.problem_statistics(self.number)
 
     def __getattr__(self, name: str) -> NDArray[Any]:
@@ -114,13 +115,15 @@ class Pool:
         grid: tuple[float, float, str] | None = None,
         check: bool = True,
         distinct: bool = False,
+        refine: Refinement | float | None = None,
         progress: Progress | None = None,
     ) -> Batch:
         """Triangulates many problems in one call, each with the bytes that it would have alone.
 
         `vertices`: (N, 2), all problems' one after the other; `vertex_offsets`: (P + 1,): problem p has rows
         [p] to [p + 1]; `constraints`: (M, 2) vertex numbers that count from 0 in each problem; `constraint_offsets`:
-        (P + 1,). Options as for `gcdt.triangulate_pslg`. A problem that is invalid has an `error` and spoils no other.
+        (P + 1,). Options as for `gcdt.triangulate_pslg`; with `refine`, `most_added` counts for each problem, `sizes`
+        are (N,), and there are no `region_areas`. A problem that is invalid has an `error` and spoils no other.
         """
         points = _arrays.coordinates(vertices)
         bounds = _arrays.offsets(vertex_offsets, len(points), "vertex_offsets")
@@ -145,6 +148,7 @@ class Pool:
             check=check,
             distinct=distinct,
             progress=progress,
+            refine=refine,
         )
         return Batch(self._native.triangulate(points, bounds, lines, line_bounds, wanted))
 

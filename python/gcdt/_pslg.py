@@ -13,6 +13,7 @@ from . import _arrays, _gcdt
 from ._errors import make
 from ._mesh import Mesh
 from ._options import options
+from ._refinement import Refinement
 from ._solver import Progress, Solver, solver_for
 
 
@@ -29,6 +30,7 @@ def triangulate_pslg(
     check: bool = True,
     canonical: bool = True,
     distinct: bool = False,
+    refine: Refinement | float | None = None,
     progress: Progress | None = None,
     solver: Solver | None = None,
     device: str | int | None = None,
@@ -48,6 +50,7 @@ def triangulate_pslg(
     finest that holds them.
     `check`: the device proves the mesh before it is returned. `canonical`: triangles in canonical order; without it
     in any order, which costs less. `distinct`: refuses vertices that differ but would be one on the grid.
+    `refine`: a `gcdt.Refinement`, or a least angle in degrees: vertices are added until the triangles are as wanted.
     `progress(phase, done)`: called with the share done; if it returns False the call raises `Cancelled`.
     `solver`, or `device` for a shared one: see `Solver`.
 
@@ -67,6 +70,7 @@ def triangulate_pslg(
         canonical=canonical,
         distinct=distinct,
         progress=progress,
+        refine=refine,
     )
     used = solver_for(solver, device)
     return Mesh(used._native.triangulate(points, pairs, wanted), points, pairs, wanted, used)

@@ -11,33 +11,78 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import NeedsRefinement, make
+from ._errors import make
 from ._mesh import Mesh
 from ._pslg import triangulate_pslg
+from ._refinement import Refinement
 from ._solver import Solver
 
-# Switches that ask for vertices of Triangle's own choice (r: in a mesh that is given).
-_REFINING = frozenset("qaDusr")
-# Switches that change neither triangles nor keys here: how Triangle computes, what it prints or writes to files; the
-# limits Y and S are on vertices that are not added.
-_WITHOUT_EFFECT = frozenset("QzVCXiFlYSIOgPNE")
+# Switches that change neither triangles nor keys here: how Triangle computes, what it prints or writes to files.
+_WITHOUT_EFFECT = frozenset("QzVCXiFlIOgPNE")
+_NOT_DONE = {
+    "r": "refines a mesh that is given; gcdt.Mesh.refine refines one of gcdt's",
+    "u": "asks a test of the caller's own",
+    "s": "splits segments instead of having them as edges",
+}
 _KNOWN_KEYS = frozenset(
     ("vertices", "vertex_attributes", "vertex_markers", "segments", "segment_markers", "holes", "regions")
 )
 
 
-def _switches(opts: str) -> frozenset[str]:
-    """The letters of the switches, without their numbers."""
-    letters = re.sub(r"[0-9.]+", "", opts.replace("-", "").replace(" ", ""))
-    for letter in letters:
-        if letter in _REFINING:
-            raise NeedsRefinement(
-                f"switch {letter} of {opts!r} asks for refinement (vertices that improve a mesh), "
-                "which this version of gcdt does not do"
-            )
-        if letter not in _WITHOUT_EFFECT and letter not in "pcAenjB":
+@dataclass
+class _Switches:
+    """What the letters say, with the numbers behind q, a and S."""
+
+    letters: list[str]
+    angle: float | None = None
+    area: float | None = None
+    most: int | None = None
+    region_areas: bool = False
+
+    def __contains__(self, letter: str) -> bool:
+        return letter in self.letters
+
+    @classmethod
+    def of(cls, opts: str) -> _Switches:
+        made = cls([])
+        for letter, number in re.findall(r"(.)([0-9.]*)", re.sub(r"^[0-9.]+", "", re.sub(r"[- ]", "", opts))):
+            made._take(letter, number, opts)
+        return made
+
+    def _take(self, letter: str, number: str, opts: str) -> None:
+        if letter in _NOT_DONE:
+            raise make("invalid_argument", f"switch {letter} of {opts!r} {_NOT_DONE[letter]}: it is not supported")
+        if letter not in _WITHOUT_EFFECT and letter not in "pcAenjBqaDYS":
             raise make("invalid_argument", f"switch {letter} of {opts!r} is not known, or not supported")
-    return frozenset(letters)
+        self.letters.append(letter)
+        if letter not in "qaS":
+            return
+        try:
+            value = float(number) if number else None
+        except ValueError:
+            raise make("invalid_argument", f"{number!r} behind switch {letter} of {opts!r} is no number") from None
+        if letter == "q":
+            self.angle = 20.0 if value is None else value
+        elif letter == "S":
+            self.most = 0 if value is None else int(value)
+        elif value is None:
+            self.region_areas = True
+        else:
+            self.area = value
+
+    def refinement(self, areas: NDArray[Any] | None) -> Refinement | None:
+        """Y and S limit refinement, but do not ask for it."""
+        if not {"q", "a", "D"} & set(self.letters):
+            return None
+        fixed = self.letters.count("Y")
+        return Refinement(
+            least_angle=self.angle if self.angle is not None else 0.0,
+            most_area=self.area,
+            region_areas=areas if self.region_areas else None,
+            conforming="D" in self,
+            splits="all" if fixed == 0 else "inner" if fixed == 1 else "none",
+            most_added=self.most,
+        )
 
 
 def _column(values: Any, count: int, name: str, dtype: Any) -> NDArray[Any]:
@@ -65,7 +110,7 @@ class _Marks:
         cls,
         mesh: Mesh,
         given: Mapping[str, Any],
-        switches: frozenset[str],
+        switches: _Switches,
         boundary: NDArray[Any],
         pieces_on_it: NDArray[np.bool_],
         pieces_on_hull: NDArray[np.bool_],
@@ -107,20 +152,24 @@ def _boundary(mesh: Mesh) -> NDArray[np.uint32]:
 
 
 def _attributes(mesh: Mesh, given: Mapping[str, Any]) -> NDArray[np.float64]:
-    """Of vertices; those of added ones are interpolated along their segments."""
+    """Of vertices; those of added ones are interpolated along their segments, and in their triangles."""
     own = np.asarray(given["vertex_attributes"], np.float64)
     own = own.reshape(len(mesh.vertices), -1)
     columns = [np.concatenate([own[:, k], mesh.added_values(own[:, k])]) for k in range(own.shape[1])]
     return np.stack(columns, axis=1)
 
 
-def _mesh(given: Mapping[str, Any], switches: frozenset[str], how: dict[str, Any]) -> Mesh:
-    if not switches & {"p"}:
-        return triangulate_pslg(np.asarray(given["vertices"], np.float64), **how)
-    regions = None
-    if "A" in switches and len(given.get("regions", ())):
+def _mesh(given: Mapping[str, Any], switches: _Switches, how: dict[str, Any]) -> Mesh:
+    if "p" not in switches:
+        refine = switches.refinement(None)
+        return triangulate_pslg(np.asarray(given["vertices"], np.float64), refine=refine, **how)
+    regions, areas = None, None
+    if ("A" in switches or switches.region_areas) and len(given.get("regions", ())):
         # The last of several points in a region counts, so that the least number is to be the last.
-        regions = np.asarray(given["regions"], np.float64)[::-1, :2]
+        rows = np.asarray(given["regions"], np.float64)[::-1]
+        regions, areas = rows[:, :2], rows[:, 3] if rows.shape[1] > 3 else None
+    if areas is not None:
+        areas = np.where(areas > 0, areas, np.inf)  # Triangle has -1 and 0 for none
     holes = given.get("holes")
     return triangulate_pslg(
         np.asarray(given["vertices"], np.float64),
@@ -129,6 +178,7 @@ def _mesh(given: Mapping[str, Any], switches: frozenset[str], how: dict[str, Any
         domain="holes" if "c" in switches else "outer-holes",
         holes=holes if holes is not None and len(holes) else None,
         regions=regions,
+        refine=switches.refinement(areas),
         **how,
     )
 
@@ -136,21 +186,23 @@ def _mesh(given: Mapping[str, Any], switches: frozenset[str], how: dict[str, Any
 def triangulate(
     tri: Mapping[str, Any], opts: str = "", *, solver: Solver | None = None, device: str | int | None = None
 ) -> dict[str, Any]:
-    """What `triangle.triangulate` does, for graphs that need no added vertices but crossings.
+    """What `triangle.triangulate` does.
 
     `tri`: a dictionary with `vertices`, (n, 2), and if there are any `vertex_attributes`, (n, a), `vertex_markers`,
     (n, 1), `segments`, (m, 2), `segment_markers`, (m, 1), `holes`, (h, 2), and `regions`, (r, 4): x, y, attribute and
-    an area, which is not read.
+    largest area.
     `opts`: switches: p (segments, holes and regions are read; triangles outside the segments are removed), c (the
     convex hull is enclosed with segments, and nothing outside is removed), A (regions' attributes), e (edges), n
-    (neighbors), j (vertices that are no corner are left out), B (no markers); Q, z, Y and others that make no
-    difference here are accepted. q, a, D, u, s and r raise `NeedsRefinement`.
+    (neighbors), j (vertices that are no corner are left out), B (no markers). Refinement: q or q30 (no angle below 20,
+    or 30 degrees, at most 34), a0.5 (no triangle larger), a (none larger than its region says), D (conforming
+    Delaunay), Y (no vertices on the boundary), YY (on no segment), S100 (at most so many vertices are added). Q, z and
+    others that make no difference here are accepted; r, s and u are not.
 
     Returns a dictionary with `vertices`, `vertex_markers`, `triangles` and, as the switches say, `vertex_attributes`,
     `triangle_attributes`, `neighbors`, `segments`, `segment_markers`, `edges`, `edge_markers`, `holes`, `regions`.
     Their order is that of `gcdt.Mesh`. What there is none of is an empty array, where `triangle` has no key.
     """
-    switches = _switches(opts)
+    switches = _Switches.of(opts)
     unknown = set(tri) - _KNOWN_KEYS
     if "vertices" not in tri or unknown:
         raise make("invalid_argument", f"unknown key {sorted(unknown)[0]}" if unknown else "there are no vertices")
@@ -161,7 +213,7 @@ def triangulate(
         mesh.release()
 
 
-def _dictionary(mesh: Mesh, tri: Mapping[str, Any], switches: frozenset[str]) -> dict[str, Any]:
+def _dictionary(mesh: Mesh, tri: Mapping[str, Any], switches: _Switches) -> dict[str, Any]:
     boundary = _boundary(mesh)
     outline = _keys(boundary)
     # Segments between triangles that are all removed go with them.
@@ -178,12 +230,12 @@ def _dictionary(mesh: Mesh, tri: Mapping[str, Any], switches: frozenset[str]) ->
     }
     if "vertex_attributes" in tri:
         made["vertex_attributes"] = _attributes(mesh, tri)
-    if {"A", "p"} <= switches and "regions" in tri:
+    if "A" in switches and "p" in switches and "regions" in tri:
         attributes = np.append(np.asarray(tri["regions"], np.float64)[::-1, 2], 0.0)
         made["triangle_attributes"] = attributes[mesh.region_seed][:, None]
     if "n" in switches:
         made["neighbors"] = mesh.neighbours
-    if switches & {"p", "c"}:
+    if "p" in switches or "c" in switches:
         kept = np.isin(piece_keys, edge_keys)
         segments, segment_marks = mesh.pieces[kept], marks.pieces[kept]
         if "c" in switches:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`triangulate` beside the package `triangle`, on its own examples and on small cases of each rule."""
 
+import re
+
 import numpy as np
 import pytest
 import triangle
@@ -136,10 +138,130 @@ def test_the_input_is_left_alone():
     assert all((given[key] == kept[key]).all() for key in kept) and set(given) == set(kept)
 
 
-@pytest.mark.parametrize("switches", ["pq", "pq30", "pa0.1", "pD", "pqYa2.5", "r", "ps", "pu"])
-def test_refinement_is_named(switches):
-    with pytest.raises(NotImplementedError, match="refinement"):
+def angles(made):
+    """Of all triangles, in degrees."""
+    corners = np.asarray(made["vertices"])[np.asarray(made["triangles"])]
+    sides = np.roll(corners, -1, axis=1) - corners
+    ends = -np.roll(sides, 1, axis=1)
+    cross = sides[..., 0] * ends[..., 1] - sides[..., 1] * ends[..., 0]
+    return np.degrees(np.arctan2(cross, (sides * ends).sum(axis=2)))
+
+
+def areas(made):
+    a, b, c = np.moveaxis(np.asarray(made["vertices"])[np.asarray(made["triangles"])], 1, 0)
+    return ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
+
+
+def lengths(made):
+    """Of all segments together, by marker."""
+    ends = np.asarray(made["vertices"])[np.asarray(made["segments"])]
+    found = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    markers = np.ravel(made["segment_markers"])
+    return {int(m): found[markers == m].sum() for m in np.unique(markers)}
+
+
+# What both refine: inputs without small angles, where Triangle reaches its bound.
+REFINED = [
+    ("A", "pq"),
+    ("A", "pq30"),
+    ("A", "pqa0.01"),
+    ("face", "pq"),
+    ("face", "pqa50"),
+    ("face", "pcq25"),
+    ("la", "pqa0.5"),
+    ("double_hex", "pq"),
+    ("double_hex2", "pqa0.005"),
+    ("dots", "q"),
+    ("dots", "qa0.01"),
+    ("dots", "q28D"),
+    ("spiral", "qa0.3"),
+    ("ell", "qa0.1"),
+]
+
+
+@pytest.mark.parametrize("name, switches", REFINED)
+def test_refinement_beside_triangle(name, switches):
+    given = _input(name)
+    theirs, ours = triangle.triangulate(given, switches), gcdt.triangulate(given, switches)
+    n = len(given["vertices"])
+    np.testing.assert_array_equal(ours["vertices"][:n], theirs["vertices"][:n])
+    assert areas(ours).min() > 0
+    assert areas(ours).sum() == pytest.approx(areas(theirs).sum())
+    added = [len(made["vertices"]) - n for made in (ours, theirs)]
+    # The figure for points is within some percent; these are small, and theirs has vertices that it could do without.
+    assert added[0] <= 1.35 * added[1] + 12, added
+    wanted = float(re.search("q([0-9]*)", switches)[1] or 20)
+    assert angles(ours).min() >= min(wanted, angles(theirs).min()) - 1e-9
+    limit = switches.split("a")[1].rstrip("D") if "a" in switches else ""
+    if limit:
+        assert areas(ours).max() <= float(limit) * (1 + 1e-9)
+    for key in ("vertex_markers", "segment_markers"):
+        if key in theirs:
+            assert set(np.ravel(ours[key])) == set(np.ravel(theirs[key])), key
+    if "segments" in theirs:
+        assert lengths(ours).keys() == lengths(theirs).keys()
+        for marker, length in lengths(theirs).items():
+            assert lengths(ours)[marker] == pytest.approx(length)
+
+
+def test_areas_of_regions():
+    regions = [[2, 2, 7, 0.01], [0.5, 0.5, 3, 0.2]]
+    ours, theirs = (package.triangulate({**FRAME, "regions": regions}, "pqaA") for package in (gcdt, triangle))
+    for made in (ours, theirs):
+        attribute = np.ravel(made["triangle_attributes"])
+        assert set(attribute) == {3, 7}
+        assert areas(made)[attribute == 7].max() <= 0.01
+        assert 0.01 < areas(made)[attribute == 3].max() <= 0.2
+    # The last one of two in a region counts, and what is not above 0 is none.
+    twice = {**FRAME, "regions": [[2, 2, 7, 0.01], [2.1, 2.2, 9, 0.3], [0.5, 0.5, 3, -1]]}
+    assert 0.05 < areas(gcdt.triangulate(twice, "pqa")).max()
+    both = gcdt.triangulate({**FRAME, "regions": regions}, "pqaa0.1")
+    assert areas(both).max() <= 0.1
+
+
+def test_what_may_be_split():
+    plain, whole = gcdt.triangulate(FRAME, "p"), gcdt.triangulate(FRAME, "pqa0.5")
+    assert len(whole["segments"]) > len(plain["segments"])
+    fixed = gcdt.triangulate(FRAME, "pqa0.5YY")
+    assert len(fixed["segments"]) == len(plain["segments"]) and len(fixed["vertices"]) > len(plain["vertices"])
+    inner = gcdt.triangulate(FRAME, "pqa0.5Y")
+    outer = {frozenset(map(tuple, inner["vertices"][s])) for s in inner["segments"]}
+    assert {frozenset({(0.0, 0.0), (5.0, 0.0)}), frozenset({(5.0, 0.0), (4.0, 4.0)})} <= outer
+    limited = gcdt.triangulate(FRAME, "pqa0.001S25")
+    assert len(limited["vertices"]) == len(FRAME["vertices"]) + 25
+    # Y and S alone ask for nothing.
+    assert len(gcdt.triangulate(FRAME, "pYS5")["vertices"]) == len(FRAME["vertices"])
+
+
+def test_conforming_delaunay():
+    slit = {"vertices": [[0, 0], [10, 0], [10, 1], [0, 1], [5, 0.4]], "segments": [[0, 1], [1, 2], [2, 3], [3, 0]]}
+    ours, theirs = gcdt.triangulate(slit, "pD"), triangle.triangulate(slit, "pD")
+    assert len(ours["vertices"]) > 5
+    assert abs(len(ours["vertices"]) - len(theirs["vertices"])) <= 4
+    whole = gcdt.triangulate({"vertices": ours["vertices"]}, "")
+    assert same_circles(ours["vertices"], ours["triangles"], whole["triangles"])
+
+
+def test_attributes_of_added_vertices():
+    linear = {**FRAME, "vertex_attributes": [[2 * x - y + 1, 7.0] for x, y in FRAME["vertices"]]}
+    made = gcdt.triangulate(linear, "pqa0.1")
+    x, y = made["vertices"].T
+    np.testing.assert_allclose(made["vertex_attributes"], np.stack([2 * x - y + 1, np.full(len(x), 7.0)], axis=1))
+
+
+@pytest.mark.parametrize("switches", ["r", "ps", "pqu"])
+def test_switches_that_are_not_there(switches):
+    with pytest.raises(ValueError, match=f"switch {switches[-1]} of .* it is not supported"):
         gcdt.triangulate(FRAME, switches)
+
+
+def test_bounds_that_make_no_sense():
+    with pytest.raises(ValueError, match="least_angle must be 0, or from 1 to 34 degrees, not 45"):
+        gcdt.triangulate(FRAME, "pq45")
+    with pytest.raises(ValueError, match="most_area must be above 0"):
+        gcdt.triangulate(FRAME, "pa0")
+    with pytest.raises(ValueError, match="'1.2.3' behind switch a"):
+        gcdt.triangulate(FRAME, "pa1.2.3")
 
 
 def test_other_errors():

@@ -129,14 +129,17 @@ TEST_CASE("the C structure: its size, null pointers, and options of before") {
   gcdt_result_release(result);
 }
 
-TEST_CASE("what cannot be refined yet says so") {
+TEST_CASE("what cannot be refined says so") {
   const Options options = refining();
   CHECK_THROWS_WITH_AS(solver().adopt(halves, std::vector<std::array<std::uint32_t, 3>>{{0, 1, 5}}, {}, options),
                        doctest::Contains("gcdt_options.refine must be null"), Error);
   Pool pool(test_device());
   Batch batch;
   batch.add(halves, walls);
-  CHECK_THROWS_WITH_AS(pool.triangulate(batch, options), doctest::Contains("batches are not refined"), Error);
+  Options in_tiles = options;
+  in_tiles.tiles = 2;
+  CHECK_THROWS_WITH_AS(pool.triangulate(batch, in_tiles), doctest::Contains("a problem in tiles is not refined"),
+                       Error);
 }
 
 TEST_CASE("added vertices: what they stand on, and values there") {

@@ -211,3 +211,52 @@ TEST_CASE("Triangle's switch j leaves out what no triangle has") {
   session.good("triangulate in.1.poly --triangle pQ");
   CHECK(rows(session.read("in.2.ele"), 1) == rows(session.read("in.1.ele"), 1));
 }
+
+TEST_CASE("a batch refines each input to the files that triangulate writes, by its own lengths and areas") {
+  Session session;
+  session.run("mkdir many");
+  session.write("many/ell.poly", ell);
+  session.write("many/square.poly", square);
+  session.write("many/wrong.poly", "1 2 0 0\n0 0 0\n1 0\n0 0 7\n0\n");
+  const auto same = [&](const std::string& options) {
+    CAPTURE(options);
+    for (const std::string name : {"ell", "square"}) {
+      session.good("triangulate many/" + name + ".poly " + options + " -o " + name + ".ele -o " + name +
+                   ".poly --quiet");
+      session.run("for f in " + name + ".*; do cmp $f out/$f || exit 1; done; rm " + name + ".*");
+    }
+    session.run("rm -r out");
+  };
+  const std::string formats = " --format ele --format poly --stats s.json -o out ";
+  for (const std::string options : {"--refine 25 --max-area 0.1 --domain outer", "--refine 20 --crossing split",
+                                    "--refine 30 --no-border-split --conforming --max-vertices 50"}) {
+    const Outcome run = session.gcdt("batch many " + options + formats);
+    CHECK(run.status == 3);  // of the wrong one
+    CHECK(contains(run.err, "1 of 3 inputs failed"));
+    same(options);
+  }
+  session.run("rm many/wrong.poly");
+  // Lengths are attributes of the L; the square has none, and fails alone.
+  const Outcome by_length = session.gcdt("batch many --refine 20 --size 1 --verify" + formats);
+  CHECK(by_length.status == 3);
+  CHECK(contains(by_length.err, "--size 1: the vertices have 0 attributes"));
+  session.good("triangulate many/ell.poly --refine 20 --size 1 -o ell.ele --quiet");
+  session.run("cmp ell.ele out/ell.ele && cmp ell.node out/ell.node && rm -r out ell.*");
+  const auto said = nlohmann::json::parse(session.read("s.json"));
+  CHECK(said.at("refine_added") == said.at("vertices_added"));
+  CHECK(said.at("refine_added") > 20);
+  CHECK(said.at("refine_incomplete") == 0);
+  // Areas of regions are the L's.
+  session.good("batch many/ell.poly --refine 20 --region-areas --domain outer --verify" + formats);
+  session.good("triangulate many/ell.poly --refine 20 --region-areas --domain outer -o ell.ele --quiet");
+  session.run("cmp ell.ele out/ell.ele && rm -r out");
+  const Outcome limited =
+      session.gcdt("batch many --refine 20 --max-area 0.01 --max-vertices 10 --stats s.json -o out");
+  CHECK(limited.status == 0);
+  CHECK(contains(limited.err, "many/ell.poly: the limit of added vertices ended the refinement"));
+  CHECK(nlohmann::json::parse(session.read("s.json")).at("refine_incomplete") == 2);
+  CHECK(contains(session.gcdt("batch many --refine 20 --max-area 0.01 --max-vertices 10").out,
+                 "refined       20 vertices added (2 inputs ended by the limit)"));
+  for (const char* options : {"--refine 40", "--max-area 1", "--refine 20 --verify --crossing split"})
+    session.bad(2, std::string("batch many -o out ") + options);
+}

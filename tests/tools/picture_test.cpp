@@ -66,6 +66,43 @@ TEST_CASE("a picture has the constraints dark, other edges lighter, regions in c
   CHECK(lower == std::array<int, 3>{0xcf, 0xe3, 0xc8});
 }
 
+TEST_CASE("triangles have the colours of their least angles, and the histogram has a bar for each degree") {
+  ScratchFolder folder;
+  Square square;
+  square.input.vertices = {{0, 0}, {1, 0.8}, {1, 1}, {0.1, 1}};  // 6.34 and 39.29 degrees
+  const auto by_angle = [&](const std::string& name) {
+    io::OutputFiles files;
+    io::Result result(square.input, square.mesh);
+    result.coloured_by_angle = true;
+    io::writer_for(io::lower_extension(name))(files.add(folder / name), result);
+    files.commit();
+    return folder.read(name);
+  };
+  by_angle("angle.png");
+  const Picture picture(folder / "angle.png");
+  const std::array<int, 3> red{0xb2, 0x18, 0x2b}, green{0xdc, 0xec, 0xd5};
+  CHECK(picture.at(margin + side * 2 / 3, margin + side * .4) == red);
+  CHECK(picture.at(margin + side * 1.1 / 3, margin + side / 3) == green);
+  const double bars = side + 2 * margin + 80, degree = side / 60;
+  CHECK(picture.at(margin + 6.5 * degree, bars) == red);
+  CHECK(picture.at(margin + 39.5 * degree, bars) == green);
+  for (const double other : {5.5, 7.5, 20.5, 38.5, 40.5}) CHECK(picture.at(margin + other * degree, bars) == white);
+  const std::string svg = by_angle("angle.svg"), plain = written(folder, "plain.svg", square);
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+    return found;
+  };
+  CHECK(count(svg, "fill=\"#b2182b\"") == 2);  // a triangle and its bar
+  CHECK(count(svg, "fill=\"#dcecd5\"") == 2);
+  CHECK(count(svg, "</text>") == 7);
+  CHECK(count(plain, "#b2182b") + count(plain, "</text>") == 0);
+  CHECK(by_angle("angle.pdf").substr(0, 5) == "%PDF-");
+  square.mesh = {};  // nothing has an angle
+  CHECK(count(by_angle("none.svg"), "</text>") == 0);
+  by_angle("none.png");
+}
+
 TEST_CASE("a picture of nothing, of a point and of a line is one") {
   ScratchFolder folder;
   for (const auto& vertices : {std::vector<std::array<double, 2>>{}, {{3, 4}}, {{0, 0}, {1e308, 0}, {-1e308, 0}}}) {

@@ -8,7 +8,7 @@
 #include <exception>
 #include <memory>
 
-#include "region_borders.hpp"
+#include "histogram.hpp"
 #include "scale_bar.hpp"
 #include "shade.hpp"
 #include "strokes.hpp"
@@ -78,13 +78,13 @@ class Path {
 class Drawing {
  public:
   /// `units`: of the canvas, a pixel of the shade.
-  Drawing(cairo_t* pen, const Result& result, const Canvas& canvas, double units)
-      : pen_(pen), result_(result), canvas_(canvas), units_(units) {}
+  Drawing(cairo_t* pen, const Result& result, const Canvas& canvas, const Fill& fill, double units)
+      : pen_(pen), result_(result), canvas_(canvas), fill_(fill), units_(units) {}
 
   void draw() {
     colour(0xffffff);
     cairo_paint(pen_);
-    if (!result_.mesh.region.empty()) fill_regions();
+    fill_triangles();
     cairo_set_line_cap(pen_, CAIRO_LINE_CAP_ROUND);
     cairo_set_line_join(pen_, CAIRO_LINE_JOIN_ROUND);
     std::vector<Edge> thin = unconstrained_edges(result_.mesh);
@@ -94,6 +94,7 @@ class Drawing {
     draw_edges(std::move(bold), bold_colour, 4 * stroke);
     if (result_.mesh.triangles.empty()) draw_dots(8 * stroke);
     draw_scale(pen_, canvas_, canvas_.height + margin / 2, footer);
+    draw_histogram(Histogram(canvas_, fill_, canvas_.height + margin / 2 + footer));
   }
 
  private:
@@ -101,15 +102,35 @@ class Drawing {
     cairo_set_source_rgb(pen_, (rgb >> 16 & 255) / 255., (rgb >> 8 & 255) / 255., (rgb & 255) / 255.);
   }
 
-  void fill_regions() {
-    const std::vector<std::uint8_t> colours = colours_of_regions(result_.mesh);
-    for (std::size_t c = 0; c < region_colours.size(); ++c) {
-      Borders borders = borders_of(canvas_, result_.mesh, colours, c);
+  void fill_triangles() {
+    for (std::size_t c = 0; c < fill_.colours.size(); ++c) {
+      Borders borders = borders_of(canvas_, result_.mesh, fill_, c);
       if (borders.empty()) continue;
       Path path(pen_, units_ / 4);
       borders.draw(path);
-      colour(region_colours[c]);
+      colour(fill_.colours[c]);
       cairo_fill(pen_);
+    }
+  }
+
+  void draw_histogram(const Histogram& histogram) {
+    for (const HistogramBar& bar : histogram.bars) {
+      cairo_rectangle(pen_, bar.x, bar.y, bar.width, bar.height);
+      colour(bar.colour);
+      cairo_fill(pen_);
+    }
+    if (histogram.numbers.empty()) return;
+    colour(0);
+    cairo_move_to(pen_, 0, histogram.base);
+    cairo_line_to(pen_, histogram.numbers.back().first, histogram.base);
+    cairo_set_line_width(pen_, Histogram::gap / 8);
+    cairo_stroke(pen_);
+    for (const auto& [x, number] : histogram.numbers) {
+      const std::string text = std::to_string(number);
+      const double width = text_width(text, Histogram::numbers_high), left = number == 0    ? 0
+                                                                             : number == 60 ? x - width
+                                                                                            : x - width / 2;
+      draw_text(pen_, text, left, histogram.base + Histogram::gap, Histogram::numbers_high);
     }
   }
 
@@ -163,16 +184,32 @@ class Drawing {
   cairo_t* pen_;
   const Result& result_;
   const Canvas& canvas_;
+  const Fill& fill_;
   double units_;
 };
 
+/// Where things are in it, their colours, and its size in units.
+struct Picture {
+  explicit Picture(const Result& result) : Picture(result, all_vertices(result)) {}
+  Canvas canvas;
+  Fill fill;
+  double width, height;
+
+ private:
+  Picture(const Result& result, const std::vector<std::array<double, 2>>& vertices)
+      : canvas(vertices),
+        fill(result.coloured_by_angle ? fill_by_angle(result.mesh, vertices) : fill_by_region(result.mesh)),
+        width(canvas.width + 2 * margin),
+        height(canvas.height + 2 * margin + footer + (result.coloured_by_angle ? Histogram::height : 0)) {}
+};
+
 /// Draws with `scale` pixels or points a unit.
-void draw(cairo_surface_t* surface, const Sink& sink, const Result& result, const Canvas& canvas, double scale,
+void draw(cairo_surface_t* surface, const Sink& sink, const Result& result, const Picture& picture, double scale,
           double shade_units) {
   const Pen pen(cairo_create(surface), cairo_destroy);
   cairo_scale(pen.get(), scale, scale);
   cairo_translate(pen.get(), margin, margin);
-  Drawing(pen.get(), result, canvas, shade_units).draw();
+  Drawing(pen.get(), result, picture.canvas, picture.fill, shade_units).draw();
   cairo_show_page(pen.get());
   sink.check(cairo_status(pen.get()));
 }
@@ -180,28 +217,27 @@ void draw(cairo_surface_t* surface, const Sink& sink, const Result& result, cons
 }  // namespace
 
 void write_png(OutputFile& file, const Result& result) {
-  const Canvas canvas(all_vertices(result));
+  const Picture picture(result);
   const double scale = png_pixels / Canvas::longer_side;
   const auto pixels = [&](double units) { return static_cast<int>(std::ceil(units * scale)); };
-  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels(canvas.width + 2 * margin),
-                                                   pixels(canvas.height + 2 * margin + footer)),
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels(picture.width), pixels(picture.height)),
                         cairo_surface_destroy);
   Sink sink{file, nullptr};
   sink.check(cairo_surface_status(surface.get()));
-  draw(surface.get(), sink, result, canvas, scale, 1 / scale);
+  draw(surface.get(), sink, result, picture, scale, 1 / scale);
   sink.check(cairo_surface_write_to_png_stream(surface.get(), Sink::write, &sink));
 }
 
 void write_pdf(OutputFile& file, const Result& result) {
-  const Canvas canvas(all_vertices(result));
+  const Picture picture(result);
   const double scale = pdf_points / Canvas::longer_side;
   Sink sink{file, nullptr};
-  const Surface surface(cairo_pdf_surface_create_for_stream(Sink::write, &sink, (canvas.width + 2 * margin) * scale,
-                                                            (canvas.height + 2 * margin + footer) * scale),
-                        cairo_surface_destroy);
+  const Surface surface(
+      cairo_pdf_surface_create_for_stream(Sink::write, &sink, picture.width * scale, picture.height * scale),
+      cairo_surface_destroy);
   sink.check(cairo_surface_status(surface.get()));
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "1970-01-01T00:00:00Z");
-  draw(surface.get(), sink, result, canvas, scale, Canvas::longer_side / pdf_shade_pixels);
+  draw(surface.get(), sink, result, picture, scale, Canvas::longer_side / pdf_shade_pixels);
   cairo_surface_finish(surface.get());
   sink.check(cairo_surface_status(surface.get()));
 }

@@ -2,8 +2,11 @@
 #include "region_borders.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gcdt::io {
+
+namespace {
 
 std::vector<std::uint8_t> colours_of_regions(const Triangulation& mesh) {
   std::uint32_t count = 0;
@@ -26,14 +29,52 @@ std::vector<std::uint8_t> colours_of_regions(const Triangulation& mesh) {
   return chosen;
 }
 
-Borders borders_of(const Canvas& canvas, const Triangulation& mesh, const std::vector<std::uint8_t>& colours,
-                   std::size_t c) {
+/// In degrees. Sides are scaled to 1, so that their squares neither overflow nor vanish.
+double least_angle(const std::array<double, 2>& a, const std::array<double, 2>& b, const std::array<double, 2>& c) {
+  constexpr double degrees = 57.29577951308232;
+  const std::array<std::array<double, 2>, 3> sides = {
+      {{b[0] - a[0], b[1] - a[1]}, {c[0] - b[0], c[1] - b[1]}, {a[0] - c[0], a[1] - c[1]}}};
+  double longest = 0, least = 180;
+  for (const auto& [x, y] : sides) longest = std::max({longest, std::abs(x), std::abs(y)});
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto &p = sides[k], &q = sides[(k + 1) % 3];
+    const double px = p[0] / longest, py = p[1] / longest, qx = -q[0] / longest, qy = -q[1] / longest;
+    least = std::min(least, degrees * std::atan2(std::abs(px * qy - py * qx), px * qx + py * qy));
+  }
+  return least;
+}
+
+}  // namespace
+
+Fill fill_by_region(const Triangulation& mesh) {
+  Fill fill;
+  if (mesh.region.empty()) return fill;
+  fill.colours.assign(region_colours.begin(), region_colours.end());
+  const std::vector<std::uint8_t> of_region = colours_of_regions(mesh);
+  for (const std::uint32_t region : mesh.region) fill.colour.push_back(of_region[region]);
+  return fill;
+}
+
+Fill fill_by_angle(const Triangulation& mesh, const std::vector<std::array<double, 2>>& vertices) {
+  Fill fill;
+  fill.colours.assign(angle_colours.begin(), angle_colours.end());
+  fill.histogram.resize(60);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const double angle = std::min(least_angle(vertices[a], vertices[b], vertices[c]), 59.999);
+    fill.colour.push_back(static_cast<std::uint8_t>(angle / degrees_of_colour));
+    ++fill.histogram[static_cast<std::size_t>(angle)];
+  }
+  return fill;
+}
+
+Borders borders_of(const Canvas& canvas, const Triangulation& mesh, const Fill& fill, std::size_t c) {
+  const std::vector<std::uint8_t>& colour = fill.colour;
   Borders borders(canvas);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (colours[mesh.region[t]] != c) continue;
+    if (colour[t] != c) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t across = mesh.neighbours[t][k];
-      if (across < 0 || colours[mesh.region[static_cast<std::size_t>(across)]] != c)
+      if (across < 0 || colour[static_cast<std::size_t>(across)] != c)
         borders.add(mesh.triangles[t][(k + 1) % 3], mesh.triangles[t][(k + 2) % 3]);
     }
   }

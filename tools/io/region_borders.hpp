@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The regions of a picture: their colours, and the outlines along which they are filled.
+// The colours of a picture's triangles, by region or by least angle, and the outlines along which they are filled.
 #pragma once
 
 #include "canvas.hpp"
@@ -12,9 +12,24 @@ namespace gcdt::io {
 constexpr std::array<std::uint32_t, 7> region_colours = {0xcfe3c8, 0xf6e2b3, 0xf3c9c0, 0xc9d9ee,
                                                          0xe0cfe8, 0xd6e9e6, 0xead9c4};
 
-/// The number of a colour for each region: the first that no earlier region across an edge has; else any. So regions
-/// that share an edge have different colours, as long as those suffice.
-std::vector<std::uint8_t> colours_of_regions(const Triangulation& mesh);
+/// From the sharpest angles, red, to those of equilateral triangles, blue: distinct for most eyes.
+constexpr std::array<std::uint32_t, 12> angle_colours = {0x8e0b21, 0xb2182b, 0xd6604d, 0xf08a62, 0xf4b183, 0xfbd9a5,
+                                                         0xf7f3c6, 0xdcecd5, 0xb7dbe4, 0x92c5de, 0x6aa9d0, 0x4393c3};
+constexpr double degrees_of_colour = 60.0 / angle_colours.size();
+
+/// What fills a picture: nothing, if no colour is of any triangle.
+struct Fill {
+  std::vector<std::uint8_t> colour;    ///< of each triangle, in `colours`; or empty
+  std::vector<std::uint32_t> colours;  ///< red, green and blue
+  /// With colours by angle: how many triangles have a least angle from k degrees on, below k + 1, up to 60; else empty.
+  std::vector<std::size_t> histogram;
+};
+
+/// By region: the first colour that no earlier region across an edge has; else any. So regions that share an edge have
+/// different colours, as long as those suffice. Without regions nothing.
+Fill fill_by_region(const Triangulation& mesh);
+/// By the least angle of each triangle, five degrees a colour. `vertices`: all of them.
+Fill fill_by_angle(const Triangulation& mesh, const std::vector<std::array<double, 2>>& vertices);
 
 /// The outlines of all triangles of one colour, on a path (move, line, close). Each has its inside to the left, so that
 /// as many edges come to a vertex as leave it: a walk over unused edges ends where it began, and only there.
@@ -62,8 +77,7 @@ class Borders {
   std::vector<std::uint32_t> ends_;
 };
 
-/// The borders of all regions of colour `c`.
-Borders borders_of(const Canvas& canvas, const Triangulation& mesh, const std::vector<std::uint8_t>& colours,
-                   std::size_t c);
+/// The borders of all triangles of colour `c`.
+Borders borders_of(const Canvas& canvas, const Triangulation& mesh, const Fill& fill, std::size_t c);
 
 }  // namespace gcdt::io

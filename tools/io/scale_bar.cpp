@@ -4,8 +4,6 @@
 #include <cairo.h>
 #include <fmt/format.h>
 
-#include <string_view>
-
 namespace gcdt::io {
 
 namespace {
@@ -33,7 +31,8 @@ std::string_view strokes_of(char c) {
   }
 }
 
-/// Draws text with its upper left corner there, digits so high.
+}  // namespace
+
 void draw_text(cairo_t* pen, std::string_view text, double x, double y, double height) {
   const double unit = height / 6;
   for (const char c : text) {
@@ -55,8 +54,6 @@ void draw_text(cairo_t* pen, std::string_view text, double x, double y, double h
   cairo_set_line_width(pen, unit * 0.8);
   cairo_stroke(pen);
 }
-
-}  // namespace
 
 void draw_scale(cairo_t* pen, const Canvas& canvas, double y, double height) {
   const double room = largest_share * std::max(canvas.width, Canvas::longer_side / 4) * canvas.unit;

@@ -2,6 +2,8 @@
 // The bar that says how long things in a picture are.
 #pragma once
 
+#include <string_view>
+
 #include "canvas.hpp"
 
 typedef struct _cairo cairo_t;
@@ -11,5 +13,12 @@ namespace gcdt::io {
 /// Draws a bar from the left, `y` units down, within `height`; nothing where the canvas has no unit. Its length in the
 /// input's units is 1, 2 or 5 times a power of ten, and stands beside it. Digits are lines: pictures need no fonts.
 void draw_scale(cairo_t* pen, const Canvas& canvas, double y, double height);
+
+/// Draws digits and the like, so high, with their upper left corner there.
+void draw_text(cairo_t* pen, std::string_view text, double x, double y, double height);
+/// How wide digits are then.
+inline double text_width(std::string_view digits, double height) {
+  return (static_cast<double>(digits.size()) - 1.0 / 3) * height;
+}
 
 }  // namespace gcdt::io

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "region_borders.hpp"
+#include "histogram.hpp"
 #include "strokes.hpp"
 
 namespace gcdt::io {
@@ -35,16 +35,33 @@ class Path {
   bool first_ = true;
 };
 
-void fill_regions(OutputFile& file, const Canvas& canvas, const Triangulation& mesh) {
-  const std::vector<std::uint8_t> colours = colours_of_regions(mesh);
-  for (std::size_t c = 0; c < region_colours.size(); ++c) {
-    Borders borders = borders_of(canvas, mesh, colours, c);
+void fill_triangles(OutputFile& file, const Canvas& canvas, const Triangulation& mesh, const Fill& fill) {
+  for (std::size_t c = 0; c < fill.colours.size(); ++c) {
+    Borders borders = borders_of(canvas, mesh, fill, c);
     if (borders.empty()) continue;
-    file.print("<path fill=\"#{:06x}\" d=\"", region_colours[c]);
+    file.print("<path fill=\"#{:06x}\" d=\"", fill.colours[c]);
     Path path(file);
     borders.draw(path);
     file.print("\"/>\n");
   }
+}
+
+void draw_histogram(OutputFile& file, const Histogram& histogram) {
+  for (const HistogramBar& bar : histogram.bars)
+    file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" fill=\"#{:06x}\"/>\n", bar.x, bar.y,
+               bar.width, bar.height, bar.colour);
+  if (histogram.numbers.empty()) return;
+  file.print("<path stroke=\"#000\" stroke-width=\"{:.0f}\" d=\"M0 {:.0f}H{:.0f}\"/>\n", Histogram::gap / 8,
+             histogram.base, histogram.numbers.back().first);
+  for (const auto& [x, number] : histogram.numbers)
+    file.print(
+        "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"{}\" font-size=\"{:.0f}\" "
+        "font-family=\"sans-serif\">{}°</text>\n",
+        x, histogram.base + Histogram::gap / 2 + Histogram::numbers_high,
+        number == 0    ? "start"
+        : number == 60 ? "end"
+                       : "middle",
+        1.3 * Histogram::numbers_high, number);
 }
 
 void draw_edges(OutputFile& file, const Canvas& canvas, std::vector<Edge> edges, const char* colour, double stroke) {
@@ -65,23 +82,28 @@ void draw_dots(OutputFile& file, const Canvas& canvas, double stroke) {
 }  // namespace
 
 void write_svg(OutputFile& file, const Result& result) {
-  const Canvas canvas(all_vertices(result));
+  const std::vector<std::array<double, 2>> vertices = all_vertices(result);
+  const Canvas canvas(vertices);
+  const Fill fill = result.coloured_by_angle ? fill_by_angle(result.mesh, vertices) : fill_by_region(result.mesh);
   std::vector<Edge> unconstrained = unconstrained_edges(result.mesh);
   const double thin = thin_stroke(canvas, unconstrained, result.mesh.pieces), bold = 4 * thin;
   const double border = margin * Canvas::longer_side;
-  const double width = canvas.width + 2 * border, height = canvas.height + 2 * border;
+  const double legend = result.coloured_by_angle ? Histogram::height + border : 0;
+  const double width = canvas.width + 2 * border, height = canvas.height + 2 * border + legend;
   const double pixels = shown_pixels / std::max(width, height);
   file.print(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"{:.0f} {:.0f} {:.0f} "
       "{:.0f}\">\n",
       std::ceil(width * pixels), std::ceil(height * pixels), -border, -border, std::ceil(width), std::ceil(height));
   file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", -border, -border);
-  if (!result.mesh.region.empty()) fill_regions(file, canvas, result.mesh);
+  fill_triangles(file, canvas, result.mesh, fill);
   file.print("<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n");
   draw_edges(file, canvas, std::move(unconstrained), "#577", thin);
   draw_edges(file, canvas, {result.mesh.pieces.begin(), result.mesh.pieces.end()}, "#103", bold);
   if (result.mesh.triangles.empty()) draw_dots(file, canvas, 2 * bold);
-  file.print("</g>\n</svg>\n");
+  file.print("</g>\n");
+  draw_histogram(file, Histogram(canvas, fill, canvas.height + border));
+  file.print("</svg>\n");
 }
 
 }  // namespace gcdt::io

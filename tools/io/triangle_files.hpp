@@ -71,6 +71,7 @@ struct Result {
   const Input& input;
   const Triangulation& mesh;
   std::vector<double> added_attributes;  ///< as the input's, of added vertices: see gcdt::added_values
+  bool coloured_by_angle = false;        ///< pictures colour triangles by their least angle, else by region
 
   Result(const Input& of, const Triangulation& made);
 
