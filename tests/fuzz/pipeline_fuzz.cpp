@@ -186,6 +186,7 @@ void run_batch(const Graph& graph, const Options& options) {
   for (unsigned i = 0; i < graph.choices.seeds % 64u; ++i) {
     if (i % 8 == 0) other = graph;
     fuzz::Shapes(other, i + 64u * graph.choices.refinement).mutate();
+    other.choices = graph.choices;
     problems.push_back(problem_of(other, other.vertices.size()));
   }
   counts.problems += problems.size(), counts.in_batches += problems.size();

@@ -3,9 +3,11 @@
 // that is the same unless another is given. So tests, under any compiler and sanitizer, have a short form of
 // scripts/fuzz.sh.
 //
+// Bytes that end the process are left in the file "finding".
 // Usage: NAME_replay FOLDER SECONDS [SEED]
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -26,6 +28,22 @@ std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t m
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+
+Bytes running;  ///< what runs now
+
+extern "C" void keep_finding(int signal) {
+  std::signal(signal, SIG_DFL);
+  if (std::FILE* const file = std::fopen("finding", "wb")) {
+    std::fwrite(running.data(), 1, running.size(), file);
+    std::fclose(file);
+  }
+  std::raise(signal);
+}
+
+void run(Bytes bytes) {
+  running = std::move(bytes);
+  LLVMFuzzerTestOneInput(running.data(), running.size());
+}
 
 std::minstd_rand random_bytes(22);
 std::size_t below(std::size_t end) { return end == 0 ? 0 : random_bytes() % end; }
@@ -73,7 +91,8 @@ int main(int count, char** arguments) {
   constexpr std::size_t most = 4096;
   const std::vector<Bytes> corpus = files_of(arguments[1]);
   if (corpus.empty()) return std::fprintf(stderr, "%s: no file there\n", arguments[1]), 1;
-  for (const Bytes& bytes : corpus) LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+  for (const int signal : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS}) std::signal(signal, keep_finding);
+  for (const Bytes& bytes : corpus) run(bytes);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(std::atoi(arguments[2]));
   unsigned long executions = corpus.size();
   for (; std::chrono::steady_clock::now() < end; ++executions) {
@@ -85,7 +104,8 @@ int main(int count, char** arguments) {
       size = LLVMFuzzerCustomMutator
                  ? LLVMFuzzerCustomMutator(bytes.data(), size, most, static_cast<unsigned>(random_bytes()))
                  : LLVMFuzzerMutate(bytes.data(), size, most);
-    LLVMFuzzerTestOneInput(bytes.data(), size);
+    bytes.resize(size);
+    run(bytes);
   }
   std::printf("%lu executions\n", executions);
 }
