@@ -288,6 +288,7 @@ void add_minimise(CLI::App& gcdt, command::MinimiseArguments& arguments) {
       ->type_name("SECONDS")
       ->capture_default_str();
   app->add_option("--checks", arguments.most_checks, "How many checks are made at most")
+      ->check(CLI::Range(1.0, 1e15).description(""))
       ->type_name("COUNT")
       ->capture_default_str();
   app->add_flag("--quiet", arguments.quiet, "Print errors only");

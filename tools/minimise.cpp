@@ -271,6 +271,7 @@ class Minimiser {
 void minimise(const MinimiseArguments& arguments) {
   if (io::lower_extension(arguments.output) != ".poly")
     throw Failure(Exit::usage, fmt::format("{}: what is left is written as .poly", arguments.output));
+  if (!(arguments.seconds > 0)) throw Failure(Exit::usage, "--seconds must be above 0");
   if (arguments.input != "-" && io::same_file(arguments.input, arguments.output))
     throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", arguments.output));
   const io::Input input = io::read_input(arguments.input);

@@ -65,6 +65,8 @@ TEST_CASE("what is no failure, no input, or no place for the output is said") {
   CHECK(contains(session.bad(2, "minimise in.poly -o o.ele"), "is written as .poly"));
   CHECK(contains(session.bad(2, "minimise in.poly -o in.poly"), "is an input"));
   CHECK(contains(session.bad(2, "minimise in.poly -o o.poly --check false --crossing drop"), "excludes"));
+  CHECK(contains(session.bad(2, "minimise in.poly -o o.poly --seconds nan"), "--seconds must be above 0"));
+  CHECK(contains(session.bad(2, "minimise in.poly -o o.poly --checks -1"), "--checks"));
   CHECK(session.names() == std::vector<std::string>{"in.poly"});
   // Few checks: what was found by then.
   CHECK(contains(session.good("minimise in.poly -o o.poly --checks 2 --check false"),
