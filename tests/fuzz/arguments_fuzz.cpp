@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <initializer_list>
 #include <limits>
 #include <string>
@@ -81,7 +80,6 @@ class Arguments {
     at_ += size;
     return std::string(at_ - size, at_);
   }
-  /// Mostly true.
   std::size_t size_of(std::size_t right) {
     return rarely() ? one_of<std::size_t>({0, 1, 8, right - 1, right + 1, right + 8, SIZE_MAX}) : right;
   }
@@ -345,7 +343,7 @@ void ask_batch(Arguments& arguments, const gcdt_batch* batch) {
   check("gcdt_batch_get_statistics", gcdt_batch_get_statistics(batch, &statistics));
 }
 
-/// Offsets that go beyond the memory would be a lie; else they are anything.
+/// Offsets stay within the memory.
 void triangulate_batch(Arguments& arguments) {
   constexpr std::size_t vertices = 12, constraints = 12;
   gcdt_batch_input c = GCDT_BATCH_INPUT_INIT;
