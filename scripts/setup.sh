@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs the distribution's packages that building and running gcdt needs, and nothing else.
-# Usage: scripts/setup.sh [--tests]
+# Usage: scripts/setup.sh [--tests] [--fuzz]
 #   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, PyOpenCL, NumPy, shapely, meshio,
 #             poppler, abidiff, FreeType, Eigen, clang-format
+#   --fuzz    also what scripts/fuzz.sh needs: clang with its sanitizers and libFuzzer
 # Packages that are there already are left alone; if none is missing, neither the network nor root is needed.
 set -euo pipefail
 
@@ -13,13 +14,15 @@ build=(g++ cmake make pkg-config ca-certificates
 tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14
   python3-pyopencl python3-numpy python3-shapely python3-meshio poppler-utils abigail-tools binutils libfreetype-dev
   fonts-dejavu-core libeigen3-dev)
+fuzz=(clang libclang-rt-dev)
 
 wanted=("${build[@]}")
 for argument in "$@"; do
   case $argument in
     --tests) wanted+=("${tests[@]}") ;;
-    -h | --help) sed -n '3,7s/^# //p' "$0"; exit 0 ;;
-    *) echo "setup.sh: unknown option $argument (only --tests)" >&2; exit 2 ;;
+    --fuzz) wanted+=("${fuzz[@]}") ;;
+    -h | --help) sed -n '3,8s/^# //p' "$0"; exit 0 ;;
+    *) echo "setup.sh: unknown option $argument (only --tests and --fuzz)" >&2; exit 2 ;;
   esac
 done
 

@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "completion.hpp"
+#include "minimise.hpp"
 #include "progress.hpp"
 #include "triangle_switches.hpp"
 
@@ -56,6 +57,13 @@ constexpr const char* view_help =
     "corners\n"
     "and the input's constraints along its edges. What stands after # in its address (x, y, scale, colour,\n"
     "pick=X,Y) says what is shown at first.\n\n";
+
+constexpr const char* minimise_help =
+    "COMMAND is one for a shell, in which {} is the name of a .poly file, or which has that name as its last word. "
+    "The\n"
+    "check fails where the command's status is not 0. Whatever is left out or made smaller, it goes on failing with "
+    "the\n"
+    "status that it has for INPUT: constraints and vertices are left out, then coordinates made smaller.\n\n";
 
 constexpr const char* status_help =
     "Status: 0 done; 2 wrong usage; 3 the input cannot be read or is invalid; 4 no device, or it failed or\n"
@@ -277,6 +285,32 @@ void add_bench(CLI::App& gcdt, command::BenchArguments& arguments) {
   app->callback([&arguments] { command::bench(arguments); });
 }
 
+void add_minimise(CLI::App& gcdt, command::MinimiseArguments& arguments) {
+  CLI::App* app = gcdt.add_subcommand("minimise", "Make an INPUT for which a check fails as small as can be");
+  app->add_option("INPUT", arguments.input, "What triangulate takes")->required()->type_name("");
+  app->add_option("-o,--output", arguments.output, "The .poly file to write")->required()->type_name("OUTPUT.poly");
+  CLI::Option* check = app->add_option("--check", arguments.check,
+                                       "What is run for every smaller input; default: gcdt triangulate --verify, with "
+                                       "the options below")
+                           ->type_name("COMMAND");
+  add_crossing(*app, arguments.crossing);
+  add_domain(*app, arguments.domain);
+  app->add_option("--grid", arguments.grid, grid_help)->type_name("X,Y,CELL");
+  app->add_option("--device", arguments.device, device_help)->type_name("SPEC");
+  for (const char* other : {"--crossing", "--domain", "--grid", "--device"}) check->excludes(app->get_option(other));
+  app->add_option("--seconds", arguments.seconds, "A check that takes longer is killed, and has failed")
+      ->check(CLI::Range(0.001, 86400.0).description(""))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app->add_option("--checks", arguments.most_checks, "How many checks are made at most")
+      ->check(CLI::Range(1.0, 1e15).description(""))
+      ->type_name("COUNT")
+      ->capture_default_str();
+  app->add_flag("--quiet", arguments.quiet, "Print errors only");
+  app->footer(std::string(minimise_help) + status_help);
+  app->callback([&arguments] { command::minimise(arguments); });
+}
+
 void add_completion(CLI::App& gcdt, std::string& what) {
   CLI::App* app =
       gcdt.add_subcommand("completion", "Print what a shell needs to complete this command, or its man page");
@@ -314,6 +348,7 @@ int main(int argc, char** argv) {
   command::RasterArguments raster;
   command::ViewArguments view;
   command::BenchArguments bench;
+  command::MinimiseArguments minimise;
   std::string shell;
   app.set_version_flag("--version", std::string("gcdt ") + version());
   app.require_subcommand(1);
@@ -325,6 +360,7 @@ int main(int argc, char** argv) {
   add_view(app, view);
   app.add_subcommand("devices", "List the OpenCL devices of this machine")->callback(command::list_devices);
   add_bench(app, bench);
+  add_minimise(app, minimise);
   add_completion(app, shell);
   try {
     app.parse(argc, argv);

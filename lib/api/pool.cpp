@@ -14,7 +14,7 @@ namespace {
 // Problems without constraints may come without their offsets.
 struct ReadBatch {
   BatchInput batch;
-  std::vector<std::uint64_t> no_offsets;
+  std::vector<std::uint64_t> no_offsets;  ///< of arrays that are null
 };
 
 void require_ascending(const std::uint64_t* offsets, std::uint64_t problems, const char* name) {
@@ -35,18 +35,15 @@ ReadBatch read_batch(const gcdt_batch_input* input) {
   require(given.vertex_offsets, "gcdt_batch_input.vertex_offsets is null");
   require(given.constraint_offsets || !given.constraints, "gcdt_batch_input.constraint_offsets is null");
   require_ascending(given.vertex_offsets, batch.problems, "gcdt_batch_input.vertex_offsets");
-  batch.vertex_offsets = given.vertex_offsets;
-  batch.constraint_offsets = given.constraint_offsets;
-  if (given.constraint_offsets) {
+  if (given.constraint_offsets)
     require_ascending(given.constraint_offsets, batch.problems, "gcdt_batch_input.constraint_offsets");
-  } else {
-    read.no_offsets.assign(batch.problems + 1, 0);
-    batch.constraint_offsets = read.no_offsets.data();
-  }
-  require(given.vertices || given.vertex_offsets[batch.problems] == given.vertex_offsets[0],
-          "gcdt_batch_input.vertices is null");
-  require(given.constraints || batch.constraint_offsets[batch.problems] == batch.constraint_offsets[0],
-          "gcdt_batch_input.constraints is null");
+  const auto none = [&](const std::uint64_t* offsets) { return !offsets || offsets[batch.problems] == offsets[0]; };
+  require(given.vertices || none(given.vertex_offsets), "gcdt_batch_input.vertices is null");
+  require(given.constraints || none(given.constraint_offsets), "gcdt_batch_input.constraints is null");
+  // There are no places in an array that is not there.
+  if (!given.vertices || !given.constraints) read.no_offsets.assign(batch.problems + 1, 0);
+  batch.vertex_offsets = given.vertices ? given.vertex_offsets : read.no_offsets.data();
+  batch.constraint_offsets = given.constraints ? given.constraint_offsets : read.no_offsets.data();
   batch.vertices = given.vertices;
   batch.constraints = reinterpret_cast<const Constraint*>(given.constraints);
   return read;

@@ -7,6 +7,7 @@
 
 #include "device/host_room.hpp"
 #include "device/transfer_chunks.hpp"
+#include "phases/order.hpp"
 #include "solve/refine_result.hpp"
 
 using namespace gcdt;
@@ -171,11 +172,13 @@ Points::Type read_type(std::int32_t coordinate_type) {
 
 Points read_points(const gcdt_input& input) {
   require(input.vertices || input.vertex_count == 0, "gcdt_input.vertices is null");
+  check_vertex_count(input.vertex_count);
   return part_of(read_type(input.coordinate_type), input.vertices, 0, static_cast<std::size_t>(input.vertex_count));
 }
 
 Constraints read_constraints(const gcdt_input& input) {
   require(input.constraints || input.constraint_count == 0, "gcdt_input.constraints is null");
+  check_constraint_count(input.constraint_count);
   return {reinterpret_cast<const Constraint*>(input.constraints), static_cast<std::size_t>(input.constraint_count)};
 }
 

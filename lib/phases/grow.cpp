@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "phases/insert.hpp"
+
 namespace gcdt {
 
 namespace {
@@ -111,6 +113,7 @@ GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& ver
     growth.insert_problems();
     return growth.result;
   }
+  if (end == 0) insert_root(runtime, vertices, mesh);  // which else the work-item of the first vertices makes
   const auto& levels = vertices.levels;
   std::uint32_t level = 0;
   while (level < levels.count && levels.begin[level] < end) {

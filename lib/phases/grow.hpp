@@ -14,7 +14,7 @@ struct GrowResult {
 };
 
 /// Makes the mesh, whatever it holds, that of the symbolic triangles and of all vertices below `end`, the first of a
-/// level; without any it does nothing. After: the mesh is Delaunay, and no edge is constrained. Throws round_limit.
+/// level. After: the mesh is Delaunay, and no edge is constrained. Throws round_limit.
 GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                 const WorkLists& lists, PhaseCounters& counters, std::uint32_t end, Ticker& ticker);
 

@@ -213,6 +213,11 @@ void check_vertex_count(std::uint64_t n) {
                 std::to_string(n) + " vertices; at most " + std::to_string(max_vertices) + " can be numbered");
 }
 
+void check_constraint_count(std::uint64_t m) {
+  if (m > GCDT_MAX_CONSTRAINTS)
+    throw Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(m));
+}
+
 InputPoints stage(runtime::Runtime& runtime, Points points) {
   check_vertex_count(points.size());
   InputPoints staged;

@@ -28,6 +28,8 @@ std::size_t words_per_vertex(Points::Type type);
 
 /// Throws too_many_vertices for more than max_vertices.
 void check_vertex_count(std::uint64_t n);
+/// Throws invalid_argument.
+void check_constraint_count(std::uint64_t m);
 
 /// Copies points from host memory. Throws too_many_vertices.
 InputPoints stage(runtime::Runtime& runtime, Points points);

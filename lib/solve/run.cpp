@@ -19,8 +19,7 @@ Run::Run(runtime::Runtime& device, Primitives& all, const Options& wanted, std::
       launches_(device.launches()),
       read_backs_(device.read_backs()) {
   check_vertex_count(n);
-  if (m > GCDT_MAX_CONSTRAINTS)
-    throw Error(Status::invalid_argument, "more than 2^31 - 1 constraints: " + std::to_string(m));
+  check_constraint_count(m);
   runtime.meter().restart_peaks();
 }
 

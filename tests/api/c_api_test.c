@@ -175,6 +175,41 @@ static void check_input_errors(gcdt_solver* solver) {
   CHECK(result == NULL);
 }
 
+/* What has no device between it and the arrays: a count that cannot be is refused before anything is read. */
+static void check_counts_on_the_host(void) {
+  const double at[2] = {0.5, 0.5}, values[4] = {0, 0, 0, 0};
+  const uint32_t crossing[2] = {0, 1};
+  double value = 0;
+  gcdt_input input = square();
+  input.constraints = diagonals;
+  input.constraint_count = 2;
+  CHECK(gcdt_added_values(&input, at, crossing, 1, values, &value) == GCDT_OK);
+  input.vertex_count = UINT64_MAX;
+  CHECK(gcdt_added_values(&input, at, crossing, 1, values, &value) == GCDT_ERROR_TOO_MANY_VERTICES);
+  gcdt_grid grid;
+  memset(&grid, 0, sizeof grid);
+  grid.struct_size = sizeof grid;
+  CHECK(gcdt_choose_grid(&input, NULL, &grid) == GCDT_ERROR_TOO_MANY_VERTICES);
+  input = square();
+  input.constraints = diagonals;
+  input.constraint_count = UINT64_MAX;
+  CHECK(gcdt_added_values(&input, at, crossing, 1, values, &value) == GCDT_ERROR_INVALID_ARGUMENT);
+}
+
+/* Constraints without vertices have no ends. */
+static void check_constraints_alone(gcdt_solver* solver) {
+  gcdt_input input = GCDT_INPUT_INIT;
+  gcdt_options options = GCDT_OPTIONS_INIT;
+  gcdt_result* result = NULL;
+  input.constraints = diagonals;
+  input.constraint_count = 2;
+  for (options.crossing = 0; options.crossing < 3; ++options.crossing) {
+    CHECK(gcdt_triangulate(solver, &input, &options, &result) == GCDT_ERROR_INDEX_OUT_OF_RANGE);
+    CHECK(last(solver).index_count == 2 && last(solver).indices[0] == 0 && last(solver).indices[1] == 0);
+  }
+  CHECK(result == NULL);
+}
+
 static int32_t reenter(void* user, const char* phase, double done) {
   gcdt_solver* solver = *(gcdt_solver**)user;
   (void)phase, (void)done;
@@ -270,6 +305,8 @@ int main(void) {
   CHECK(last(solver).status == GCDT_OK);
   check_errors(solver);
   check_input_errors(solver);
+  check_counts_on_the_host();
+  check_constraints_alone(solver);
   CHECK(lines > 0);
   check_mesh(solver);
 

@@ -10,6 +10,22 @@
 using namespace gcdt;
 using namespace gcdt::test;
 
+TEST_CASE("offsets into arrays that are null are of problems without vertices, wherever they say that these begin") {
+  const Pool pool(test_device());
+  const std::uint64_t offsets[] = {12, 12, 12};
+  gcdt_batch_input input = GCDT_BATCH_INPUT_INIT;
+  input.problem_count = 2, input.vertex_offsets = input.constraint_offsets = offsets;
+  gcdt_batch* batch = nullptr;
+  REQUIRE(gcdt_pool_triangulate(pool.handle(), &input, nullptr, &batch) == GCDT_OK);
+  const BatchResult result(batch);
+  CHECK(result.size() == 2);
+  for (std::size_t p = 0; p < 2; ++p) {
+    CHECK(!result.error(p));
+    CHECK(result.representative(p).size() == 0);
+  }
+  CHECK(result.statistics().vertices == 0);
+}
+
 TEST_CASE("batches of nothing, of empty problems, and of equal ones") {
   Pool pool(test_device());
   const BatchResult nothing = pool.triangulate(Batch());

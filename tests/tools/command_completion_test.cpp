@@ -6,8 +6,8 @@ using namespace gcdt::testing;
 
 namespace {
 
-const std::vector<std::string> commands = {"triangulate", "batch",   "verify", "locate",    "raster",
-                                           "view",        "devices", "bench",  "completion"};
+const std::vector<std::string> commands = {"triangulate", "batch",   "verify", "locate",   "raster",
+                                           "view",        "devices", "bench",  "minimise", "completion"};
 
 /// What bash offers for the last of these words.
 std::string offered(const Session& session, const std::string& words, int number) {

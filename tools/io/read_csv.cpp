@@ -32,7 +32,7 @@ std::optional<double> number(std::string_view field) {
 
 class Reader {
  public:
-  Reader(const std::string& path, Input& input) : path_(path), text_(read_file(path)), input_(input) {}
+  Reader(const std::string& path, Input& input) : path_(path), text_(read_file(path, longest_word)), input_(input) {}
 
   void read() {
     std::string_view rest = text_;

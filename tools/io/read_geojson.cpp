@@ -28,6 +28,7 @@ class Reader {
   Input read(std::string_view text) {
     input_.vertex_file = input_.constraint_file = name_;
     text_ = text;
+    check_depth();
     Json root;
     try {
       root = Json::parse(text);
@@ -54,6 +55,28 @@ class Reader {
    private:
     Reader& reader_;
   };
+
+  /// Functions that call themselves for what is inside, such as Json::dump(), are safe after this.
+  void check_depth() const {
+    constexpr int deepest = 1000;
+    int depth = 0;
+    std::size_t line = 1;
+    bool quoted = false;
+    for (std::size_t i = 0; i < text_.size(); ++i) {
+      const char c = text_[i];
+      if (c == '\n') ++line;
+      if (c == '"') quoted = !quoted;
+      if (quoted) {
+        i += c == '\\' ? 1 : 0;
+        continue;
+      }
+      if (c == '[' || c == '{') ++depth;
+      if (c == ']' || c == '}') --depth;
+      if (depth > deepest)
+        throw Failure(Exit::input, fmt::format("{}{}: nested deeper than {}", name_,
+                                               lines_ ? fmt::format(":{}", line) : "", deepest));
+    }
+  }
 
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
     const std::string line = lines_ ? fmt::format(":{}", json_line(text_, path_)) : "";

@@ -100,7 +100,8 @@ class Reader {
   void take_element(std::istringstream& words) {
     Element element;
     std::int64_t count = -1;
-    if (!(words >> element.name >> count) || count < 0) fail("an element has a name and a count");
+    std::string more;
+    if (!(words >> element.name >> count) || count < 0 || words >> more) fail("an element has a name and a count");
     element.count = static_cast<std::uint64_t>(count);
     elements_.push_back(element);
   }

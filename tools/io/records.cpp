@@ -28,29 +28,35 @@ std::string printable(std::string_view field) {
 
 std::string shown_name(const std::string& path) { return path == "-" ? "<stdin>" : path; }
 
-std::string read_file(const std::string& path) {
+std::string read_file(const std::string& path, std::size_t longest) {
   auto close = [](std::FILE* f) {
     if (f != stdin) std::fclose(f);
   };
   std::unique_ptr<std::FILE, decltype(close)> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"), close);
   if (!file) throw Failure(Exit::input, fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
-  std::string text;
-  std::size_t used = 0;
+  std::size_t expected = 0;
   if (path != "-" && std::fseek(file.get(), 0, SEEK_END) == 0) {
     const long size = std::ftell(file.get());
     std::rewind(file.get());
     // A directory has an absurd size here, and a pipe none: the loop below grows as it reads.
-    if (size > 0 && size < (1l << 40)) text.resize(static_cast<std::size_t>(size) + 1);
+    if (size > 0 && size < (1l << 40)) expected = static_cast<std::size_t>(size) + 1;
   }
-  for (;;) {
-    if (used == text.size()) text.resize(std::max<std::size_t>(1 << 16, used * 2));
+  std::string text;
+  for (std::size_t used = 0;;) {
+    // The first block is read before there is room for the rest: what is no text shows there.
+    constexpr std::size_t first = 1 << 21, next = 1 << 24;
+    if (used >= first && expected > text.capacity()) text.reserve(expected);
+    text.resize(used + (used < first ? std::min(expected > 0 ? expected : first, first) : next));
     const std::size_t got = std::fread(&text[used], 1, text.size() - used, file.get());
-    if (got == 0) break;
     used += got;
+    if (got == 0 || used < text.size()) text.resize(used);
+    if (got == 0) break;
+    const std::size_t blank = text.size() <= longest ? 0 : text.find_last_of(" \t\r\n");
+    if (text.size() > longest && text.size() - (blank == text.npos ? 0 : blank) > longest)
+      throw Failure(Exit::input, fmt::format("{}: a word of more than {} bytes", shown_name(path), longest));
   }
   if (std::ferror(file.get()))
     throw Failure(Exit::input, fmt::format("{}: cannot be read: {}", shown_name(path), std::strerror(errno)));
-  text.resize(used);
   return text;
 }
 

@@ -12,8 +12,10 @@
 
 namespace gcdt::io {
 
-/// The whole of a file, or of standard input for "-". Throws Failure (Exit::input).
-std::string read_file(const std::string& path);
+/// The whole of a file, or of standard input for "-". Throws Failure (Exit::input), of a file without blanks for more
+/// than `longest` bytes at once as soon as these are read, some more or less: no record is like that.
+std::string read_file(const std::string& path, std::size_t longest = SIZE_MAX);
+constexpr std::size_t longest_word = 1 << 20;
 
 /// How a file is named in messages: its path, or "<stdin>" for "-".
 std::string shown_name(const std::string& path);
@@ -39,7 +41,7 @@ class LineNumbers {
 /// Reads records field by field. Every failure says FILE:LINE: what.
 class Records {
  public:
-  explicit Records(const std::string& path) : Records(shown_name(path), read_file(path)) {}
+  explicit Records(const std::string& path) : Records(shown_name(path), read_file(path, longest_word)) {}
   Records(std::string name, std::string text);
   Records(const Records&) = delete;
   Records& operator=(const Records&) = delete;
