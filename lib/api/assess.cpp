@@ -115,10 +115,11 @@ Given read_given(Points points, const MeshView& mesh, const Grid& grid) {
   std::vector<proof::Vertex> on_grid = proof::quantise(points, grid, reason);
   if (!reason.empty()) throw Error(Status::invalid_argument, reason);
   for (std::size_t v = 0; v < points.size(); ++v) at.push_back({points.coordinate(v, 0), points.coordinate(v, 1)});
+  const proof::Coordinates coordinates(grid);
   for (const auto& [x, y] : mesh.added) {
     require(x >= 0 && y >= 0, "an added vertex is outside the grid");
     on_grid.push_back({x, y});
-    at.push_back({proof::coordinate_at(grid, 0, x), proof::coordinate_at(grid, 1, y)});
+    at.push_back({coordinates.at(0, x), coordinates.at(1, y)});
   }
   return {std::move(at), proof::Sites(std::move(on_grid))};
 }

@@ -77,7 +77,8 @@ int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint
     const Grid known = read_whole_grid(grid);
     require((points && coordinates) || count == 0, "points or coordinates is null");
     for (uint64_t i = 0; i < 2 * count; ++i) require(points[i] >= 0, "a grid point is negative");
-    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = proof::coordinate_at(known, int(i % 2), points[i]);
+    const proof::Coordinates exact(known);
+    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = exact.at(int(i % 2), points[i]);
   });
 }
 

@@ -71,6 +71,19 @@ std::string grid_defect(const Grid& grid);
 /// The double nearest to the coordinate of grid line `at` of a grid without defect.
 double coordinate_at(const Grid& grid, int axis, std::int32_t at);
 
+/// The same of many grid lines: by one operation in doubles where that is exact, that is for almost all grids.
+class Coordinates {
+ public:
+  explicit Coordinates(const Grid& grid);
+  double at(int axis, std::int32_t at) const;
+
+ private:
+  const Grid& grid_;
+  std::array<std::optional<std::int64_t>, 2> first_{};  ///< of a decimal grid: its origin in cells, if it is small
+  double ten_ = 0;                                      ///< of a decimal grid: cells in 1, if it is exact
+  double cell_ = 0;                                     ///< of others, if multiples of it by grid lines are exact
+};
+
 /// The grid line to which a finite coordinate is rounded; none if that is outside. On a decimal grid the coordinate
 /// is read as it is written, if it is written with its decimals.
 std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v);

@@ -171,6 +171,35 @@ double coordinate_at(const Grid& grid, int axis, std::int32_t at) {
   return sum.sign() < 0 ? -v : v;
 }
 
+// A double has 53 bits. IEEE 754 has quotients and sums rounded to the nearest double, ties to even, as
+// nearest_double() does: of two exact doubles, which integers below 2^53, powers of ten up to 10^22 and products by a
+// power of two are.
+Coordinates::Coordinates(const Grid& grid) : grid_(grid) {
+  constexpr int bits = 53, most_decimals = 22, most_exponent = 900;
+  if (grid.kind == Grid::Kind::decimal) {
+    if (grid.cell_decimals > most_decimals) return;
+    for (int axis = 0; axis < 2; ++axis)
+      if (const auto units = in_units(grid.origin[axis], grid.cell_decimals))
+        if (const Wide most = Wide{1} << (bits - 1); *units > -most && *units < most)
+          first_[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(*units);
+    ten_ = 1;
+    for (int i = 0; i < grid.cell_decimals; ++i) ten_ *= 10;
+    return;
+  }
+  const Cell cell = cell_of(grid);
+  const bool is_small = std::fabs(grid.origin[0]) < 1e300 && std::fabs(grid.origin[1]) < 1e300;
+  if (cell.five == 0 && bit_length(cell.units) + 31 <= bits && std::abs(cell.two) < most_exponent && is_small)
+    cell_ = std::ldexp(static_cast<double>(cell.units), cell.two);
+}
+
+double Coordinates::at(int axis, std::int32_t at) const {
+  if (grid_.kind != Grid::Kind::decimal)
+    return cell_ > 0 ? grid_.origin[axis] + at * cell_ : coordinate_at(grid_, axis, at);
+  const auto& first = first_[static_cast<std::size_t>(axis)];
+  if (!first) return coordinate_at(grid_, axis, at);
+  return static_cast<double>(*first + at) / ten_;
+}
+
 std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v) {
   std::int32_t at = 0;
   if (grid.kind == Grid::Kind::decimal && place_decimal(v, grid.origin[axis], grid.cell_decimals, at)) return at;

@@ -283,6 +283,43 @@ TEST_CASE("named inputs get the kinds that docs/contract.md gives them") {
   CHECK(choose_grid(Points()).origin == std::array<double, 2>{0, 0});
 }
 
+TEST_CASE("coordinates of many grid lines are those that one by one get by exact integers") {
+  Random random(77031);
+  const auto below = [&](std::uint64_t n) { return random() % n; };
+  std::size_t grids = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Grid grid;
+    grid.kind = std::array{Grid::Kind::decimal, Grid::Kind::binary, Grid::Kind::rounded, Grid::Kind::fixed}[i % 4];
+    if (grid.kind == Grid::Kind::decimal) {
+      grid.cell_units = 1, grid.cell_decimals = static_cast<int>(below(26));
+      for (double& v : grid.origin)
+        v = std::ldexp(static_cast<double>(random() >> 11), -static_cast<int>(below(70))) * (below(2) ? 1 : -1);
+    } else {
+      grid.cell_units = grid.kind == Grid::Kind::fixed && below(2) ? 1 + below(std::uint64_t{1} << below(40)) : 0;
+      grid.cell_decimals = grid.cell_units > 0 ? static_cast<int>(below(8)) - 2 : 0;
+      grid.cell_exponent = grid.cell_units > 0 ? 0 : static_cast<int>(below(2200)) - 1150;
+      for (double& v : grid.origin)
+        v = below(4) == 0 ? 0
+                          : std::ldexp(static_cast<double>(random() >> 11),
+                                       grid.cell_exponent + static_cast<int>(below(90)) - 60);
+    }
+    if (!std::isfinite(grid.origin[0]) || !std::isfinite(grid.origin[1]) || !proof::grid_defect(grid).empty()) continue;
+    ++grids;
+    const proof::Coordinates many(grid);
+    for (const std::int64_t line :
+         std::array<std::int64_t, 5>{0, 1, 2, static_cast<std::int64_t>(below(std::uint64_t{1} << 31)), 0x7fffffff})
+      for (int axis = 0; axis < 2; ++axis) {
+        const auto at = static_cast<std::int32_t>(line);
+        const double fast = many.at(axis, at), exact = proof::coordinate_at(grid, axis, at);
+        if (fast == exact) continue;
+        CAPTURE(i);
+        CAPTURE(at);
+        CHECK(fast == exact);
+      }
+  }
+  CHECK(grids > 3000);
+}
+
 TEST_CASE("points of every number type get the grid of the doubles they equal") {
   const std::vector<std::array<float, 2>> floats = {{0.1f, 0.5f}, {3.25f, -7.5f}};
   const std::vector<std::array<std::int32_t, 2>> integers = {{-2147483647 - 1, 5}, {2147483647, 6}};
