@@ -42,7 +42,7 @@ const ProgramInfo programs[] = {
     {"quality", "quality", false},
     {"refine", "refine", true},
     {"regions", "regions", false},
-    {"relink", "relink", false},
+    {"relink", "relink", true},
     {"result_fans", "result_fans", true},
     {"renew", "renew", true},
     {"retriangulate", "retriangulate", true},
