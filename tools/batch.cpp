@@ -83,10 +83,10 @@ void prove(Problem& problem, const Triangulation& mesh, const Options& options) 
   const Grid& grid = mesh.statistics.grid;
   const bool regions = options.regions || options.domain != Domain::hull;
   const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
-  const Verification proof =
-      options.refine ? gcdt::verify_refined(input.vertices, input.constraints, view, grid, options)
-      : regions      ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
-                     : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
+  const Verification proof = options.refine ? verify_refined_but(uncovered(mesh.statistics), input, view, grid, options)
+                             : regions
+                                 ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
+                                 : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!proof.valid)
     problem.failure =
         Failure(Exit::check, fmt::format("{}: the result failed its verification: {}", problem.name, proof.reason));

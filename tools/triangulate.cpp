@@ -118,7 +118,7 @@ void prove(const io::Input& input, const Triangulation& mesh, const Options& opt
   const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
   const Grid& grid = mesh.statistics.grid;
   const Verification verification =
-      options.refine ? gcdt::verify_refined(input.vertices, input.constraints, view, grid, options)
+      options.refine ? verify_refined_but(uncovered(mesh.statistics), input, view, grid, options)
       : regions      ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
                      : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   if (!verification.valid)

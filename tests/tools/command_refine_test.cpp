@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gcdt triangulate --refine as its user sees it: options and what is refused, the files, the statistics.
+#include <random>
+
 #include "command_session.hpp"
 
 using namespace gcdt::testing;
@@ -159,6 +161,26 @@ TEST_CASE("refined meshes are verified from the files, and triangles that are ex
   const std::string found = session.good("verify needle.poly n.ele --refine 20");
   CHECK(contains(found, "1 triangles are excused"));
   CHECK(contains(found, "in an angle between constraints"));
+}
+
+TEST_CASE("triangles at a bent hull that could not be split are proved to be no more than were counted") {
+  Session session;
+  std::uint64_t refused = 0;
+  for (std::uint64_t seed = 1; seed < 10 && refused < 2; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto number = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };  // they fill the grid
+    std::ostringstream points;
+    points.precision(17);
+    points << "3000 2 0 0\n";
+    for (int i = 1; i <= 3000; ++i) points << i << ' ' << number() << ' ' << number() << '\n';
+    session.write("in.node", points.str());
+    refused = statistics(session, "in.node --refine 20 --verify -o o.ele")["refine"]["left_refused"];
+  }
+  REQUIRE(refused > 1);
+  CHECK(contains(session.bad(5, "verify in.node o.ele --refine 20"), "nothing excuses it"));
+  const std::string how = "verify in.node o.ele --refine 20 --left ";
+  session.good(how + std::to_string(refused));
+  CHECK(contains(session.bad(5, how + std::to_string(refused - 1)), "may be"));
 }
 
 TEST_CASE("Triangle's switches") {
