@@ -2,6 +2,7 @@
 // One problem in tiles: the same arrays as from one device, wherever it is cut.
 #include "corpus.hpp"
 #include "device_list.hpp"
+#include "kinds.hpp"
 #include "pool_cases.hpp"
 #include "tiles/tiled.hpp"
 
@@ -162,6 +163,19 @@ TEST_CASE("the corpus in tiles gives the bytes and the errors of one device") {
     ++entries;
   }
   CHECK(entries > 20);
+}
+
+TEST_CASE("a device treated as a GPU gives the same bytes") {
+  DevicePool pool({{cl::Context(), app_device(), treated_as(DeviceKind::gpu)}}, {}, {});
+  for (const char* name : {"uniform", "letters", "line", "clusters"}) {
+    CAPTURE(name);
+    check_same(workload(name, 1500), evenly(3), with(Crossing::reject), pool);
+  }
+  for (unsigned i = 0; i < 6; ++i) {  // with vertices that are one, and constraints that pass and cross
+    CAPTURE(i);
+    const Crossing crossing = std::array{Crossing::drop, Crossing::split}[i % 2];
+    check_same(random_crossing(120, 12 + i, 30, 9000 + i), evenly(2 + i % 3), with(crossing), pool);
+  }
 }
 
 TEST_CASE("devices of two vendors share the tiles of one problem") {
