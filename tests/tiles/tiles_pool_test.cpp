@@ -171,3 +171,25 @@ TEST_CASE("a device that fails at its k-th OpenCL call changes no byte of a prob
   for (std::uint64_t i = 0; i < 24; ++i) lost += run(1 + i * all / 24, i % 2 == 0);
   CHECK(lost > 8);
 }
+
+TEST_CASE(
+    "a device that is lost when its tiles are solved changes no byte, be it in the seam or when they are written") {
+  const Workload work = workload("letters", 800);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  constexpr std::uint64_t never = std::uint64_t{1} << 40;
+  for (int i = 0; i < 4; ++i) {
+    CAPTURE(i);
+    const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+    DevicePool pool({{cl::Context(), app_device(), failing(calls, never, true, CL_INVALID_COMMAND_QUEUE)},
+                     {cl::Context(), app_device(), healthy()}},
+                    {}, {});
+    Options options = in_tiles(4);
+    options.progress = [&](const char* phase, double done) {
+      if (std::string(phase) == "tiles" && done > 0.699) *calls = never;  // all are solved: it fails from now on
+      return true;
+    };
+    expected.check(tiles::triangulate(pool, batch.view(), options));
+    CHECK(pool.report(0).lost.has_value());
+  }
+}
