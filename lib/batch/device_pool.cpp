@@ -90,13 +90,18 @@ void DevicePool::lose(std::size_t device, const Error& error) {
   if (log_) log_(GCDT_LOG_WARNING, (report.info.name + " is taken out of the pool: " + error.what()).c_str());
 }
 
+std::vector<DevicePlan> DevicePool::current_plans() const {
+  std::vector<PooledDevice> devices = devices_;
+  for (std::size_t i = 0; i < devices.size(); ++i) devices[i].lost = reports_[i].lost.has_value();
+  return plan_pool(devices);
+}
+
 // Tells the plan in the log, and in the trace as a span of no length of each device's first worker.
 std::vector<DevicePlan> DevicePool::plan() {
-  for (std::size_t i = 0; i < devices_.size(); ++i) devices_[i].lost = reports_[i].lost.has_value();
-  std::vector<DevicePlan> plans = plan_pool(devices_);
+  std::vector<DevicePlan> plans = current_plans();
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    texts.push_back(devices_[i].lost ? "taken out of the pool" : plans[i].text());
+    texts.push_back(reports_[i].lost ? "taken out of the pool" : plans[i].text());
     if (log_) log_(GCDT_LOG_INFORMATION, ("pool plan: " + texts[i]).c_str());
   }
   for (const Worker& worker : workers_)
@@ -128,12 +133,10 @@ bool DevicePool::prepares_host_memory() const {
 }
 
 std::vector<std::uint64_t> DevicePool::capacities() const {
-  std::vector<PooledDevice> devices = devices_;
-  for (std::size_t i = 0; i < devices.size(); ++i) devices[i].lost = reports_[i].lost.has_value();
-  const std::vector<DevicePlan> plans = plan_pool(devices);
+  const std::vector<DevicePlan> plans = current_plans();
   std::vector<std::uint64_t> all;
   for (std::size_t i = 0; i < plans.size(); ++i)
-    if (!devices[i].lost) all.push_back(plans[i].capacity);
+    if (!reports_[i].lost) all.push_back(plans[i].capacity);
   if (all.empty()) all.push_back(0);
   std::sort(all.begin(), all.end());
   return all;
@@ -288,9 +291,8 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
   own.progress = {};
   worker.runtime->give_up_when([&schedule, job] { return schedule.needless(*job); });
   const Stopwatch stopwatch(*worker.runtime);
-  Made made = call.make_one
-                  ? make_one_by_one(number, job->problems, *call.make_one, schedule.state(number).plan.capacity)
-                  : make(worker, call.batch, job->problems, own);
+  Made made = call.make_one ? make_on_lent(worker, job->problems, *call.make_one, schedule.state(number).plan.capacity)
+                            : make(worker, call.batch, job->problems, own);
   const double ms = stopwatch.milliseconds();
   if (!schedule.finish(number, job, std::move(made.result), std::move(made.errors), ms)) return;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -303,8 +305,11 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
 
 DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers,
                                   const Options& options) {
-  return options.refine ? make_refined(worker, batch, numbers, options)
-                        : make_forest(worker, batch, std::move(numbers), options);
+  // Refinement numbers added vertices through the whole mesh and judges lengths by the cells of one grid, so problems
+  // are refined one by one.
+  if (options.refine)
+    return make_one_by_one(worker, numbers, [&](std::uint32_t p) { return make_single(worker, batch, p, options); });
+  return make_forest(worker, batch, std::move(numbers), options);
 }
 
 // Runs the problems. If the input of some is invalid, it takes those out and runs the rest again. That ends because
@@ -332,23 +337,6 @@ DevicePool::Made DevicePool::make_forest(Worker& worker, const BatchInput& batch
   for (const auto& [place, error] : made.result.refused) made.errors.emplace_back(numbers[place], error);
   for (const std::uint32_t place : made.result.to_split)
     made.result.add(make_single(worker, batch, numbers[place], options));
-  return made;
-}
-
-// Refinement numbers added vertices through the whole mesh and judges lengths by the cells of one grid, so problems are
-// refined one by one.
-DevicePool::Made DevicePool::make_refined(Worker& worker, const BatchInput& batch,
-                                          const std::vector<std::uint32_t>& numbers, const Options& options) {
-  Made made;
-  for (const std::uint32_t p : numbers) {
-    try {
-      made.result.add(make_single(worker, batch, p, options));
-    } catch (const Error& error) {
-      if (!is_of_problem(error.status())) throw;
-      settle(worker);
-      made.errors.emplace_back(p, error);
-    }
-  }
   return made;
 }
 

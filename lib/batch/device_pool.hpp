@@ -113,6 +113,7 @@ class DevicePool {
     Who who;
   };
   void open(Member& member, std::size_t device, const DevicePlan& plan);
+  std::vector<DevicePlan> current_plans() const;
   std::vector<DevicePlan> plan();
   std::vector<WorkerState> states(const std::vector<DevicePlan>& plans, const Call& call) const;
   PoolResult run(const Call& call);
@@ -121,11 +122,12 @@ class DevicePool {
   void run_job(std::size_t worker, Schedule& schedule, const std::shared_ptr<Job>& job, const Call& call);
   Made make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
   Made make_forest(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers, const Options& options);
-  Made make_refined(Worker& worker, const BatchInput& batch, const std::vector<std::uint32_t>& numbers,
-                    const Options& options);
   ForestResult make_single(Worker& worker, const BatchInput& batch, std::uint32_t problem, const Options& options);
-  Made make_one_by_one(std::size_t worker, const std::vector<std::uint32_t>& numbers, const MakeOne& make,
-                       std::uint64_t capacity);
+  Made make_on_lent(Worker& worker, const std::vector<std::uint32_t>& numbers, const MakeOne& make,
+                    std::uint64_t capacity);
+  /// An Error of a problem is the problem's.
+  Made make_one_by_one(Worker& worker, const std::vector<std::uint32_t>& numbers,
+                       const std::function<ForestResult(std::uint32_t problem)>& make);
   void give_up(std::size_t number, Schedule& schedule, const std::shared_ptr<Job>& job, const Error& error);
   void settle(Worker& worker);
   void lose(std::size_t device, const Error& error);

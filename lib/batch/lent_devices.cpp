@@ -32,7 +32,7 @@ PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options
 }
 
 bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
-  const std::vector<DevicePlan> plans = plan();
+  const std::vector<DevicePlan> plans = current_plans();
   std::vector<std::thread> threads;
   std::atomic<bool> all{true};
   std::optional<Error> spill_failed;  // no fault of a device; under mutex_
@@ -67,17 +67,23 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
   return all;
 }
 
-DevicePool::Made DevicePool::make_one_by_one(std::size_t number, const std::vector<std::uint32_t>& numbers,
-                                             const MakeOne& make, std::uint64_t capacity) {
-  Worker& worker = workers_[number];
+DevicePool::Made DevicePool::make_on_lent(Worker& worker, const std::vector<std::uint32_t>& numbers,
+                                          const MakeOne& make, std::uint64_t capacity) {
   Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity};
   const Alone alone(*worker.runtime);
+  return make_one_by_one(worker, numbers, [&](std::uint32_t p) {
+    ForestResult one = make(lent, p);
+    one.problems = {p};
+    return one;
+  });
+}
+
+DevicePool::Made DevicePool::make_one_by_one(Worker& worker, const std::vector<std::uint32_t>& numbers,
+                                             const std::function<ForestResult(std::uint32_t problem)>& make) {
   Made made;
   for (const std::uint32_t p : numbers) {
     try {
-      ForestResult one = make(lent, p);
-      one.problems = {p};
-      made.result.add(std::move(one));
+      made.result.add(make(p));
     } catch (const Error& error) {
       if (error.status() == Status::out_of_memory) throw Shortage{p, error};
       if (!is_of_problem(error.status())) throw;

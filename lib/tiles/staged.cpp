@@ -2,6 +2,7 @@
 #include "tiles/staged.hpp"
 
 #include <algorithm>
+#include <mutex>
 
 #include "device/step.hpp"
 #include "phases/triangulation.hpp"

@@ -2,9 +2,6 @@
 // The vertices as they were given, on every device that has room for all of them.
 #pragma once
 
-#include <map>
-#include <mutex>
-
 #include "batch/device_pool.hpp"
 
 namespace gcdt::tiles {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An OpenCL layer (the loader takes it from OPENCL_LAYERS) that notes which kernels a process launches, and with which
 // options their programs were built: a line each, in a file of the process in the folder GCDT_LAUNCHED (launched_test).
-#include <CL/cl_icd.h>
-#include <CL/cl_layer.h>
-
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -14,10 +11,9 @@
 #include <set>
 #include <string>
 
-namespace {
+#include "layer.hpp"
 
-const cl_icd_dispatch* next = nullptr;
-cl_icd_dispatch ours;
+namespace {
 
 struct Notes {
   std::mutex mutex;
@@ -72,27 +68,10 @@ cl_int CL_API_CALL enqueue(cl_command_queue queue, cl_kernel kernel, cl_uint dim
   return code;
 }
 
+void replace(cl_icd_dispatch& functions) {
+  functions.clBuildProgram = build_program;
+  functions.clCreateKernel = create_kernel;
+  functions.clEnqueueNDRangeKernel = enqueue;
+}
+
 }  // namespace
-
-CL_API_ENTRY cl_int CL_API_CALL clGetLayerInfo(cl_layer_info name, size_t size, void* value, size_t* needed) {
-  if (name != CL_LAYER_API_VERSION) return CL_INVALID_VALUE;
-  const cl_layer_api_version version = CL_LAYER_API_VERSION_100;
-  if (value && size < sizeof version) return CL_INVALID_VALUE;
-  if (value) std::memcpy(value, &version, sizeof version);
-  if (needed) *needed = sizeof version;
-  return CL_SUCCESS;
-}
-
-CL_API_ENTRY cl_int CL_API_CALL clInitLayer(cl_uint entries, const cl_icd_dispatch* target, cl_uint* our_entries,
-                                            const cl_icd_dispatch** dispatch) {
-  if (!target || !our_entries || !dispatch || entries < sizeof ours / sizeof ours.clGetPlatformIDs)
-    return CL_INVALID_VALUE;
-  next = target;
-  ours = *target;
-  ours.clBuildProgram = build_program;
-  ours.clCreateKernel = create_kernel;
-  ours.clEnqueueNDRangeKernel = enqueue;
-  *our_entries = sizeof ours / sizeof ours.clGetPlatformIDs;
-  *dispatch = &ours;
-  return CL_SUCCESS;
-}

@@ -2,18 +2,14 @@
 // An OpenCL layer that pretends that devices have less, as GCDT_LESSER says in words between blanks: "extensions", no
 // 64-bit atomics, fp64 nor sub-groups; "buffer", no buffer above 128 MB; "local", 32 KB of local memory; "group=N", no
 // work-group of more than N. What goes beyond them fails, as it would there.
-#include <CL/cl_icd.h>
-#include <CL/cl_layer.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 
-namespace {
+#include "layer.hpp"
 
-const cl_icd_dispatch* next = nullptr;
-cl_icd_dispatch ours;
+namespace {
 
 constexpr cl_ulong most_bytes = 128ull << 20, most_local = 32ull << 10;
 
@@ -84,28 +80,11 @@ cl_int CL_API_CALL enqueue(cl_command_queue queue, cl_kernel kernel, cl_uint dim
   return next->clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, waits, events, event);
 }
 
+void replace(cl_icd_dispatch& functions) {
+  functions.clGetDeviceInfo = device_info;
+  functions.clGetKernelWorkGroupInfo = group_info;
+  functions.clCreateBuffer = create_buffer;
+  functions.clEnqueueNDRangeKernel = enqueue;
+}
+
 }  // namespace
-
-CL_API_ENTRY cl_int CL_API_CALL clGetLayerInfo(cl_layer_info name, size_t size, void* value, size_t* needed) {
-  if (name != CL_LAYER_API_VERSION) return CL_INVALID_VALUE;
-  const cl_layer_api_version version = CL_LAYER_API_VERSION_100;
-  if (value && size < sizeof version) return CL_INVALID_VALUE;
-  if (value) std::memcpy(value, &version, sizeof version);
-  if (needed) *needed = sizeof version;
-  return CL_SUCCESS;
-}
-
-CL_API_ENTRY cl_int CL_API_CALL clInitLayer(cl_uint entries, const cl_icd_dispatch* target, cl_uint* our_entries,
-                                            const cl_icd_dispatch** dispatch) {
-  if (!target || !our_entries || !dispatch || entries < sizeof ours / sizeof ours.clGetPlatformIDs)
-    return CL_INVALID_VALUE;
-  next = target;
-  ours = *target;
-  ours.clGetDeviceInfo = device_info;
-  ours.clGetKernelWorkGroupInfo = group_info;
-  ours.clCreateBuffer = create_buffer;
-  ours.clEnqueueNDRangeKernel = enqueue;
-  *our_entries = sizeof ours / sizeof ours.clGetPlatformIDs;
-  *dispatch = &ours;
-  return CL_SUCCESS;
-}

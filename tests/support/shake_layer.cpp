@@ -6,18 +6,14 @@
 // Why that is valid: numbers of groups, and of work-items in a group, are exchanged by bijections, which are the same
 // for the whole launch; so each number is some work-item's once, those of a group stay together and meet at its
 // barriers, and what is the same for a group stays so. No kernel may know more of its place than these numbers.
-#include <CL/cl_icd.h>
-#include <CL/cl_layer.h>
-
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <vector>
 
-namespace {
+#include "layer.hpp"
 
-const cl_icd_dispatch* next = nullptr;
-cl_icd_dispatch ours;
+namespace {
 
 // Without branches, and with its loop in a function of its own: PoCL 3.1 gives up ("Could not find a dominating
 // alternative variable") where they come between the barriers of a kernel.
@@ -80,26 +76,9 @@ cl_int CL_API_CALL enqueue(cl_command_queue queue, cl_kernel kernel, cl_uint dim
   return next->clEnqueueNDRangeKernel(queue, kernel, dimensions, &shaken, global, local, waits, events, event);
 }
 
+void replace(cl_icd_dispatch& functions) {
+  functions.clCreateProgramWithSource = create_program;
+  functions.clEnqueueNDRangeKernel = enqueue;
+}
+
 }  // namespace
-
-CL_API_ENTRY cl_int CL_API_CALL clGetLayerInfo(cl_layer_info name, size_t size, void* value, size_t* needed) {
-  if (name != CL_LAYER_API_VERSION) return CL_INVALID_VALUE;
-  const cl_layer_api_version version = CL_LAYER_API_VERSION_100;
-  if (value && size < sizeof version) return CL_INVALID_VALUE;
-  if (value) std::memcpy(value, &version, sizeof version);
-  if (needed) *needed = sizeof version;
-  return CL_SUCCESS;
-}
-
-CL_API_ENTRY cl_int CL_API_CALL clInitLayer(cl_uint entries, const cl_icd_dispatch* target, cl_uint* our_entries,
-                                            const cl_icd_dispatch** dispatch) {
-  if (!target || !our_entries || !dispatch || entries < sizeof ours / sizeof ours.clGetPlatformIDs)
-    return CL_INVALID_VALUE;
-  next = target;
-  ours = *target;
-  ours.clCreateProgramWithSource = create_program;
-  ours.clEnqueueNDRangeKernel = enqueue;
-  *our_entries = sizeof ours / sizeof ours.clGetPlatformIDs;
-  *dispatch = &ours;
-  return CL_SUCCESS;
-}
