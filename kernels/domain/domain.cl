@@ -25,8 +25,13 @@
 kernel void count_turns(const uint sources, const uint pieces, global const uint* source_offsets,
                         global const uint* source_list, global const uint2* ends, global const uint2* constraints,
                         global const uint* input_vertex, global const int2* points, volatile global int* turns) {
+  uint piece = 0, end = 0;  // of the last source
   FOR_EACH(i, sources) {
-    const uint piece = last_begin(source_offsets, pieces, i);
+    if (i >= end) {
+      // Sources ascend: the next one is often the next piece's.
+      piece = i == end && i != 0u ? piece + 1u : last_begin(source_offsets, pieces, i);
+      end = source_offsets[piece + 1u];
+    }
     const uint2 c = constraints[source_list[i]], e = ends[piece];
     const int2 a = points[input_vertex[c.x]], b = points[input_vertex[c.y]], p = points[e.x], q = points[e.y];
     const i64 along = ((i64)b.x - a.x) * ((i64)q.x - p.x) + ((i64)b.y - a.y) * ((i64)q.y - p.y);
@@ -293,13 +298,7 @@ kernel void choose_triangles(const uint count, const uint rule, global const uin
                              global const int* winding, global const uint* holes, global uint* keep) {
   FOR_EACH(t, count) {
     const uint r = region[t];
-    const uint inside = depth[r + 1u] != 0u, hole = holes[r] != GCDT_NONE;
-    uint kept = 1u;
-    if (rule == GCDT_KEEP_EVEN_ODD) kept = winding[r + 1u] & 1;
-    if (rule == GCDT_KEEP_NONZERO) kept = winding[r + 1u] != 0;
-    if (rule == GCDT_KEEP_HOLES || rule == GCDT_KEEP_OUTER_HOLES) kept = !hole;
-    if (rule == GCDT_KEEP_OUTER || rule == GCDT_KEEP_OUTER_HOLES) kept &= inside;
-    keep[t] = kept;
+    keep[t] = domain_keeps(rule, depth[r + 1u], winding[r + 1u], holes[r] != GCDT_NONE ? 1u : 0u);
   }
 }
 

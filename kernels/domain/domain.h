@@ -42,8 +42,24 @@ typedef struct DomainReport {
   u32 deepest;       // the largest depth
   u32 open_parity;   // edges beside which even-odd is not as the edge says
   u32 open_winding;  // edges beside which the winding numbers are not as the edge says
-  u32 reserved[4];
+  u32 regions;       // found problem by problem
+  u32 reserved[3];
 } DomainReport;
+
+// Whether a rule keeps the triangles of a region. `hole`: a hole seed lies in it.
+GCDT_INLINE u32 domain_keeps(u32 rule, u32 depth, i32 winding, u32 hole) {
+  if (rule == GCDT_KEEP_EVEN_ODD) return (u32)winding & 1u;
+  if (rule == GCDT_KEEP_NONZERO) return winding != 0 ? 1u : 0u;
+  const u32 inside = depth != 0u ? 1u : 0u;
+  if (rule == GCDT_KEEP_HOLES) return 1u - hole;
+  if (rule == GCDT_KEEP_OUTER) return inside;
+  if (rule == GCDT_KEEP_OUTER_HOLES) return inside & (1u - hole);
+  return 1u;
+}
+
+// Where the words by node of a problem of many begin, if its triangles begin at `first`. It has at most as many regions
+// as triangles; outside is a node, too, and the last node's end has a word.
+GCDT_INLINE u32 gcdt_first_node(u32 first, u32 problem) { return first + 2u * problem; }
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(DomainReport) == 16 * sizeof(u32), "DomainReport has the same layout on host and device");

@@ -2,11 +2,13 @@
 #include "batch/pipeline.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "batch/copy.hpp"
 #include "batch/gather.hpp"
 #include "batch/order_problems.hpp"
 #include "phases/check.hpp"
+#include "phases/domain_each.hpp"
 #include "phases/enforce.hpp"
 #include "solve/crossing_policy.hpp"
 #include "solve/memory.hpp"
@@ -227,6 +229,15 @@ OrderedMesh put_in_order(ForestRun& run) {
 // search through each problem, and within each the order of triangles and half edges is what the problem would have by
 // itself.
 void select_domain(ForestRun& run, OrderedMesh& ordered) {
+  if (run.plan.output == Plan::By::each) {
+    SelectedDomains selected =
+        select_domains(run.runtime, run.primitives, ordered, run.vertices, run.pieces, std::exchange(run.turns, {}),
+                       run.first_triangle, run.first_piece, run.options.domain);
+    run.result.regions = std::move(selected.regions);
+    run.first_triangle = std::move(selected.first_triangle);
+    if (run.options.domain != Domain::hull) ordered = std::move(selected.mesh);
+    return;
+  }
   const SelectedDomain selected = run.select(ordered);
   const Buffer<cl_uint> first_of_hull = std::move(run.first_triangle);
   run.first_triangle = begins(run, "first triangles", ordered.triangles, 3, ordered.corners);

@@ -20,6 +20,7 @@ const ProgramInfo programs[] = {
     {"core", "core", true},
     {"crossings", "crossings", true},
     {"domain", "domain", false},
+    {"domain_each", "domain_each", false},
     {"enforce", "enforce", false},
     {"by_one_item", "core", false},
     {"fans", "fans", true},

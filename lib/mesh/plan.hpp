@@ -63,7 +63,7 @@ struct Plan {
   std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.
-  By output = By::all;        ///< triangles in canonical order: all, one, or each
+  By output = By::all;        ///< triangles in canonical order: all, one, or each, who does the domain, too
   By number = By::all;        ///< input numbers: all or one
   By check = By::all;         ///< all or one
   bool lists_pieces = false;  ///< the check looks for pieces by their first vertex, not by bisection
