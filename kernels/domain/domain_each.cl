@@ -79,9 +79,6 @@ static inline int turn_of(const Part* part, uint t, uint k) {
   return 0;  // the mesh was not checked, and its flags are wrong
 }
 
-// An edge with one region on both sides is wrong if it has any turn but 0. x by parity, y by winding number.
-static inline uint2 open_by(int wrong) { return (uint2)((uint)wrong & 1u, wrong != 0 ? 1u : 0u); }
-
 // The node that arc h leaves, and the one that it leads to.
 static inline uint arc_source(const Part* part, uint h) {
   return part->neighbours[h] < 0 ? 0u : part->region[h / 3u] + 1u;
@@ -92,9 +89,8 @@ static inline uint arc_target(const Part* part, uint h) {
 }
 
 // Begins the search and lists the arcs: all in the order of their numbers, and by node. Puts what is of depth 0 into
-// the queue: outside, and regions with an unconstrained edge in the hull. Returns how many there are; counts
-// constrained edges inside a region whose turn is not 0.
-static inline uint list_part(const Part* part, uint nodes, uint* arc_count, uint2* open) {
+// the queue: outside, and regions with an unconstrained edge in the hull. Returns how many there are.
+static inline uint list_part(const Part* part, uint nodes) {
   uint count = 0, outside = 1;
   for (uint i = 0; i < nodes; ++i) {
     part->depth[i] = i == 0u ? 0u : GCDT_NONE;
@@ -112,8 +108,6 @@ static inline uint list_part(const Part* part, uint nodes, uint* arc_count, uint
         if (across < 0 || part->region[across] != region) {
           part->all_arcs[count++] = 3u * t + k;
           ++part->begins[across < 0 ? 0u : region + 1u];
-        } else if ((uint)across >= t) {
-          *open += open_by(turn_of(part, t, k));
         }
       } else if (across < 0 && part->depth[region + 1u] != 0u) {
         part->depth[region + 1u] = 0u;
@@ -126,14 +120,13 @@ static inline uint list_part(const Part* part, uint nodes, uint* arc_count, uint
     const uint h = part->all_arcs[i];
     part->arcs[--part->begins[arc_source(part, h)]] = h;
   }
-  *arc_count = count;
   return outside;
 }
 
 // Depth by depth, from the `end` nodes in the queue: the nodes that those of depth d lead to get their least entries,
 // then depth and winding number. Returns how many nodes were reached. Ends, and the queue has room: a node is put there
 // once, when it gets an entry or has depth 0.
-static inline uint search_part(const Part* part, uint end, uint* deepest) {
+static inline uint search_part(const Part* part, uint end) {
   uint begin = 0;
   for (uint d = 0; begin < end; ++d) {
     uint next = end;
@@ -150,7 +143,6 @@ static inline uint search_part(const Part* part, uint end, uint* deepest) {
       const uint node = part->queue[i], h = part->entry[node];
       part->winding[node] = part->winding[arc_source(part, h)] + turn_of(part, h / 3u, h % 3u);
       part->depth[node] = d + 1u;
-      *deepest = max(*deepest, d + 1u);
     }
     begin = end;
     end = next;
@@ -158,23 +150,10 @@ static inline uint search_part(const Part* part, uint end, uint* deepest) {
   return begin;
 }
 
-// The arcs whose two sides do not differ as the edge says. Of two half edges the one in the lesser triangle counts.
-static inline uint2 open_of_arcs(const Part* part, uint count) {
-  uint2 open = (uint2)(0u);
-  for (uint i = 0; i < count; ++i) {
-    const uint h = part->all_arcs[i], t = h / 3u;
-    const int across = part->neighbours[h];
-    if (across >= 0 && (uint)across < t) continue;
-    open +=
-        open_by(part->winding[arc_target(part, h)] - part->winding[arc_source(part, h)] - turn_of(part, t, h - 3u * t));
-  }
-  return open;
-}
-
 // One work-item per problem. Reads the mesh and the pieces with their turns.
 // Writes region, depth and winding, kept[t]: the triangle's place among the kept ones of its problem, -1 if it is
-// removed; and kept_count[p]. queue, arcs, begins and entry are void afterwards. Adds to report: atomics, in any order
-// the same.
+// removed; and kept_count[p]. queue, all_arcs, arcs, begins and entry are void afterwards. Adds to report: atomics, in
+// any order the same.
 kernel void domain_each(uint problems, uint rule, global const uint* first_triangle, global const uint* first_piece,
                         global const uint* corners, global const int* neighbours, global const uchar* constrained,
                         global const uint2* ends, global const int* turns, global uint* region, global uint* queue,
@@ -207,11 +186,7 @@ kernel void domain_each(uint problems, uint rule, global const uint* first_trian
       atomic_or(&report->pending, 1u);
       continue;
     }
-    uint deepest = 0, arc_count = 0;
-    uint2 open = (uint2)(0u);
-    const uint outside = list_part(&part, regions + 1u, &arc_count, &open);
-    const uint reached = search_part(&part, outside, &deepest);
-    open += open_of_arcs(&part, arc_count);
+    const uint reached = search_part(&part, list_part(&part, regions + 1u));
     uint count = 0;
     for (uint t = first; t < last; ++t) {
       const uint node = region[t] + 1u;
@@ -222,9 +197,6 @@ kernel void domain_each(uint problems, uint rule, global const uint* first_trian
     kept_count[p] = count;
     atomic_add(&report->regions, regions);
     atomic_add(&report->settled, reached - 1u);
-    atomic_max(&report->deepest, deepest);
-    if (open.x != 0u) atomic_add(&report->open_parity, open.x);
-    if (open.y != 0u) atomic_add(&report->open_winding, open.y);
   }
 }
 

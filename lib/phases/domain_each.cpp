@@ -16,16 +16,13 @@ Buffer<cl_uint> words(Runtime& runtime, const char* name, std::size_t count) {
   return runtime.allocate<cl_uint>(name, count);
 }
 
-/// Takes the counts of all problems. Throws if a region was not reached.
+/// Takes the count. Throws if a region was not reached.
 void take(Regions& regions, const device::DomainReport& report) {
   if (report.pending != 0) throw Error(Status::check_failed, "domain: a triangle has a neighbour in another problem");
   if (report.settled != report.regions)
     throw Error(Status::check_failed, "domain: " + std::to_string(report.regions - report.settled) +
                                           " regions cannot be reached from outside: the mesh is not connected");
   regions.count = report.regions;
-  regions.deepest = report.deepest;
-  regions.open_parity = report.open_parity;
-  regions.open_winding = report.open_winding;
 }
 
 }  // namespace

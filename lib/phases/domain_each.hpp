@@ -7,7 +7,7 @@
 namespace gcdt {
 
 struct SelectedDomains {
-  Regions regions;  ///< counts are of all problems; numbered problem by problem
+  Regions regions;  ///< numbered problem by problem; of the counts only that of all regions is known
   OrderedMesh
       mesh;  ///< the kept triangles, none if the domain is the hull; neighbours are numbered through all problems
   runtime::Buffer<cl_uint> first_triangle;  ///< the first kept triangle of each problem, and their end
