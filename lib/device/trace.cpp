@@ -6,7 +6,8 @@ namespace gcdt::runtime {
 void Tracer::begin_phase(const char* name) {
   if (!on()) return;
   phases_.push_back({name, now()});
-  told_until_ = std::max(told_until_, phases_.back().begin);
+  // Launches that are not told yet may have run before an inner phase began.
+  if (phases_.size() == 1) told_until_ = std::max(told_until_, phases_.back().begin);
 }
 
 void Tracer::end_phase() {

@@ -71,6 +71,14 @@ TEST_CASE("launches lie in their phases, one after the other, and sums agree wit
   }
 }
 
+TEST_CASE("launches before an inner phase of their phase keep their time") {
+  const Traced run = traced(uniform(20000));  // quantised, then sorted
+  double quantised = 0;
+  for (const TraceSpan& span : run.spans)
+    if (span.on_device && span.name == "quantise") quantised += ms(span);
+  CHECK(quantised > 0);
+}
+
 TEST_CASE("a call that fails leaves nothing in the next one's trace") {
   std::vector<TraceSpan> spans;
   Solver solver(test_device(), {}, [&](const TraceSpan& span) { spans.push_back(span); });
