@@ -13,6 +13,7 @@
 #include "io/output_files.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
+#include "prove.hpp"
 #include "solved.hpp"
 #include "trace.hpp"
 
@@ -72,25 +73,6 @@ class Singles {
   const Options& options_;
   std::optional<Solver> solver_;
 };
-
-void prove(Problem& problem, const Triangulation& mesh, const Options& options) {
-  MeshView view;
-  view.triangles = mesh.triangles;
-  view.neighbours = mesh.neighbours.data();
-  view.constrained = mesh.constrained.data();
-  view.added = mesh.added_on_grid;
-  const io::Input& input = problem.input;
-  const Grid& grid = mesh.statistics.grid;
-  const bool regions = options.regions || options.domain != Domain::hull;
-  const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
-  const Verification proof = options.refine ? verify_refined_but(uncovered(mesh.statistics), input, view, grid, options)
-                             : regions
-                                 ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
-                                 : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
-  if (!proof.valid)
-    problem.failure =
-        Failure(Exit::check, fmt::format("{}: the result failed its verification: {}", problem.name, proof.reason));
-}
 
 /// The files with many problems each, which appear together.
 class Collections {
@@ -186,7 +168,10 @@ void finish(Problem& problem, const BatchResult& result, const BatchArguments& a
     told.refine_incomplete += !s.refine.complete;
     const Options own = singles.options(problem);
     if (!arguments.quiet) say_notes(problem, *mesh, own);
-    if (arguments.verify) prove(problem, *mesh, own);
+    if (arguments.verify)
+      if (const Verification proof = prove(problem.input, *mesh, own); !proof.valid)
+        problem.failure =
+            Failure(Exit::check, fmt::format("{}: the result failed its verification: {}", problem.name, proof.reason));
   }
   if (!writes) return;
   std::vector<std::pair<std::string, io::Write>> own;

@@ -12,6 +12,7 @@
 #include "io/outputs.hpp"
 #include "io/paths.hpp"
 #include "progress.hpp"
+#include "prove.hpp"
 #include "solved.hpp"
 #include "statistics.hpp"
 #include "tiled.hpp"
@@ -103,28 +104,6 @@ std::vector<std::string> with_nodes(const TriangulateArguments& arguments, const
   return paths;
 }
 
-MeshView view_of(const Triangulation& mesh) {
-  MeshView view;
-  view.triangles = mesh.triangles;
-  view.neighbours = mesh.neighbours.data();
-  view.constrained = mesh.constrained.data();
-  view.added = mesh.added_on_grid;
-  return view;
-}
-
-void prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
-  const MeshView view = view_of(mesh);
-  const bool regions = options.domain != Domain::hull || options.regions;
-  const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};
-  const Grid& grid = mesh.statistics.grid;
-  const Verification verification =
-      options.refine ? verify_refined_but(uncovered(mesh.statistics), input, view, grid, options)
-      : regions      ? gcdt::verify_domain(input.vertices, input.constraints, view, said, grid, options)
-                     : gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
-  if (!verification.valid)
-    throw Failure(Exit::check, fmt::format("the result failed its verification: {}", verification.reason));
-}
-
 void write_outputs(const TriangulateArguments& arguments, const std::vector<std::string>& paths,
                    const io::Result& result, Statistics& statistics, const Measured& measured,
                    const TraceRecord& trace) {
@@ -179,7 +158,9 @@ void triangulate(const TriangulateArguments& arguments) {
       !together.empty())
     mesh.statistics.notes.push_back(together);
   if (const std::string rounding = rounding_note(mesh); !rounding.empty()) mesh.statistics.notes.push_back(rounding);
-  if (arguments.verify) prove(input, mesh, options);
+  if (arguments.verify)
+    if (const Verification proof = prove(input, mesh, options); !proof.valid)
+      throw Failure(Exit::check, fmt::format("the result failed its verification: {}", proof.reason));
   if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;

@@ -82,6 +82,8 @@ inline gcdt_mesh mesh(const MeshView& mesh) {
   view.neighbours = reinterpret_cast<const std::int32_t*>(mesh.neighbours);
   view.constrained = mesh.constrained;
   view.added = reinterpret_cast<const std::int32_t*>(mesh.added.data()), view.added_count = mesh.added.size();
+  if (mesh.added_origin.size() == mesh.added.size())
+    view.added_origins = reinterpret_cast<const std::uint32_t*>(mesh.added_origin.data());
   return view;
 }
 

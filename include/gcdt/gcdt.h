@@ -584,9 +584,10 @@ struct gcdt_mesh {
   const uint8_t* constrained; /* triangle_count, or null: not verified */
   const int32_t* added; /* GCDT_CROSSING_SPLIT, refine: added_count x 2, the added vertices on the grid; or null */
   uint64_t added_count; /* their numbers follow those of the input */
+  const uint32_t* added_origins; /* refine: added_count x 4, as GCDT_ADDED_ORIGINS; null: not known */
 };
 #define GCDT_MESH_INIT \
-  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0 }
+  { sizeof(gcdt_mesh), NULL, 0, NULL, NULL, NULL, 0, NULL }
 
 /* Proves that `mesh` is the CDT of `input` on `grid`, by exact arithmetic on the host that shares no code with the
  * solver: GCDT_OK, or GCDT_ERROR_NOT_VALID and gcdt_last_error(NULL) with the first failure. Never another error for
@@ -623,17 +624,19 @@ typedef struct gcdt_refined_report {
   uint64_t input_angle, beside_angle, short_side, call; /* triangles that are not as wanted, by their excuse */
   uint64_t on_constraints, far; /* added vertices on constraints and edges of the hull; more than half a cell off */
   double move;                  /* the largest distance of one from there, in units of the input */
+  uint64_t encroached;          /* if conforming: sides on those with the corner across in the circle over them */
 } gcdt_refined_report;
 
 /* Proves that `mesh` is the domain of `input` refined as `options` say, of which refine, crossing (not
- * GCDT_CROSSING_SPLIT), domain and hole seeds are read; from these alone, as gcdt_verify does. The triangles are
- * exactly those of the domain in the CDT (with the tie rule) of all vertices under chains of edges, into which the
+ * GCDT_CROSSING_SPLIT), domain, hole and region seeds are read; from these alone, as gcdt_verify does. The triangles
+ * are exactly those of the domain in the CDT (with the tie rule) of all vertices under chains of edges, into which the
  * constraints, cut where vertices of the input are on them, and the edges of the hull have gone: each chain in order,
  * within half a cell on one axis, or a cell beside what is not of the domain; no vertex of the input is on another side
- * of it. No chain that refine.splits fixes is split. Angles and areas are at least and at most what least_angle and
- * most_area say, or the triangle is excused: excuses[t] (null, or one for each triangle) is GCDT_EXCUSE_..., and
- * `report`, which may be null, has their sums. What regions, sizes and conforming say is not looked at. Without
- * mesh->constrained chains are sought among all edges. Costs about as much as gcdt_verify_domain twice. */
+ * of it. No chain that refine.splits fixes is split. Angles and areas are at least and at most what least_angle,
+ * most_area and region_areas say, and sides as short as sizes, which need mesh->added_origins, or the triangle is
+ * excused: excuses[t] (null, or one for each triangle) is GCDT_EXCUSE_..., and `report`, which may be null, has their
+ * sums. If conforming, no corner is in the circle over a constraint that could be split. Without mesh->constrained
+ * chains are sought among all edges. Costs about as much as gcdt_verify_domain twice. */
 GCDT_API int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, const gcdt_grid* grid,
                                      const gcdt_options* options, gcdt_refined_report* report, uint8_t* excuses);
 

@@ -378,6 +378,8 @@ struct MeshView {
   const std::uint8_t* constrained = nullptr;                ///< one per triangle, or null: not checked
   /// Crossing::split, Options::refine: the vertices after those of the input, on the grid.
   Span<std::array<std::int32_t, 2>> added = {};
+  /// Options::refine: what each added vertex was put on, as in Triangulation; if not as many as `added`: not known.
+  Span<std::array<std::uint32_t, 4>> added_origin = {};
 };
 
 /// See gcdt_assessment.

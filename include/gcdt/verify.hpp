@@ -73,11 +73,12 @@ struct RefinedVerification : Verification {
   std::uint64_t input_angle = 0, beside_angle = 0, short_side = 0, call = 0;  ///< triangles that are excused
   std::uint64_t on_constraints = 0, far = 0;                                  ///< added vertices
   double move = 0;
+  std::uint64_t encroached = 0;       ///< if conforming: sides on constraints with a corner in the circle over them
   std::vector<std::uint8_t> excuses;  ///< one a triangle: GCDT_EXCUSE_...
 };
 
 /// Proves a mesh that was made with Options::refine, by its triangles; see gcdt_verify_refined. Of `options` refine,
-/// crossing, domain and hole seeds are read.
+/// crossing, domain, hole and region seeds are read.
 inline RefinedVerification verify_refined(Points points, Constraints constraints, const MeshView& mesh,
                                           const Grid& grid, const Options& options) {
   const gcdt_input input = detail::input(points, constraints);
@@ -95,6 +96,7 @@ inline RefinedVerification verify_refined(Points points, Constraints constraints
   found.input_angle = c.input_angle, found.beside_angle = c.beside_angle;
   found.short_side = c.short_side, found.call = c.call;
   found.on_constraints = c.on_constraints, found.far = c.far, found.move = c.move;
+  found.encroached = c.encroached;
   return found;
 }
 

@@ -33,6 +33,8 @@ MeshView gcdt::api::read_mesh(const gcdt_mesh* mesh) {
   view.neighbours = reinterpret_cast<const std::array<std::int32_t, 3>*>(m.neighbours);
   view.constrained = m.constrained;
   view.added = {reinterpret_cast<const std::array<std::int32_t, 2>*>(m.added), static_cast<std::size_t>(m.added_count)};
+  if (m.added_origins)
+    view.added_origin = {reinterpret_cast<const std::array<std::uint32_t, 4>*>(m.added_origins), view.added.size()};
   return view;
 }
 
@@ -163,6 +165,7 @@ int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, cons
       c.input_angle = count(Excuse::input_angle), c.beside_angle = count(Excuse::beside_angle);
       c.short_side = count(Excuse::short_side), c.call = count(Excuse::by_call);
       c.on_constraints = proved.on_chains, c.far = proved.far, c.move = proved.move * at.cell();
+      c.encroached = proved.encroached;
       write_struct(c, report, "gcdt_refined_report");
     }
     return Verification{true, {}};

@@ -14,6 +14,7 @@ struct Piece {
   std::uint32_t a, b;
   bool constrained;  ///< else it is on the hull alone
   bool keeps_left, keeps_right;
+  std::uint32_t seed_left, seed_right;  ///< region seeds of the sides, or none
 
   bool split() const { return chain.size() > 2; }
   std::vector<std::uint32_t> chain = {};  ///< vertices from a to b

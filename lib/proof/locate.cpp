@@ -40,10 +40,8 @@ class Sweep {
         for (; corner < corners_.size() && corners_[corner].vertex == v; ++corner) ++steps_;
       }
       ++steps_;
-      if (corner < corners_.size() && !before(place, at(corners_[corner].vertex)))
-        found.push_back(corners_[corner].number);
-      else if (const std::uint32_t t = above(place); t != none)
-        found.push_back(t);
+      const bool at_vertex = corner < corners_.size() && !before(place, at(corners_[corner].vertex));
+      found.push_back(at_vertex ? corners_[corner].number : above(place));
     }
     return found;
   }
@@ -95,13 +93,19 @@ class Sweep {
 
 }  // namespace
 
-std::vector<std::uint32_t> least_triangles(const Sites& sites, const Completion& mesh, std::vector<Vertex> places,
-                                           std::uint64_t& steps) {
-  std::sort(places.begin(), places.end(), before);
+std::vector<std::uint32_t> least_triangles(const Sites& sites, const Completion& mesh,
+                                           const std::vector<Vertex>& places, std::uint64_t& steps) {
+  std::vector<Vertex> order = places;
+  std::sort(order.begin(), order.end(), before);
   const auto same = [](const Vertex& a, const Vertex& b) { return a.key() == b.key(); };
-  places.erase(std::unique(places.begin(), places.end(), same), places.end());
-  if (places.empty()) return {};
-  return Sweep(sites, mesh, steps).run(places);
+  order.erase(std::unique(order.begin(), order.end(), same), order.end());
+  if (order.empty()) return {};
+  const std::vector<std::uint32_t> found = Sweep(sites, mesh, steps).run(order);
+  std::vector<std::uint32_t> triangles;
+  for (const Vertex& place : places)
+    triangles.push_back(
+        found[static_cast<std::size_t>(std::lower_bound(order.begin(), order.end(), place, before) - order.begin())]);
+  return triangles;
 }
 
 }  // namespace gcdt::proof

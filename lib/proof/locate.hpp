@@ -6,9 +6,9 @@
 
 namespace gcdt::proof {
 
-/// For each of the places that is in the mesh, once for equal ones and in no order, the least triangle that holds it,
-/// border included. O((n + s) log n); `steps` grows by the edges and triangles that are looked at.
-std::vector<std::uint32_t> least_triangles(const Sites& sites, const Completion& mesh, std::vector<Vertex> places,
-                                           std::uint64_t& steps);
+/// For each of the places the least triangle that holds it, border included; `none` outside of the mesh.
+/// O((n + s) log n); `steps` grows by the edges and triangles that are looked at, once for equal places.
+std::vector<std::uint32_t> least_triangles(const Sites& sites, const Completion& mesh,
+                                           const std::vector<Vertex>& places, std::uint64_t& steps);
 
 }  // namespace gcdt::proof

@@ -10,14 +10,16 @@
 #include <random>
 
 #include "proof/chains.hpp"
+#include "proof/wanted.hpp"
 #include "proof/whole.hpp"
 
 namespace gcdt::proof {
 
 namespace {
 
-/// The edges of the mesh that was refined.
-std::vector<Piece> pieces_of(const Sites& sites, const Completion& mesh, const std::vector<char>& keep) {
+/// The edges of the mesh that was refined. `seed_of`: by triangle.
+std::vector<Piece> pieces_of(const Sites& sites, const Completion& mesh, const std::vector<char>& keep,
+                             const std::vector<std::uint32_t>& seed_of) {
   std::vector<Piece> pieces;
   for (std::uint32_t h = 0; h < 3 * keep.size(); ++h) {
     const std::uint32_t twin = mesh.twin(h);
@@ -25,10 +27,11 @@ std::vector<Piece> pieces_of(const Sites& sites, const Completion& mesh, const s
     const auto& corners = mesh.triangles()[h / 3];
     const std::uint32_t from = corners[(h % 3 + 1) % 3], to = corners[(h % 3 + 2) % 3];
     const bool left = keep[h / 3], right = twin != none && keep[twin / 3];
+    const std::uint32_t seed_left = seed_of[h / 3], seed_right = twin != none ? seed_of[twin / 3] : none;
     if (before(sites.at[from], sites.at[to]))
-      pieces.push_back({from, to, mesh.constrained(h), left, right});
+      pieces.push_back({from, to, mesh.constrained(h), left, right, seed_left, seed_right});
     else
-      pieces.push_back({to, from, mesh.constrained(h), right, left});
+      pieces.push_back({to, from, mesh.constrained(h), right, left, seed_right, seed_left});
   }
   return pieces;
 }
@@ -94,7 +97,10 @@ class Proof {
     Mesh topology(*plain_, whole);
     topology.prove_topology();
     const Flood flood(mesh, topology, rebuilt.paths);
-    pieces_ = pieces_of(*plain_, mesh, chosen(*plain_, mesh, flood, grid_, options_, steps_));
+    std::vector<std::uint32_t> seed_of;
+    const auto of_region = seeded(*plain_, mesh, flood, grid_, options_.region_seeds, steps_);
+    for (const std::uint32_t region : flood.region) seed_of.push_back(of_region[region]);
+    pieces_ = pieces_of(*plain_, mesh, chosen(*plain_, mesh, flood, grid_, options_, steps_), seed_of);
     return {};
   }
 
@@ -156,7 +162,8 @@ class Proof {
     return comparison_->run();
   }
 
-  /// What the links keep on their sides, spread to the next links; and which half-edges are flagged.
+  /// What the links keep on their sides, with its region seed, spread to the next links; and which half-edges are
+  /// flagged.
   std::string keep_sides() {
     const std::size_t triangles = whole_->triangles().size();
     std::vector<std::pair<std::array<std::uint32_t, 2>, std::uint32_t>> by_ends;
@@ -165,14 +172,17 @@ class Proof {
     std::sort(by_ends.begin(), by_ends.end());
     constexpr char unknown = 2;
     keep_.assign(triangles, unknown);
+    seed_.assign(triangles, none);
     flags_.assign(3 * triangles, 0);
     std::vector<std::uint32_t> stack;
     std::string reason;
-    const auto mark = [&](std::uint32_t t, bool kept) {
-      if (keep_[t] == unknown) stack.push_back(t);
-      if (keep_[t] != unknown && keep_[t] != char(kept) && reason.empty())
+    const auto mark = [&](std::uint32_t t, bool kept, std::uint32_t seed) {
+      if (keep_[t] == unknown)
+        stack.push_back(t);
+      else if ((keep_[t] != char(kept) || seed_[t] != seed) && reason.empty())
         reason = say("what is on one side of a constraint joins the other side at vertex ", whole_->triangles()[t][0]);
       keep_[t] = char(kept);
+      seed_[t] = seed;
     };
     for (const Link& link : links_) {
       const Piece& piece = pieces_[link.piece];
@@ -181,14 +191,14 @@ class Proof {
         const auto found = std::lower_bound(by_ends.begin(), by_ends.end(), std::make_pair(wanted, 0u));
         if (found == by_ends.end() || found->first != wanted) continue;  // on the hull, or a vertex is on it
         flags_[found->second] |= char(piece.constrained);
-        mark(found->second / 3, back ? piece.keeps_right : piece.keeps_left);
+        mark(found->second / 3, back ? piece.keeps_right : piece.keeps_left, back ? piece.seed_right : piece.seed_left);
       }
     }
     while (!stack.empty() && reason.empty()) {
       const std::uint32_t t = stack.back();
       stack.pop_back();
       for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
-        if (!whole_->constrained(h) && whole_->twin(h) != none) mark(whole_->twin(h) / 3, keep_[t]);
+        if (!whole_->constrained(h) && whole_->twin(h) != none) mark(whole_->twin(h) / 3, keep_[t], seed_[t]);
     }
     for (char& kept : keep_) kept = kept == 1;
     return reason;
@@ -203,55 +213,51 @@ class Proof {
 
   /// Everything that is asked for of a triangle, and whether it may be worse.
   std::string judge() {
-    const Refinement& wanted = *options_.refine;
-    constexpr long double pi = 3.141592653589793238462643383279502884L;
-    // The least tangent, in units of 2^-31, less the last digit of the one who made the mesh.
-    const auto tangent = wanted.least_angle > 0
-                             ? Wide(std::floor(std::ldexp(std::tan(wanted.least_angle * pi / 180), 31))) - 1
-                             : Wide(0);
-    const long double cell = grid_.cell();
-    const long double most = wanted.most_area / (cell * cell / 2) * (1 + 1e-12L);
-    const long double least = std::max(8.0L, std::ceil(wanted.least_length / cell));
+    Wanted wanted(*options_.refine, grid_);
+    if (auto reason = wanted.find_lengths(*all_, inputs_, view_.added_origin); !reason.empty()) return reason;
     for (std::uint32_t g = 0; g < view_.triangles.size(); ++g) {
       const std::uint32_t t = comparison_->right_of()[g];
-      const Shape s = shape_of(t);
-      const bool sharp =
-          Wide(s.area) * (Wide(1) << 31)<Wide(s.dot) * tangent, large = static_cast<long double>(s.area)> most;
+      const auto& corners = whole_->triangles()[t];
+      const Shape s = shape_of(*all_, corners);
+      const bool sharp = wanted.is_sharp(s), large = wanted.is_large(s, corners, seed_[t]);
       Excuse excuse = Excuse::as_wanted;
       if (sharp || large) {
         const Excuse of_angle = sharp ? excuse_of_angle(t, s) : Excuse::as_wanted;
-        const bool is_short = static_cast<long double>(s.shortest) < least * least;
         excuse = sharp && !large && of_angle != Excuse::as_wanted ? of_angle
-                 : is_short                                       ? Excuse::short_side
+                 : wanted.is_short(s.shortest)                    ? Excuse::short_side
                                                                   : Excuse::by_call;
-        const bool asked = wanted.most_added != UINT64_MAX || wanted.splits != Splits::all;
-        if (excuse == Excuse::by_call && !asked)
+        if (excuse == Excuse::by_call && !call_may_leave())
           return say(comparison_->name(g), " has ",
                      sharp ? "an angle below the least one" : "more than the largest area", ", and nothing excuses it");
       }
       proof_.excuses.push_back(excuse);
       ++proof_.excused[static_cast<std::size_t>(excuse)];
+      if (!options_.refine->conforming) continue;
+      if (auto reason = judge_borders(t, g, wanted); !reason.empty()) return reason;
     }
     return {};
   }
 
-  /// Of a triangle: its doubled area, its largest corner product, in corner k, where the least angle is, and the square
-  /// of the side across from there, which is the shortest.
-  struct Shape {
-    std::int64_t area, dot, shortest;
-    std::uint32_t k;
-  };
+  bool call_may_leave() const {
+    return options_.refine->most_added != UINT64_MAX || options_.refine->splits != Splits::all;
+  }
 
-  Shape shape_of(std::uint32_t t) const {
+  /// Edges beside constraints are Delaunay if no corner is in the circle over one: unless its halves would be too
+  /// short.
+  std::string judge_borders(std::uint32_t t, std::uint32_t given, const Wanted& wanted) {
     const auto& c = whole_->triangles()[t];
-    Shape s = {all_->turn(c[0], c[1], c[2]), -1, 0, 0};
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const Direction u(all_->at[c[k]], all_->at[c[(k + 1) % 3]]), v(all_->at[c[k]], all_->at[c[(k + 2) % 3]]),
-          across(all_->at[c[(k + 1) % 3]], all_->at[c[(k + 2) % 3]]);
-      const std::int64_t dot = u.x * v.x + u.y * v.y;
-      if (dot > s.dot) s.dot = dot, s.k = k, s.shortest = across.x * across.x + across.y * across.y;
+      if (!whole_->constrained(3 * t + k)) continue;
+      const std::uint32_t from = c[(k + 1) % 3], to = c[(k + 2) % 3];
+      const Direction u(all_->at[c[k]], all_->at[from]), v(all_->at[c[k]], all_->at[to]),
+          side(all_->at[from], all_->at[to]);
+      if (u.x * v.x + u.y * v.y >= 0) continue;
+      ++proof_.encroached;
+      if (!call_may_leave() && !wanted.is_short(side.x * side.x + side.y * side.y, 2))
+        return say(comparison_->name(given), " has a corner in the circle over its side from vertex ", from, " to ", to,
+                   ", which is a constraint or of the hull, and nothing excuses it");
     }
-    return s;
+    return {};
   }
 
   Excuse excuse_of_angle(std::uint32_t t, const Shape& s) const {
@@ -293,7 +299,8 @@ class Proof {
   std::vector<Link> links_;
   std::vector<std::uint32_t> piece_of_;  // by vertex: the piece that an added one is on, or none
   std::optional<Completion> whole_;
-  std::vector<char> keep_, flags_;  // of it: by triangle, by half-edge
+  std::vector<char> keep_, flags_;   // of it: by triangle, by half-edge
+  std::vector<std::uint32_t> seed_;  // of it: by triangle, the region's seed, or none
   std::optional<Comparison> comparison_;
   RefinedProof proof_;
 };

@@ -165,16 +165,29 @@ void Flood::search() {
   }
 }
 
+std::vector<std::uint32_t> seeded(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
+                                  const std::vector<std::array<double, 2>>& seeds, std::uint64_t& steps) {
+  std::vector<std::uint32_t> seed_of(flood.count, none), on_grid;
+  std::vector<Vertex> places;
+  for (std::uint32_t i = 0; i < seeds.size(); ++i)
+    if (Vertex at; place_seed(seeds[i], grid, at)) places.push_back(at), on_grid.push_back(i);
+  const std::vector<std::uint32_t> triangles = least_triangles(sites, mesh, places, steps);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    if (triangles[i] != none) {
+      std::uint32_t& seed = seed_of[flood.region[triangles[i]]];
+      seed = std::min(seed, on_grid[i]);
+    }
+  return seed_of;
+}
+
 namespace {
 
-/// The regions with a hole seed: that of the least triangle that holds it, border included.
+/// The regions with a hole seed.
 std::vector<char> holed(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
                         const std::vector<std::array<double, 2>>& seeds, std::uint64_t& steps) {
-  std::vector<char> holes(flood.count, 0);
-  std::vector<Vertex> places;
-  for (const auto& seed : seeds)
-    if (Vertex at; place_seed(seed, grid, at)) places.push_back(at);
-  for (const std::uint32_t t : least_triangles(sites, mesh, std::move(places), steps)) holes[flood.region[t]] = 1;
+  const std::vector<std::uint32_t> seed_of = seeded(sites, mesh, flood, grid, seeds, steps);
+  std::vector<char> holes;
+  for (const std::uint32_t seed : seed_of) holes.push_back(seed != none);
   return holes;
 }
 

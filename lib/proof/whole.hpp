@@ -53,6 +53,10 @@ class Flood {
   std::vector<std::int32_t> turns_;
 };
 
+/// By region: the least of the seeds whose least triangle is in it, border included; none without one.
+std::vector<std::uint32_t> seeded(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
+                                  const std::vector<std::array<double, 2>>& seeds, std::uint64_t& steps);
+
 /// Which triangles are those of the domain. `steps` grows by what finding the hole seeds looks at.
 std::vector<char> chosen(const Sites& sites, const Completion& mesh, const Flood& flood, const Grid& grid,
                          const Options& options, std::uint64_t& steps);
