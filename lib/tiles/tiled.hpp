@@ -18,4 +18,13 @@ PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options&
 ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
                              const std::function<Cuts(const GridInput&)>& cut);
 
+class TiledRun;
+
+/// Throws index_out_of_range as cleaning does; before that, as order() does, coordinate_outside_grid. All ranks do.
+void check_ends(const GridInput& input, Team& team);
+
+/// Adds to a result what is said of its grid. Throws vertices_coincide.
+void describe(TiledRun& run, const GridInput& input, const Options& options, const TiledReport& report,
+              ForestResult& joined);
+
 }  // namespace gcdt::tiles
