@@ -60,17 +60,20 @@ MpiTeam::Joined MpiTeam::join(const std::vector<Bytes>& messages) const {
 
 std::vector<Bytes> MpiTeam::exchange(std::vector<Bytes> for_each) {
   std::vector<std::uint64_t> sizes(size_), got(size_);
-  for (std::size_t i = 0; i < size_; ++i) sizes[i] = for_each[i].size(), sent_ += sizes[i];
+  for (std::size_t i = 0; i < size_; ++i) {
+    sizes[i] = for_each[i].size();
+    if (i != rank_) sent_ += sizes[i];
+  }
   MPI_Alltoall(sizes.data(), 1, MPI_UINT64_T, got.data(), 1, MPI_UINT64_T, communicator_);
   const Joined to = join(for_each);
   for_each.clear();
   std::vector<int> counts, displacements;
   std::uint64_t all = 0;
-  for (const std::uint64_t bytes : got) {
+  for (std::size_t i = 0; i < size_; ++i) {
     displacements.push_back(units(all));
-    counts.push_back(units(bytes));
-    all += padded(bytes);
-    received_ += bytes;
+    counts.push_back(units(got[i]));
+    all += padded(got[i]);
+    if (i != rank_) received_ += got[i];
   }
   units(all);
   Bytes from;
@@ -126,7 +129,8 @@ std::vector<Bytes> MpiTeam::gather(Bytes own) {
 
 Bytes MpiTeam::scatter(std::vector<Bytes> for_each) {
   std::vector<std::uint64_t> sizes;
-  for (const Bytes& message : for_each) sizes.push_back(message.size()), sent_ += message.size();
+  for (const Bytes& message : for_each) sizes.push_back(message.size());
+  for (std::size_t i = 1; i < sizes.size(); ++i) sent_ += sizes[i];
   std::uint64_t size = 0;
   MPI_Scatter(sizes.data(), 1, MPI_UINT64_T, &size, 1, MPI_UINT64_T, 0, communicator_);
   const Joined to = join(for_each);
@@ -135,7 +139,7 @@ Bytes MpiTeam::scatter(std::vector<Bytes> for_each) {
   MPI_Scatterv(to.bytes.data(), to.counts.data(), to.displacements.data(), unit_, own.data(), units(size), unit_, 0,
                communicator_);
   own.resize(static_cast<std::size_t>(size));
-  received_ += size;
+  if (!is_first()) received_ += size;
   return own;
 }
 

@@ -25,7 +25,8 @@ class MpiTeam : public tiles::Team {
   void raise(std::uint64_t* numbers, std::size_t count) override;
   void add(std::uint64_t* numbers, std::size_t count) override;
 
-  /// Bytes sent and received so far, as messages are counted above, padding left out.
+  /// Bytes sent to other ranks and received from them so far by the messages above, without padding; what is broadcast
+  /// counts once.
   std::uint64_t sent() const { return sent_; }
   std::uint64_t received() const { return received_; }
 

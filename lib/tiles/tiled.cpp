@@ -96,15 +96,13 @@ bool solve_in_tiles(DevicePool& pool, const BatchInput& batch, std::uint32_t pro
   return false;
 }
 
-/// So many tiles that each fits the pool's largest device, with a quarter to spare for tiles that are larger than
-/// others and the ends of constraints that pass. Ends: a tile needs less memory than its problem.
+}  // namespace
+
 std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_t m) {
-  std::size_t tiles = 2;
+  std::size_t tiles = 1;
   while (tiles < GCDT_MAX_TILES && forest_bytes(1, n / tiles, m / tiles) > pool.capacity() / 5 * 4) ++tiles;
   return tiles;
 }
-
-}  // namespace
 
 PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options) {
   if (options.tiles <= 1) {
@@ -116,7 +114,8 @@ PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options&
     for (const std::uint32_t problem : too_large) {
       const std::uint64_t n = batch.n(problem);
       // A tile may turn out to need more than its size says; then more are tried, as long as they are worth it.
-      for (std::size_t tiles = tiles_that_fit(pool, n, batch.m(problem)); tiles * least_of_tile <= n; tiles *= 2)
+      for (std::size_t tiles = std::max<std::size_t>(2, tiles_that_fit(pool, n, batch.m(problem)));
+           tiles * least_of_tile <= n; tiles *= 2)
         if (!solve_in_tiles(pool, batch, problem, options, tiles, all)) break;
     }
     return all;
