@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -85,6 +86,21 @@ Triangulation triangulation_of(const ForestResult& made) {
   return mesh;
 }
 
+/// The outputs, and for an .ele with added vertices the .node that has them.
+std::vector<std::string> with_nodes(const Arguments& arguments, bool added) {
+  std::vector<std::string> paths = arguments.outputs;
+  for (const std::string& path : arguments.outputs) {
+    if (!added || io::lower_extension(path) != ".ele") continue;
+    const std::string node = std::filesystem::path(path).replace_extension(".node").string();
+    if (io::same_file(node, arguments.input))
+      throw Failure(Exit::usage,
+                    fmt::format("{}: is an input, but {} needs it for the added vertices: name another", node, path));
+    const auto is_node = [&](const std::string& other) { return io::same_file(node, other); };
+    if (std::none_of(paths.begin(), paths.end(), is_node)) paths.push_back(node);
+  }
+  return paths;
+}
+
 class Run {
  public:
   Run(MpiTeam& team, std::size_t rank_on_host, const Arguments& arguments)
@@ -112,9 +128,15 @@ class Run {
         return true;
       };
     const Stopwatch solving;
-    made_ = tiles::triangulate_rank(
-        *pool_, team_, std::move(block), options, tiles,
-        [&](const tiles::GridInput& given) { return tiles::even_cuts(given, tiles, team_); });
+    const auto cut = [&](const tiles::GridInput& given) { return tiles::even_cuts(given, tiles, team_); };
+    try {
+      made_ = tiles::triangulate_rank(*pool_, team_, std::move(block), options, tiles, cut);
+    } catch (const Error& error) {
+      if (!whole_.files.empty()) throw command::explained(error, whole_, options_);
+      if (is_of_problem(error.status()))
+        throw Failure(command::exit_for(error.status()), fmt::format("{}: {}", arguments_.input, error.what()));
+      throw;
+    }
     ForestResult& result = made_.part.result;
     if (!result.together.empty()) {
       result.statistics.vertices_rounded_together = result.together[0].count;
@@ -171,19 +193,21 @@ class Run {
     if (team_.is_first() && whole_.files.empty()) whole_ = io::read_input(arguments_.input);
     Options options = options_;
     command::set_domain(arguments_.domain, whole_, options);
+    const std::vector<std::string> paths =
+        with_nodes(arguments_, made_.part.result.statistics.vertices_added > 0);
     ForestResult made = tiles::gather_result(team_, made_, whole_.vertices, whole_.constraints, options);
     Triangulation mesh;
     if (team_.is_first()) mesh = triangulation_of(made);
     made = {};
     statistics_ = mesh.statistics;
     if (arguments_.outputs.empty()) return;
-    OutputJob job(team_, arguments_.outputs);
+    OutputJob job(team_, paths);
     all_or_none(team_, [&] {
       if (!team_.is_first()) return;
       io::OutputFiles files;
       const io::Result result(whole_, mesh);
-      for (std::size_t i = 0; i < arguments_.outputs.size(); ++i)
-        io::writer_for(io::lower_extension(arguments_.outputs[i]))(files.add(job.temporary(i)), result);
+      for (std::size_t i = 0; i < paths.size(); ++i)
+        io::writer_for(io::lower_extension(paths[i]))(files.add(job.temporary(i)), result);
       files.commit();
     });
     job.commit();
