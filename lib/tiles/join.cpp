@@ -105,7 +105,7 @@ class PieceWriter {
   };
 
   std::vector<Range> ranges(const WrittenTile& tile) const {
-    constexpr std::size_t of_part = 1u << 15;
+    constexpr std::size_t of_part = 1u << 10;
     const std::size_t count = tile.tile.pieces.size(), parts = count / of_part + 1;
     std::vector<Range> all;
     for (std::size_t i = 0; i < parts; ++i) {
