@@ -68,6 +68,8 @@ target_of() {
     bench_quick) echo gcdt_bench ;;
     bench_batch) echo gcdt_bench_batch ;;
     bench_*) echo "$1_test" ;;
+    ranks_of_*) echo ranks_cases ;;
+    gcdt_mpi_oracle) printf '%s\n' gcdt_mpi gcdt_command fault_layer ;;
     *) echo "$1" ;;
   esac
 }

@@ -34,13 +34,19 @@ std::array<std::uint64_t, 2> Cuts::codes_of(std::size_t tile) const {
   return {first, first_codes_[tile] - 1};
 }
 
-Cuts even_cuts(const GridInput& input, std::size_t tiles) {
-  const std::size_t n = input.n(), count = std::min(n, std::max(sample_size, 256 * tiles));
-  std::vector<std::uint64_t> sample(count);
-  for_each_in_threads(count, [&](std::size_t i) { sample[i] = code_of(input.at(n * i / count)); });
+Cuts even_cuts(const GridInput& input, std::size_t tiles, Team& team) {
+  const std::size_t n = input.given.count, count = std::min(n, std::max(sample_size, 256 * tiles));
+  // Vertex n i / count is the sample's number i, and a rank has those from `first` on.
+  const auto first_of = [&](std::uint64_t vertex) { return n == 0 ? 0 : (vertex * count + n - 1) / n; };
+  const std::size_t first = first_of(input.given.first), end = first_of(input.given.first + input.given.points.size());
+  std::vector<std::uint64_t> sample(end - first);
+  for_each_in_threads(sample.size(), [&](std::size_t i) { sample[i] = code_of(input.at(n * (first + i) / count)); });
+  gather(team, sample);
   std::sort(sample.begin(), sample.end());
   std::vector<std::uint64_t> first_codes;
-  for (std::size_t t = 1; t < tiles; ++t) first_codes.push_back(count == 0 ? 0 : sample[count * t / tiles]);
+  for (std::size_t t = 1; t < tiles && team.is_first(); ++t)
+    first_codes.push_back(count == 0 ? 0 : sample[count * t / tiles]);
+  broadcast(team, first_codes);
   return Cuts(std::move(first_codes));
 }
 

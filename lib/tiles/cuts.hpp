@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tiles/placed.hpp"
+#include "tiles/team.hpp"
 
 namespace gcdt::tiles {
 
@@ -29,7 +30,8 @@ class Cuts {
   std::vector<std::uint64_t> first_codes_;
 };
 
-/// Cuts that give each of so many tiles about as many of the vertices, from a sample of them.
-Cuts even_cuts(const GridInput& input, std::size_t tiles);
+/// Cuts that give each of so many tiles about as many of the vertices, from a sample of them: the same for all ranks,
+/// and for any number of them. Those given to a rank follow each other.
+Cuts even_cuts(const GridInput& input, std::size_t tiles, Team& team);
 
 }  // namespace gcdt::tiles

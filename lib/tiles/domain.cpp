@@ -24,7 +24,9 @@ class Selection {
         pieces_(array_of<Constraint>(joined, GCDT_PIECES)),
         offsets_(array_of<std::uint32_t>(joined, GCDT_SOURCE_OFFSETS)),
         sources_(array_of<std::uint32_t>(joined, GCDT_SOURCES)),
-        half_edges_(static_cast<std::uint32_t>(3 * triangles_.size())) {}
+        half_edges_(static_cast<std::uint32_t>(3 * triangles_.size())) {
+    if (!joined.begins[GCDT_ADDED].empty()) added_ = array_of<GridPoint>(joined, GCDT_ADDED);
+  }
 
   void run() {
     label();
@@ -50,6 +52,9 @@ class Selection {
   std::uint64_t open_parity = 0, open_winding = 0;
 
  private:
+  GridPoint at(std::uint32_t v) const {
+    return v < input_.n() ? input_.at(v) : added_[static_cast<std::size_t>(v - input_.n())];
+  }
   bool is_constrained(std::uint32_t h) const { return (constrained_[h / 3] >> (h % 3) & 1) != 0; }
   std::int32_t across(std::uint32_t h) const { return neighbours_[h / 3][h % 3]; }
   bool is_arc(std::uint32_t h) const {
@@ -83,10 +88,10 @@ class Selection {
   void count_turns() {
     turns_.resize(pieces_.size());
     for_each_in_threads(pieces_.size(), [&](std::size_t piece) {
-      const GridPoint p = input_.at(pieces_[piece][0]), q = input_.at(pieces_[piece][1]);
+      const GridPoint p = at(pieces_[piece][0]), q = at(pieces_[piece][1]);
       for (std::uint32_t i = offsets_[piece]; i < offsets_[piece + 1]; ++i) {
-        const Constraint& c = input_.constraints[sources_[i]];
-        const GridPoint a = input_.at(c[0]), b = input_.at(c[1]);
+        const Constraint& c = input_.constraints.ends[sources_[i]];
+        const GridPoint a = at(c[0]), b = at(c[1]);
         const std::int64_t along = (std::int64_t{b[0]} - a[0]) * (std::int64_t{q[0]} - p[0]) +
                                    (std::int64_t{b[1]} - a[1]) * (std::int64_t{q[1]} - p[1]);
         turns_[piece] += along > 0 ? 1 : -1;
@@ -110,7 +115,7 @@ class Selection {
     const Triangle& t = triangles_[h / 3];
     const std::uint32_t a = t[(h % 3 + 1) % 3], b = t[(h % 3 + 2) % 3];
     const std::uint32_t piece = piece_between(
-        pieces_, [&](std::uint32_t v) { return input_.at(v); }, a, b);
+        pieces_, [&](std::uint32_t v) { return at(v); }, a, b);
     const std::int32_t left_over_right = pieces_[piece][0] == a ? turns_[piece] : -turns_[piece];
     return across(h) < 0 ? left_over_right : -left_over_right;
   }
@@ -165,6 +170,7 @@ class Selection {
   Span<std::uint8_t> constrained_;
   Span<Constraint> pieces_;
   Span<std::uint32_t> offsets_, sources_;
+  Span<GridPoint> added_;
   std::uint32_t half_edges_;
   std::vector<std::uint32_t> region_, begins_, arcs_, depth_;
   std::vector<std::int32_t> turns_, winding_;

@@ -54,9 +54,9 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   const auto flags = runtime.allocate<cl_uchar>("output flags", count);
   runtime.launch("tiles", "tile_write", over(final.count), final.count, cl_uint{places.first}, at, final.ids,
                  final.corners, final.neighbours, final.constrained, corners, others, flags);
-  runtime.read_all({{corners.handle(), triangles + places.first, count * sizeof(Triangle)},
-                    {others.handle(), neighbours + places.first, count * sizeof(Neighbours)},
-                    {flags.handle(), constrained + places.first, count}});
+  runtime.read_all({{corners.handle(), triangles, count * sizeof(Triangle)},
+                    {others.handle(), neighbours, count * sizeof(Neighbours)},
+                    {flags.handle(), constrained, count}});
   std::vector<std::uint32_t> counts(seam);
   runtime.read(before, counts.data(), seam);
   writing.end();

@@ -40,8 +40,8 @@ struct TilePlaces {
   std::vector<std::array<std::uint64_t, 2>> keys;
 };
 
-/// Writes the final triangles to their places in the result's arrays, which begin at place 0, on the device that has
-/// them. Returns for each triangle of the seam how many final ones come before it.
+/// Writes the final triangles to their places in arrays that begin with the tile's first triangle, on the device that
+/// has them. Returns for each triangle of the seam how many final ones come before it.
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
                                       Triangle* triangles, Neighbours* neighbours, std::uint8_t* constrained);
 

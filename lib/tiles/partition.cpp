@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "phases/clean.hpp"
 #include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
@@ -48,8 +47,8 @@ class Places {
 };
 
 /// The tile that has all of the constraint, or open_constraint.
-std::uint16_t tile_of_constraint(const GridInput& input, const Cuts& cuts, const Constraint& c) {
-  const GridPoint a = input.at(c[0]), b = input.at(c[1]);
+std::uint16_t tile_of_constraint(const GridInput& input, const Cuts& cuts, std::size_t c) {
+  const GridPoint a = input.end_of(c, 0), b = input.end_of(c, 1);
   const std::size_t t = cuts.tile_of(code_of(a));
   if (cuts.tile_of(code_of(b)) != t) return open_constraint;
   const auto [first, last] = cuts.tiles_of(box_between(a, b));
@@ -57,18 +56,19 @@ std::uint16_t tile_of_constraint(const GridInput& input, const Cuts& cuts, const
 }
 
 void share_constraints(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles, Partition& made) {
-  const Constraints constraints = input.constraints;
+  const GivenConstraints& constraints = input.constraints;
   const Parts parts(constraints.size());
   Places places(parts, cuts.tiles());
   Array<std::uint16_t> tile_of(constraints.size());
-  std::vector<std::vector<std::uint32_t>> open(parts.size());
+  std::vector<std::vector<OpenConstraint>> open(parts.size());
   const auto left_out = [&](std::size_t c) { return role_of(roles, c) == Role::out; };
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c)) continue;
-      tile_of[c] = role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, constraints[c]);
+      tile_of[c] = role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, c);
       if (tile_of[c] == open_constraint)
-        open[part].push_back(static_cast<std::uint32_t>(c));
+        open[part].push_back(
+            {static_cast<std::uint32_t>(c), constraints.ends[c], {input.end_of(c, 0), input.end_of(c, 1)}});
       else
         ++places.next(part, tile_of[c]);
     }
@@ -84,22 +84,20 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
       if (left_out(c) || tile_of[c] == open_constraint) continue;
       Share& tile = made.tiles[tile_of[c]];
       const std::size_t at = places.next(part, tile_of[c])++;
-      tile.constraints[at] = constraints[c];
-      tile.constraint_ids[at] = static_cast<std::uint32_t>(c);
+      tile.constraints[at] = constraints.ends[c];
+      tile.constraint_ids[at] = constraints.number_of(c);
     }
   });
 }
 
-void sort_unique(std::vector<std::uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
-/// Open constraints by tile through which they may pass, with their ends.
+/// Open constraints by tile through which they may pass, with their ends. They have their places as numbers, and get
+/// their numbers.
 void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles, Partition& made) {
-  for (const std::uint32_t c : made.open) {
-    const Constraint& ends = input.constraints[c];
-    const GridPoint points[2] = {input.at(ends[0]), input.at(ends[1])};
+  for (OpenConstraint& open : made.open) {
+    const bool wide = role_of(roles, open.number) == Role::wide;
+    open.number = input.constraints.number_of(open.number);
+    const Constraint& ends = open.ends;
+    const std::array<GridPoint, 2>& points = open.points;
     Box box = box_between(points[0], points[1]);
     for (std::size_t axis = 0; axis < 2; ++axis) {  // a route is less than one cell away
       box.least[axis] = std::max<std::int64_t>(box.least[axis] - 1, 0);
@@ -108,9 +106,12 @@ void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role
     const auto [first, last] = cuts.tiles_of(box);
     for (std::size_t t = first; t <= last; ++t) {
       Share& tile = made.tiles[t];
-      tile.passages.push_back({ends[0], ends[1], role_of(roles, c) == Role::wide});
+      tile.passages.push_back({ends[0], ends[1], wide});
       for (std::size_t end = 0; end < 2; ++end)
-        (cuts.tile_of(code_of(points[end])) == t ? tile.open_ends : tile.foreign).push_back(ends[end]);
+        if (cuts.tile_of(code_of(points[end])) == t)
+          tile.open_ends.push_back(ends[end]);
+        else
+          tile.foreign.push_back({ends[end], points[end]});
     }
   }
   for_each_in_threads(
@@ -132,18 +133,29 @@ Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<
   return made;
 }
 
-void check_ends(const GridInput& input) {
-  const std::size_t n = input.n();
-  const bool good = count_in_threads(input.constraints.size(), [&](std::size_t c) {
-                      return input.constraints[c][0] >= n || input.constraints[c][1] >= n;
-                    }) == 0;
-  if (good) return;
-  check_inside(input);
-  Parts(input.constraints.size()).run([&](std::size_t, std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c)
-      for (std::size_t end = 0; end < 2; ++end)
-        if (input.constraints[c][end] >= n) throw index_error(c, end, n);
-  });
+bool has_good_ends(const GridInput& input) {
+  const std::uint64_t n = input.n();
+  const Constraints ends = input.constraints.ends;
+  return count_in_threads(ends.size(), [&](std::size_t c) { return ends[c][0] >= n || ends[c][1] >= n; }) == 0;
+}
+
+std::uint64_t first_bad_end(const GridInput& input) {
+  const std::uint64_t n = input.n();
+  for (std::size_t c = 0; c < input.constraints.size(); ++c)
+    for (std::size_t end = 0; end < 2; ++end)
+      if (input.constraints.ends[c][end] >= n) return 2 * (input.constraints.first + c) + end;
+  return std::numeric_limits<std::uint64_t>::max();
+}
+
+void sort_unique(std::vector<Foreign>& vertices) {
+  std::sort(vertices.begin(), vertices.end(), [](const Foreign& a, const Foreign& b) { return a.vertex < b.vertex; });
+  const auto same = [](const Foreign& a, const Foreign& b) { return a.vertex == b.vertex; };
+  vertices.erase(std::unique(vertices.begin(), vertices.end(), same), vertices.end());
+}
+
+void sort_unique(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
 }  // namespace gcdt::tiles

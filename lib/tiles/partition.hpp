@@ -12,21 +12,34 @@ struct Passage {
   bool wide;               ///< it may be replaced by its route, which is near it (docs/splitting.md, S2)
 };
 
+/// A vertex of another tile.
+struct Foreign {
+  std::uint32_t vertex;
+  GridPoint point;
+};
+
 /// What a tile has beside its own vertices. All numbers are input numbers.
 struct Share {
   Array<Constraint> constraints;
   Array<std::uint32_t> constraint_ids;  ///< ascending
   std::vector<Passage> passages;
   /// Vertices of other tiles where passages end, ascending: the tile's mesh has them, too.
-  std::vector<std::uint32_t> foreign;
+  std::vector<Foreign> foreign;
   std::vector<std::uint32_t> open_ends;  ///< its own vertices where passages end, ascending
+};
+
+/// A constraint that no tile was given.
+struct OpenConstraint {
+  std::uint32_t number;
+  Constraint ends;
+  std::array<GridPoint, 2> points;  ///< of its ends
 };
 
 /// The constraints, shared out. One is of the tile that has the whole box around it; the others are open, and come
 /// together in the seam.
 struct Partition {
   std::vector<Share> tiles;
-  std::vector<std::uint32_t> open;  ///< ascending
+  std::vector<OpenConstraint> open;  ///< by ascending number
 };
 
 /// What is asked of a constraint.
@@ -36,10 +49,17 @@ enum class Role : std::uint8_t {
   out,   ///< left out
 };
 
-/// The ends of all constraints are vertices. `roles`: by constraint; none if all are `any`.
+/// Of the constraints that the process has. The ends of all are vertices. `roles`: by constraint of the process; none
+/// if all are `any`.
 Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles);
 
-/// Throws index_out_of_range as cleaning does; before that, as order() does, coordinate_outside_grid.
-void check_ends(const GridInput& input);
+/// Whether all ends of the process's constraints are vertices.
+bool has_good_ends(const GridInput& input);
+/// The number of the first end that is no vertex, where 2 c + e is end e of constraint c; if there is none, the
+/// greatest number.
+std::uint64_t first_bad_end(const GridInput& input);
+/// Sorts vertices of other tiles, and keeps each once.
+void sort_unique(std::vector<Foreign>& vertices);
+void sort_unique(std::vector<std::uint32_t>& numbers);
 
 }  // namespace gcdt::tiles

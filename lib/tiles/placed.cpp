@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/placed.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "phases/given.hpp"
@@ -41,38 +42,46 @@ std::int32_t placed(const ChosenGrid& chosen, std::uint64_t bits, int axis) {
 
 }  // namespace
 
-GridPoint GridInput::at(std::size_t vertex) const {
-  if (vertex >= given.size()) return added[vertex - given.size()];
-  return {placed(chosen, bits_of(given, vertex, 0), 0), placed(chosen, bits_of(given, vertex, 1), 1)};
+std::size_t GivenVertices::place_of(std::uint64_t vertex) const {
+  if (numbers.empty()) return static_cast<std::size_t>(vertex - first);
+  const auto found = std::lower_bound(numbers.begin(), numbers.end(), vertex);
+  if (found == numbers.end() || *found != vertex)
+    throw Error(Status::check_failed, "tiles: a vertex is asked for where it is not");
+  return static_cast<std::size_t>(found - numbers.begin());
 }
 
-GridInput place(Points points, Constraints constraints, const ChosenGrid& chosen, const Survey& surveyed) {
-  GridInput input{points, chosen, {}, constraints, {}};
-  for (std::size_t axis = 0; axis < 2 && points.size() > 0; ++axis) {  // what is placed grows with what was given
-    input.box.least[axis] = placed(chosen, surveyed.least[axis], static_cast<int>(axis));
-    input.box.most[axis] = placed(chosen, surveyed.most[axis], static_cast<int>(axis));
+GridPoint GridInput::at_place(std::size_t place) const {
+  return {placed(chosen, bits_of(given.points, place, 0), 0), placed(chosen, bits_of(given.points, place, 1), 1)};
+}
+
+Box box_of(const ChosenGrid& chosen, const Survey& surveyed) {
+  Box box{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {  // what is placed grows with what was given
+    box.least[axis] = placed(chosen, surveyed.least[axis], static_cast<int>(axis));
+    box.most[axis] = placed(chosen, surveyed.most[axis], static_cast<int>(axis));
   }
-  return input;
+  return box;
 }
 
-void check_inside(const GridInput& input) {
-  if (input.chosen.decimals) return;
-  const Parts parts(input.given.size());
+std::uint64_t outside_of(const GridInput& input) {
+  if (input.chosen.decimals) return 0;
+  const Parts parts(input.given.points.size());
   std::vector<std::uint64_t> outside(parts.size(), 0);  // the complement of each part's least such coordinate
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     for (std::size_t i = 2 * first; i < 2 * end && outside[part] == 0; ++i) {
       const int axis = static_cast<int>(i % 2);
-      if (device::gcdt_quantise(bits_of(input.given, i / 2, axis), &input.chosen.scale, axis).outside)
-        outside[part] = ~std::uint64_t{i};
+      if (device::gcdt_quantise(bits_of(input.given.points, i / 2, axis), &input.chosen.scale, axis).outside)
+        outside[part] = ~(2 * input.given.first + i);
     }
   });
-  check_outside(*std::max_element(outside.begin(), outside.end()));
+  return *std::max_element(outside.begin(), outside.end());
 }
 
 double move_of(const GridInput& input, std::uint64_t key) {
   if (input.chosen.decimals || key == 0) return 0;
   return largest_move(
-      input.given.size(), [&](std::size_t i) { return bits_of(input.given, i / 2, static_cast<int>(i % 2)); }, key,
+      input.given.points.size(),
+      [&](std::size_t i) { return bits_of(input.given.points, i / 2, static_cast<int>(i % 2)); }, key,
       input.chosen.scale);
 }
 

@@ -31,26 +31,60 @@ inline std::int64_t orient2d(const GridPoint& a, const GridPoint& b, const GridP
   return device::gcdt_orient2d_finite(vertex_at(a), vertex_at(b), vertex_at(c));
 }
 
-/// One planar straight-line graph. The arrays are the caller's.
-struct GridInput {
-  Points given;
-  ChosenGrid chosen;
-  GridPoints added;  ///< vertices behind those given, on the grid already
-  Constraints constraints;
-  Box box{};  ///< around all vertices, if there are any
+/// Which vertices of the input a process has. Numbers are input numbers.
+struct GivenVertices {
+  Points points;
+  std::uint64_t first = 0;        ///< the number of the first one, if they follow each other
+  Span<std::uint32_t> numbers{};  ///< else of each, ascending
+  std::uint64_t count = 0;        ///< of all processes together
 
-  std::uint64_t n() const { return given.size() + added.size(); }
-  /// Anything if the vertex is outside the grid, which the tiles find out.
-  GridPoint at(std::size_t vertex) const;
+  /// The place of a vertex among `points`. Throws check_failed if it is not there.
+  std::size_t place_of(std::uint64_t vertex) const;
 };
 
-/// The input on a grid; `surveyed` unless it has no vertices.
-GridInput place(Points points, Constraints constraints, const ChosenGrid& chosen, const Survey& surveyed);
+/// Which constraints of the input a process has.
+struct GivenConstraints {
+  Constraints ends;
+  std::uint64_t first = 0;                       ///< the number of the first one, if they follow each other
+  Array<std::uint32_t> numbers{};                ///< else of each, ascending; links of one constraint have its number
+  std::uint64_t count = 0;                       ///< of all processes together
+  Array<std::array<GridPoint, 2>> end_points{};  ///< empty: the process has all vertices
 
-/// Throws coordinate_outside_grid for the first vertex that is.
-void check_inside(const GridInput& input);
+  std::size_t size() const { return ends.size(); }
+  std::uint32_t number_of(std::size_t c) const {
+    return numbers.empty() ? static_cast<std::uint32_t>(first + c) : numbers[c];
+  }
+};
 
-/// The largest move of a coordinate; `key` is the greatest gcdt_move_key of all.
+/// One planar straight-line graph, or what a process has of one. The arrays are the caller's.
+struct GridInput {
+  GivenVertices given;
+  ChosenGrid chosen;
+  GridPoints added;  ///< vertices behind those given, on the grid already; every process has all
+  GivenConstraints constraints;
+  Box box{};  ///< around all vertices, if there are any
+
+  /// Of all processes.
+  std::uint64_t n() const { return given.count + added.size(); }
+  /// A vertex that the process has, by its number. Anything if it is outside the grid, which the tiles find out.
+  GridPoint at(std::uint64_t vertex) const {
+    return vertex < given.count ? at_place(given.place_of(vertex)) : added[vertex - given.count];
+  }
+  /// The vertex at a place among those given.
+  GridPoint at_place(std::size_t place) const;
+  GridPoint end_of(std::size_t constraint, std::size_t end) const {
+    return constraints.end_points.empty() ? at(constraints.ends[constraint][end])
+                                          : constraints.end_points[constraint][end];
+  }
+};
+
+/// The box around vertices on a grid, if there are any.
+Box box_of(const ChosenGrid& chosen, const Survey& surveyed);
+
+/// What check_outside() takes: 0, or for the least coordinate outside the grid the complement of its number.
+std::uint64_t outside_of(const GridInput& input);
+
+/// The largest move of a coordinate that the process has; `key` is the greatest gcdt_move_key of all.
 double move_of(const GridInput& input, std::uint64_t key);
 
 }  // namespace gcdt::tiles

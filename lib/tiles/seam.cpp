@@ -86,6 +86,34 @@ std::uint32_t stand_in(const SolvedTile& tile, std::uint32_t end) {
   return tile.stand_ins[static_cast<std::size_t>(found - tile.ends.begin())];
 }
 
+/// Adds the constraints that no tile has, with those that tiles have dropped.
+void add_open(Seam& seam, const Cuts& cuts, const std::vector<OpenConstraint>& open,
+              const std::vector<SolvedTile>& tiles, const SeamNumbers& numbers) {
+  struct Numbered {
+    std::uint32_t number;
+    Constraint ends;  ///< in the seam
+  };
+  std::vector<Numbered> all;
+  for (const OpenConstraint& constraint : open) {
+    Constraint ends;
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::size_t t = cuts.tile_of(code_of(constraint.points[end]));
+      ends[end] = numbers.of(t, stand_in(tiles[t], constraint.ends[end]));
+    }
+    all.push_back({constraint.number, ends});
+  }
+  for (std::size_t t = 0; t < tiles.size(); ++t)
+    for (const Dropped& constraint : tiles[t].dropped) {
+      const auto number = [&](std::uint32_t end) { return numbers.of(t, stand_in(tiles[t], end)); };
+      all.push_back({constraint.number, {number(constraint.ends[0]), number(constraint.ends[1])}});
+    }
+  std::stable_sort(all.begin(), all.end(), [](const Numbered& a, const Numbered& b) { return a.number < b.number; });
+  for (const Numbered& constraint : all) {
+    seam.open.push_back(constraint.number);
+    seam.constraints.push_back(constraint.ends);
+  }
+}
+
 }  // namespace
 
 ProblemMesh::ProblemMesh(const ForestResult& made)
@@ -102,7 +130,7 @@ std::vector<std::uint32_t> Seam::sources_of(std::size_t constraint, const std::v
   return sources;
 }
 
-Seam make_seam(const TileTask& task, const std::vector<std::uint32_t>& open, const std::vector<SolvedTile>& tiles) {
+Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const std::vector<SolvedTile>& tiles) {
   std::vector<TileShare> shares(tiles.size());
   for_each_in_threads(
       tiles.size(), [&](std::size_t t) { shares[t] = share_of(tiles, t); }, 1);
@@ -125,15 +153,7 @@ Seam make_seam(const TileTask& task, const std::vector<std::uint32_t>& open, con
       seam.constraints.push_back({numbers.of(t, ends[0]), numbers.of(t, ends[1])});
       seam.parts.push_back({t, p});
     }
-  seam.open = open;
-  for (const SolvedTile& tile : tiles) seam.open.insert(seam.open.end(), tile.dropped.begin(), tile.dropped.end());
-  std::sort(seam.open.begin(), seam.open.end());
-  const auto number = [&](std::uint32_t end) {
-    const std::size_t t = task.cuts.tile_of(code_of(task.input.at(end)));
-    return numbers.of(t, stand_in(tiles[t], end));
-  };
-  for (const std::uint32_t c : seam.open)
-    seam.constraints.push_back({number(task.input.constraints[c][0]), number(task.input.constraints[c][1])});
+  add_open(seam, cuts, open, tiles, numbers);
   return seam;
 }
 

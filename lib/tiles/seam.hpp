@@ -71,8 +71,8 @@ struct Seam {
   std::vector<std::uint32_t> sources_of(std::size_t constraint, const std::vector<SolvedTile>& tiles) const;
 };
 
-/// `open`: input constraints that no tile was given, ascending.
-Seam make_seam(const TileTask& task, const std::vector<std::uint32_t>& open, const std::vector<SolvedTile>& tiles);
+/// `open`: by ascending number.
+Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const std::vector<SolvedTile>& tiles);
 
 /// The mesh of the seam's problem, and which of its triangles are of the seam. `border` is the number of the border
 /// edge that a triangle of the seam has there, or -1.

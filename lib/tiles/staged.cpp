@@ -55,7 +55,7 @@ void Staged::leave(std::size_t device) {
 
 // Ends: every time that no device has looked at all chunks, one is lost.
 template <class Columns, class Look>
-Columns Staged::look(Look&& look_at_chunk) {
+Columns Staged::look(Team& team, Look&& look_at_chunk) {
   std::mutex mutex;
   std::optional<Columns> columns;
   while (!columns)
@@ -79,18 +79,22 @@ Columns Staged::look(Look&& look_at_chunk) {
       const std::lock_guard<std::mutex> lock(mutex);
       columns = most;
     });
+  team.raise(columns->data(), columns->size());
   return *columns;
 }
 
-ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveyed) {
+ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveyed, std::uint64_t first_of_rank,
+                          Team& team) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
-  if (points_.size() == 0) return given ? *given : ChosenGrid();
-  const Surveyed found = look<Surveyed>([](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
-    Surveyed columns = survey_maxima(runtime, points);
-    if (columns[GCDT_SURVEY_BAD] != 0) columns[GCDT_SURVEY_BAD] -= 2 * first;  // complements: the least is greatest
-    return columns;
-  });
+  if (team.sum(points_.size()) == 0) return given ? *given : ChosenGrid();
+  const Surveyed found =
+      look<Surveyed>(team, [&](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
+        Surveyed columns = survey_maxima(runtime, points);
+        // Complements: the least is greatest.
+        if (columns[GCDT_SURVEY_BAD] != 0) columns[GCDT_SURVEY_BAD] -= 2 * (first_of_rank + first);
+        return columns;
+      });
   if (found[GCDT_SURVEY_BAD] != 0) throw survey_error(coordinates_type(points_.type()), ~found[GCDT_SURVEY_BAD]);
   surveyed = survey_of(found.data());
   if (given) return *given;
@@ -98,7 +102,7 @@ ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveye
   const int limit = choice.decimals_limit;
   if (limit < 0) return choice.grid;
   using Digits = std::array<cl_ulong, 1>;
-  const Digits digits = look<Digits>([&](runtime::Runtime& runtime, const InputPoints& points, std::size_t) {
+  const Digits digits = look<Digits>(team, [&](runtime::Runtime& runtime, const InputPoints& points, std::size_t) {
     return Digits{static_cast<cl_ulong>(count_decimals(runtime, points, limit))};
   });
   return choice.with_decimals(static_cast<int>(digits[0]));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "batch/device_pool.hpp"
+#include "tiles/team.hpp"
 
 namespace gcdt::tiles {
 
@@ -13,9 +14,9 @@ class Staged {
   /// `tiles`: how many the input will have. The points must outlive the object.
   Staged(DevicePool& pool, Points points, std::size_t tiles);
 
-  /// The grid that one device would choose (docs/contract.md, 1). Throws as order() does. `surveyed` is not set without
-  /// points.
-  ChosenGrid choose(const std::optional<FixedGrid>& fixed, Survey& surveyed);
+  /// The grid that one device would choose (docs/contract.md, 1) for the points of all ranks, of which this one's begin
+  /// with number `first`. Throws as order() does. `surveyed` is not set without points.
+  ChosenGrid choose(const std::optional<FixedGrid>& fixed, Survey& surveyed, std::uint64_t first, Team& team);
 
   /// Calls use(points, first) for each chunk on the device; `first` is the number of its first vertex.
   void for_chunks(DevicePool::Lent& lent, const std::function<void(const InputPoints& points, std::size_t first)>& use);
@@ -26,7 +27,7 @@ class Staged {
  private:
   /// Of the columns that the chunks have, by whichever devices look: GPUs if there are some.
   template <class Columns, class Look>
-  Columns look(Look&& look_at_chunk);
+  Columns look(Team& team, Look&& look_at_chunk);
 
   DevicePool& pool_;
   const Points points_;

@@ -32,9 +32,10 @@ class Taker {
       take_chunk(points.n, codes, first);
     });
     check_outside(outside_);
+    number();
     if (!input_.added.empty()) {
       const InputPoints added = stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size()));
-      take_chunk(added.n, codes_on(runtime_, added, fixed_grid(FixedGrid{0, 0, "1"})), input_.given.size());
+      take_chunk(added.n, codes_on(runtime_, added, fixed_grid(FixedGrid{0, 0, "1"})), input_.given.count);
     }
     taken_.own = taken_.all;
     add_foreign();
@@ -58,6 +59,16 @@ class Taker {
     taken_.all += found;
   }
 
+  /// Vertices have their places among those that the process has as numbers, and get those of the input.
+  void number() {
+    const Span<std::uint32_t> numbers = input_.given.numbers;
+    if (numbers.empty() || taken_.all == 0) return;
+    const auto all = runtime_.upload("numbers of vertices", numbers.data(), numbers.size());
+    auto ids = runtime_.allocate<cl_uint>("input numbers of a tile", taken_.ids.size());
+    runtime_.launch("tiles", "tile_gather", over(taken_.all), taken_.all, taken_.ids, all, ids);
+    taken_.ids = std::move(ids);
+  }
+
   /// The column of a chunk counts in it; it holds the complement of the least such coordinate.
   void note_outside(cl_ulong of_chunk, std::size_t first_id) {
     if (of_chunk != 0) outside_ = std::max<cl_ulong>(outside_, of_chunk - 2 * first_id);
@@ -77,13 +88,14 @@ class Taker {
   void add_foreign() {
     if (share_.foreign.empty() || taken_.own == 0) return;
     std::vector<cl_ulong> points;
-    for (const std::uint32_t v : share_.foreign) {
-      const GridPoint p = input_.at(v);
+    std::vector<std::uint32_t> numbers;
+    for (const auto& [vertex, p] : share_.foreign) {
       points.push_back(static_cast<std::uint32_t>(p[0]) | std::uint64_t{static_cast<std::uint32_t>(p[1])} << 32);
+      numbers.push_back(vertex);
     }
     if (taken_.all + points.size() > taken_.ids.size()) reserve(taken_.all);
     runtime_.write(taken_.points.coordinates, points.data(), points.size(), taken_.all);
-    runtime_.write(taken_.ids, share_.foreign.data(), points.size(), taken_.all);
+    runtime_.write(taken_.ids, numbers.data(), points.size(), taken_.all);
     taken_.all += static_cast<cl_uint>(points.size());
   }
 

@@ -128,12 +128,11 @@ class TileRun {
   // Of passages and of what was dropped, which passes from now on, too. All that are its own are open ends.
   void find_ends() {
     for (const std::uint32_t c : read_all_of<std::uint32_t>(runtime_, made_.dropped, made_.dropped.size()))
-      solved_.dropped.push_back(share_.constraint_ids[c]);
+      solved_.dropped.push_back({share_.constraint_ids[c], share_.constraints[c]});
     std::vector<std::uint32_t>& ends = solved_.ends = share_.open_ends;
-    for (const std::uint32_t c : solved_.dropped)
-      for (const std::uint32_t end : task_.input.constraints[c]) ends.push_back(end);
-    std::sort(ends.begin(), ends.end());
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    for (const Dropped& constraint : solved_.dropped)
+      ends.insert(ends.end(), constraint.ends.begin(), constraint.ends.end());
+    sort_unique(ends);
     solved_.stand_ins = stand_ins(ends);
   }
 
@@ -154,8 +153,8 @@ class TileRun {
 
   std::vector<std::uint32_t> passed_triangles() {
     std::vector<Passage> passages = share_.passages;
-    for (const std::uint32_t c : solved_.dropped)
-      passages.push_back({task_.input.constraints[c][0], task_.input.constraints[c][1], false});
+    for (const Dropped& constraint : solved_.dropped)
+      passages.push_back({constraint.ends[0], constraint.ends[1], false});
     if (passages.empty()) return {};
     std::vector<std::uint32_t> ends;
     for (const Passage& passage : passages) ends.push_back(passage.from), ends.push_back(passage.to);
@@ -243,8 +242,7 @@ class TileRun {
     std::vector<std::uint32_t> ends;
     for (const BorderEdge& edge : solved_.border)
       if (edge.is_on_hull()) ends.push_back(edge.from), ends.push_back(edge.to);
-    std::sort(ends.begin(), ends.end());
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    sort_unique(ends);
     if (!ends.empty())
       solved_.hull_vertices =
           seam_vertices(runtime_.upload("vertices of the hull", ends), static_cast<cl_uint>(ends.size()));

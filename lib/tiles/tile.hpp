@@ -25,6 +25,12 @@ struct BorderEdge {
   bool is_on_hull() const { return (k_and_marks & GCDT_TILE_ON_HULL) != 0; }  ///< of the tile
 };
 
+/// A constraint that a tile has dropped, as input numbers.
+struct Dropped {
+  std::uint32_t number;
+  Constraint ends;
+};
+
 /// What became of a tile. Vertices are numbered as in kernels/tiles/tiles.cl.
 struct SolvedTile {
   std::uint32_t own = 0;  ///< vertices of its own; without any it has nothing else
@@ -37,10 +43,10 @@ struct SolvedTile {
   Array<Constraint> pieces;                            ///< the tile's vertices
   Array<Constraint> piece_ids;                         ///< the same as input numbers
   Array<std::uint32_t> kept, source_offsets, sources;  ///< sources: input numbers
-  std::vector<std::uint32_t> dropped;                  ///< constraints by input numbers, ascending
+  std::vector<Dropped> dropped;                        ///< by ascending number
   std::vector<Constraint> merged;                      ///< input numbers: vertices, and what stands for them
   std::vector<std::uint32_t> ends, stand_ins;          ///< open ends by input number, ascending; the tile's vertices
-  std::uint64_t move_key = 0;                          ///< of all vertices of the input, not only the tile's
+  std::uint64_t move_key = 0;                          ///< of all vertices that the process has
   FinalTriangles final;
   std::size_t device = 0;  ///< of the pool: who has `final`, unless it is spilled
 };

@@ -18,4 +18,17 @@ PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options&
 ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Options& options, std::size_t tiles,
                              const std::function<Cuts(const GridInput&)>& cut);
 
+/// So many tiles that each fits the pool's largest device, with a quarter to spare for tiles that are larger than
+/// others and the ends of constraints that pass. Ends: a tile needs less memory than its problem.
+std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_t m);
+
+class TiledRun;
+
+/// Throws index_out_of_range as cleaning does; before that, as order() does, coordinate_outside_grid. All ranks do.
+void check_ends(const GridInput& input, Team& team);
+
+/// Adds to a result what is said of its grid. Throws vertices_coincide.
+void describe(TiledRun& run, const GridInput& input, const Options& options, const TiledReport& report,
+              ForestResult& joined);
+
 }  // namespace gcdt::tiles

@@ -51,7 +51,10 @@ std::pair<Triangulation, std::string> in_tiles(const Workload& work, const Cut& 
 }
 
 Cut evenly(std::size_t tiles) {
-  return [tiles](const tiles::GridInput& input) { return tiles::even_cuts(input, tiles); };
+  return [tiles](const tiles::GridInput& input) {
+    tiles::Team alone;
+    return tiles::even_cuts(input, tiles, alone);
+  };
 }
 
 /// At vertices and between them, some more than once.
@@ -115,7 +118,7 @@ TEST_CASE("regions and domains are those of one device") {
   for (unsigned i = 0; i < 60; ++i) {
     CAPTURE(i);
     const Workload work = random_crossing(1 + random.below(100), 2 + i % 40, random.below(60), 5000 + i);
-    Options options = with(Crossing::drop);
+    Options options = with(i % 3 ? Crossing::drop : Crossing::split);
     options.domain = std::array<Domain, 4>{Domain::hull, Domain::even_odd, Domain::nonzero, Domain::outer}[i % 4];
     options.regions = true;
     check_same(work, anywhere(2 + i % 5, random), options);

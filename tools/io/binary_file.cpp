@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <sys/types.h>
+
 #include <cerrno>
 #include <filesystem>
 
@@ -19,6 +21,12 @@ void BinaryFile::read(void* to, std::uint64_t bytes, const char* what) {
   if (bytes > left() || std::fread(to, 1, bytes, file_.get()) != bytes)
     fail(fmt::format("the file ends within {}", what));
   at_ += bytes;
+}
+
+void BinaryFile::seek(std::uint64_t at) {
+  if (at > size_ || fseeko(file_.get(), static_cast<off_t>(at), SEEK_SET) != 0)
+    throw Failure(Exit::input, fmt::format("{}: cannot be read from byte {} on", path_, at));
+  at_ = at;
 }
 
 void BinaryFile::fail(const std::string& what) const {

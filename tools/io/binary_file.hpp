@@ -50,6 +50,8 @@ class BinaryFile {
   std::uint64_t left() const { return size_ - at_; }
   /// Reads just that many bytes; `what` names them where the file has fewer.
   void read(void* to, std::uint64_t bytes, const char* what);
+  /// Goes on reading there.
+  void seek(std::uint64_t at);
   /// A number that has its least byte first.
   template <class T>
   T little(const char* what) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binary planar straight-line graphs (.pslg): "PSLGBIN1", the numbers of vertices and segments (int64), the vertices
-// (two float64 each), the segments (two int32 each), least byte first.
+#include "pslg.hpp"
+
 #include <fmt/format.h>
 
-#include "binary_file.hpp"
 #include "inputs.hpp"
 #include "outputs.hpp"
 
@@ -12,7 +11,7 @@ namespace gcdt::io {
 namespace {
 
 constexpr std::string_view magic = "PSLGBIN1";
-constexpr std::uint64_t vertex_bytes = 2 * sizeof(double), segment_bytes = 2 * sizeof(std::int32_t);
+constexpr std::uint64_t head_bytes = 24, vertex_bytes = 2 * sizeof(double), segment_bytes = 2 * sizeof(std::int32_t);
 
 /// A count that the header announces, each record of so many bytes: no more than the file can hold.
 std::uint64_t count(BinaryFile& in, const char* what, std::uint64_t most) {
@@ -36,31 +35,47 @@ void turn(T* numbers, std::uint64_t count) {
 
 }  // namespace
 
-Input read_pslg(const std::string& path) {
-  BinaryFile in(path);
+PslgFile::PslgFile(const std::string& path) : file_(path) {
   char begin[8];
-  in.read(begin, sizeof begin, "the word PSLGBIN1");
-  if (std::string_view(begin, sizeof begin) != magic) in.fail("the word PSLGBIN1 is missing before this");
-  Input input = input_of(path);
-  const std::uint64_t vertices = count(in, "the number of vertices", max_vertices);
-  const std::uint64_t segments = count(in, "the number of segments", (1ull << 31) - 1);
-  const std::uint64_t due = vertices * vertex_bytes + segments * segment_bytes;
-  if (in.left() != due)
-    in.fail(
-        fmt::format("{} vertices and {} segments have {} bytes, but {} follow", vertices, segments, due, in.left()));
-  input.vertices.resize(vertices);
-  in.read(input.vertices.data(), vertices * vertex_bytes, "the vertices");
-  turn(reinterpret_cast<double*>(input.vertices.data()), 2 * vertices);
+  file_.read(begin, sizeof begin, "the word PSLGBIN1");
+  if (std::string_view(begin, sizeof begin) != magic) file_.fail("the word PSLGBIN1 is missing before this");
+  vertices_ = count(file_, "the number of vertices", max_vertices);
+  segments_ = count(file_, "the number of segments", (1ull << 31) - 1);
+  const std::uint64_t due = vertices_ * vertex_bytes + segments_ * segment_bytes;
+  if (file_.left() != due)
+    file_.fail(fmt::format("{} vertices and {} segments have {} bytes, but {} follow", vertices_, segments_, due,
+                           file_.left()));
+}
+
+void PslgFile::read_vertices(std::uint64_t first, std::uint64_t count, std::array<double, 2>* to) {
+  file_.seek(head_bytes + first * vertex_bytes);
+  file_.read(to, count * vertex_bytes, "the vertices");
+  turn(reinterpret_cast<double*>(to), 2 * count);
+}
+
+void PslgFile::read_segments(std::uint64_t first, std::uint64_t count, Constraint* to) {
   static_assert(sizeof(Constraint) == segment_bytes);
-  input.constraints.resize(segments);
-  in.read(input.constraints.data(), segments * segment_bytes, "the segments");
-  turn(reinterpret_cast<std::uint32_t*>(input.constraints.data()), 2 * segments);
-  for (std::uint64_t c = 0; c < segments; ++c)
+  file_.seek(place_of_segment(first));
+  file_.read(to, count * segment_bytes, "the segments");
+  turn(reinterpret_cast<std::uint32_t*>(to), 2 * count);
+}
+
+std::uint64_t PslgFile::place_of_segment(std::uint64_t number) const {
+  return head_bytes + vertices_ * vertex_bytes + number * segment_bytes;
+}
+
+Input read_pslg(const std::string& path) {
+  PslgFile in(path);
+  Input input = input_of(path);
+  input.vertices.resize(in.vertices());
+  in.read_vertices(0, in.vertices(), input.vertices.data());
+  input.constraints.resize(in.segments());
+  in.read_segments(0, in.segments(), input.constraints.data());
+  for (std::uint64_t c = 0; c < in.segments(); ++c)
     for (const std::uint32_t v : input.constraints[c])
-      if (v >= vertices)
+      if (v >= in.vertices())
         throw Failure(Exit::input, fmt::format("{}: at byte {}: segment {} names vertex {}, but there are {}", path,
-                                               in.size() - (segments - c) * segment_bytes, c,
-                                               static_cast<std::int32_t>(v), vertices));
+                                               in.place_of_segment(c), c, static_cast<std::int32_t>(v), in.vertices()));
   return input;
 }
 

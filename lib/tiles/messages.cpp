@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/messages.hpp"
+
+namespace gcdt::tiles {
+
+namespace {
+
+/// Calls pack(tile, packer) for each rank's tiles.
+template <class Pack>
+std::vector<Bytes> for_ranks(const Team& team, std::size_t tiles, Pack&& pack) {
+  std::vector<Bytes> messages;
+  for (std::size_t rank = 0; rank < team.size(); ++rank) {
+    const TileRange range = tiles_of_rank(team, rank, tiles);
+    Packer packer;
+    for (std::size_t t = range.first; t < range.end; ++t) pack(t, packer);
+    messages.push_back(packer.take());
+  }
+  return messages;
+}
+
+void put(Packer& to, const Share& share) {
+  to.put(share.constraints);
+  to.put(share.constraint_ids);
+  to.put(share.passages);
+  to.put(share.foreign);
+  to.put(share.open_ends);
+}
+
+void append(Unpacker& from, Share& share) {
+  from.append_to(share.constraints);
+  from.append_to(share.constraint_ids);
+  from.append_to(share.passages);
+  from.append_to(share.foreign);
+  from.append_to(share.open_ends);
+}
+
+/// Of the pieces only those that are the seam's.
+void put(Packer& to, const SolvedTile& tile) {
+  to.put_one(tile.own);
+  to.put_one(tile.box);
+  to.put_one(tile.final.count);
+  to.put(tile.vertices);
+  to.put(tile.hull_vertices);
+  to.put(tile.border);
+  to.put(tile.dropped);
+  to.put(tile.ends);
+  to.put(tile.stand_ins);
+  std::vector<Constraint> pieces;
+  std::vector<std::uint32_t> offsets(1, 0), sources;
+  for (std::size_t p = 0; p < tile.pieces.size(); ++p) {
+    if (tile.kept[p] != 0) continue;
+    pieces.push_back(tile.pieces[p]);
+    sources.insert(sources.end(), tile.sources.begin() + tile.source_offsets[p],
+                   tile.sources.begin() + tile.source_offsets[p + 1]);
+    offsets.push_back(static_cast<std::uint32_t>(sources.size()));
+  }
+  to.put(pieces);
+  to.put(offsets);
+  to.put(sources);
+}
+
+void get(Unpacker& from, SolvedTile& tile) {
+  tile = {};
+  from.get_one(tile.own);
+  from.get_one(tile.box);
+  from.get_one(tile.final.count);
+  from.append_to(tile.vertices);
+  from.append_to(tile.hull_vertices);
+  from.append_to(tile.border);
+  from.append_to(tile.dropped);
+  from.append_to(tile.ends);
+  from.append_to(tile.stand_ins);
+  from.append_to(tile.pieces);
+  from.append_to(tile.source_offsets);
+  from.append_to(tile.sources);
+  tile.kept.assign(tile.pieces.size(), 0);
+}
+
+void put(Packer& to, const Returned& returned) {
+  to.put(returned.triangles);
+  to.put(returned.across);
+  to.put(returned.piece_keys);
+  to.put(returned.pieces);
+  to.put(returned.source_offsets);
+  to.put(returned.sources);
+}
+
+void get(Unpacker& from, Returned& returned) {
+  from.append_to(returned.triangles);
+  from.append_to(returned.across);
+  from.append_to(returned.piece_keys);
+  from.append_to(returned.pieces);
+  from.append_to(returned.source_offsets);
+  from.append_to(returned.sources);
+}
+
+}  // namespace
+
+void exchange_shares(Team& team, Partition& all) {
+  if (team.is_alone()) return;
+  const std::size_t tiles = all.tiles.size();
+  std::vector<Bytes> messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) {
+    put(to, all.tiles[t]);
+    all.tiles[t] = {};
+  });
+  const TileRange own = own_tiles(team, tiles);
+  // A rank's constraints come before those of the next, so numbers ascend.
+  for (const Bytes& message : team.exchange(std::move(messages))) {
+    Unpacker from(message);
+    for (std::size_t t = own.first; t < own.end; ++t) append(from, all.tiles[t]);
+  }
+  for (std::size_t t = own.first; t < own.end; ++t) {
+    sort_unique(all.tiles[t].foreign);
+    sort_unique(all.tiles[t].open_ends);
+  }
+  gather(team, all.open);
+}
+
+void gather_tiles(Team& team, std::vector<SolvedTile>& tiles) {
+  if (team.is_alone()) return;
+  const TileRange own = own_tiles(team, tiles.size());
+  Packer packer;
+  for (std::size_t t = own.first; t < own.end; ++t) put(packer, tiles[t]);
+  const std::vector<Bytes> all = team.gather(packer.take());
+  for (std::size_t rank = 1; rank < all.size(); ++rank) {
+    const TileRange range = tiles_of_rank(team, rank, tiles.size());
+    Unpacker from(all[rank]);
+    for (std::size_t t = range.first; t < range.end; ++t) get(from, tiles[t]);
+  }
+}
+
+OwnPlaces scatter_places(Team& team, std::size_t tiles, const Order* order) {
+  OwnPlaces own;
+  if (team.is_alone()) {
+    for (std::size_t t = 0; t < tiles; ++t) own.tiles.push_back(order->places_of(t));
+    own.triangles = order->triangles();
+    return own;
+  }
+  std::vector<Bytes> messages;
+  if (order)
+    messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) {
+      const TilePlaces places = order->places_of(t);
+      to.put_one(order->triangles());
+      to.put_one(places.first);
+      to.put(places.keys);
+    });
+  const Bytes message = team.scatter(std::move(messages));
+  Unpacker from(message);
+  own.tiles.resize(own_tiles(team, tiles).size());
+  for (TilePlaces& places : own.tiles) {
+    from.get_one(own.triangles);
+    from.get_one(places.first);
+    from.append_to(places.keys);
+  }
+  return own;
+}
+
+void gather_before(Team& team, std::size_t tiles, const std::vector<std::vector<std::uint32_t>>& own, Order* order) {
+  Packer packer;
+  for (const std::vector<std::uint32_t>& before : own) packer.put(before);
+  const std::vector<Bytes> all = team.gather(packer.take());
+  for (std::size_t rank = 0; rank < all.size() && order; ++rank) {
+    const TileRange range = tiles_of_rank(team, rank, tiles);
+    Unpacker from(all[rank]);
+    for (std::size_t t = range.first; t < range.end; ++t) {
+      std::vector<std::uint32_t> before;
+      from.append_to(before);
+      order->set_before(t, std::move(before));
+    }
+  }
+}
+
+std::vector<Returned> scatter_returned(Team& team, std::size_t tiles, std::vector<Returned> all) {
+  if (team.is_alone()) return all;
+  std::vector<Bytes> messages;
+  if (team.is_first()) messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) { put(to, all[t]); });
+  const Bytes message = team.scatter(std::move(messages));
+  Unpacker from(message);
+  std::vector<Returned> own(own_tiles(team, tiles).size());
+  for (Returned& returned : own) get(from, returned);
+  return own;
+}
+
+}  // namespace gcdt::tiles

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What comes back from the seam to the tiles: where their triangles are in the result, and what stands between them.
+#pragma once
+
+#include "tiles/seam.hpp"
+
+namespace gcdt::tiles {
+
+/// All that a problem's result is made of, at the rank that has the seam. Every part must outlive what is made of it.
+/// Tiles of other ranks are as gather_tiles() leaves them.
+struct Solved {
+  const std::vector<SolvedTile>& tiles;
+  const Seam& seam;
+  const SolvedSeam& between;
+};
+
+/// The place of a final triangle in the result. `before`: what write_tile() returned.
+inline std::uint32_t place_of_final(const std::vector<std::uint32_t>& before, std::uint32_t first,
+                                    std::uint32_t triangle) {
+  const auto inserted = std::upper_bound(before.begin(), before.end(), triangle) - before.begin();
+  return first + triangle + static_cast<std::uint32_t>(inserted);
+}
+
+/// Where triangles are in the result. Those of a tile come before those of the next; a triangle of the seam is among
+/// those of the tile that has its first vertex (docs/scale.md, T5).
+class Order {
+ public:
+  explicit Order(const Solved& solved);
+
+  std::uint32_t triangles() const { return firsts_.back(); }
+  TilePlaces places_of(std::size_t tile) const { return {firsts_[tile], keys_[tile]}; }
+  std::size_t of_seam(std::size_t tile) const { return keys_[tile].size(); }
+  /// What write_tile() returns.
+  void set_before(std::size_t tile, std::vector<std::uint32_t> before) { before_[tile] = std::move(before); }
+  // From here on when all tiles are set.
+  std::uint32_t place_of_final(std::size_t tile, std::uint32_t triangle) const {
+    return tiles::place_of_final(before_[tile], firsts_[tile], triangle);
+  }
+  std::uint32_t place_in_seam(std::uint32_t triangle) const;
+  /// The tile that has a triangle of the seam, and its number among those there.
+  std::pair<std::uint32_t, std::uint32_t> of_tile(std::uint32_t triangle) const { return of_seam_[triangle]; }
+
+ private:
+  std::vector<std::uint32_t> firsts_;                             ///< of each tile, and of all
+  std::vector<std::vector<std::array<std::uint64_t, 2>>> keys_;   ///< of the seam's triangles, by tile
+  std::vector<std::vector<std::uint32_t>> before_;                ///< final ones before each of those
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> of_seam_;  ///< by triangle of the seam: tile, number there
+};
+
+/// A triangle of the seam as it stands in the result.
+struct SeamTriangle {
+  Triangle corners;  ///< input numbers
+  Neighbours neighbours;
+  std::array<GridPoint, 3> points;  ///< the corners
+  std::uint32_t constrained;
+};
+
+/// What is across from corner k of one of a tile's final triangles.
+struct Across {
+  std::uint32_t triangle, k;
+  std::uint32_t place;  ///< of the seam's triangle there
+  GridPoint apex;       ///< that one's corner that is not on the edge
+};
+
+/// What a tile gets of the seam.
+struct Returned {
+  Array<SeamTriangle> triangles;  ///< those with their first vertex in the tile, in their order
+  Array<Across> across;
+  // The seam's pieces that begin in the tile, in Z-order, without those of the border alone.
+  Array<std::array<std::uint64_t, 2>> piece_keys;  ///< the codes of their ends
+  Array<Constraint> pieces;                        ///< input numbers
+  Array<std::uint32_t> source_offsets, sources;    ///< input numbers
+};
+
+/// By tile, when `order` knows all places.
+std::vector<Returned> returned_by(const Solved& solved, const Order& order);
+
+/// Throws check_failed unless the result has as many triangles as so many distinct vertices ask for.
+void check_count(const Solved& solved, const Order& order, std::uint64_t vertices);
+
+}  // namespace gcdt::tiles

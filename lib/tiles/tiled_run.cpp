@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiles/tiled_run.hpp"
+
+#include <numeric>
+
+#include "batch/single.hpp"
+#include "device/step.hpp"
+#include "phases/crossings.hpp"
+
+namespace gcdt::tiles {
+
+namespace {
+
+/// Shares of the whole that progress is told by.
+constexpr double tiles_share = 0.7, seam_share = 0.9;
+
+}  // namespace
+
+TiledRun::TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
+                   const Options& options, TiledReport& report)
+    : pool_(pool),
+      team_(team),
+      task_{input, staged, cuts, options.check},
+      options_(options),
+      report_(report),
+      range_(own_tiles(team, cuts.tiles())),
+      room_(pool, input.given.points.size() + input.added.size()) {
+  own_.grid = FixedGrid{0, 0, "1"};  // the seam is in cells of the common grid
+  own_.check = options.check;
+  report_.tiles = static_cast<std::uint32_t>(cuts.tiles());
+}
+
+ResultPart TiledRun::solve() {
+  std::vector<std::uint32_t> dropped;
+  std::vector<Role> roles;
+  const std::vector<Constraint> crossings = solve_parts(roles);
+  if (!crossings.empty()) {
+    if (options_.crossing == Crossing::reject) throw crossings_of(crossings);
+    if (options_.crossing == Crossing::split) return split(crossings);
+    dropped = drop_crossing(crossings);
+    roles = roles_of(dropped, Role::out);
+    solve_uncrossed(roles);
+  }
+  ResultPart part = write(roles, dropped);
+  part.result.statistics.crossings = crossings.size();
+  return part;
+}
+
+/// The seam's run finds the added vertices and the routes; with these, which do not cross, all is solved once more
+/// (docs/scale.md, T6).
+ResultPart TiledRun::split(const std::vector<Constraint>& crossings) {
+  Routed routed = route(crossings);
+  Options options = options_;
+  options.crossing = Crossing::reject;
+  const GridInput& given = task_.input;
+  Replaced replaced(given.constraints, routed);
+  const GridInput input{given.given, given.chosen, std::move(routed.added), std::move(replaced.constraints), given.box};
+  tiles_.clear();
+  ResultPart part = solve_again(input, options);
+  ForestResult& joined = part.result;
+  std::copy(input.added.begin(), input.added.end(), room<GridPoint>(joined, GCDT_ADDED, input.added.size()));
+  std::copy(routed.crossing.begin(), routed.crossing.end(),
+            room<Constraint>(joined, GCDT_ADDED_CROSSINGS, input.added.size()));
+  Statistics& s = joined.statistics;
+  s.n = given.n();
+  s.crossings = crossings.size(), s.vertices_added = input.added.size();
+  s.constraints_split = routed.owners.size(), s.constraint_move = routed.largest_move;
+  return part;
+}
+
+ResultPart TiledRun::solve_again(const GridInput& input, const Options& options) {
+  TiledRun again(pool_, team_, input, task_.staged, task_.cuts, options, report_);
+  ResultPart part = again.solve();
+  tiles_ = std::move(again.tiles_);
+  return part;
+}
+
+/// The constraints that cross are wide, so that the seam has all that may be near their routes; and so are those that
+/// cross a route, which only the seam's run can tell. Ends: each round has more wide ones.
+Routed TiledRun::route(const std::vector<Constraint>& crossings) {
+  own_.crossing = Crossing::split;
+  std::vector<std::uint32_t> wide, owners;
+  for (const Constraint& pair : crossings) wide.insert(wide.end(), pair.begin(), pair.end());
+  sort_unique(wide);
+  for (std::size_t before = 0; before < wide.size();) {
+    before = wide.size();
+    solve_parts(roles_of(wide, Role::wide));
+    owners.clear();
+    for (std::size_t i = 0; team_.is_first() && i < made_seam().routed.size(); ++i) {
+      const std::vector<std::uint32_t> sources = seam_.sources_of(made_seam().routed[i], tiles_);
+      owners.insert(owners.end(), sources.begin(), sources.end());
+    }
+    sort_unique(owners);
+    broadcast(team_, owners);
+    wide.insert(wide.end(), owners.begin(), owners.end());
+    sort_unique(wide);
+  }
+  Routed routed;
+  std::vector<double> move(1, 0);
+  if (team_.is_first()) {
+    routed = take_routes(task_.input.n(), {seam_, tiles_, open_, made_seam()}, owners);
+    move[0] = made_seam().statistics.constraint_move * task_.input.chosen.grid.cell();
+  }
+  routed.owners = std::move(owners);
+  broadcast(team_, routed.added);
+  broadcast(team_, routed.crossing);
+  broadcast(team_, routed.links);
+  broadcast(team_, move);
+  routed.largest_move = move[0];
+  return routed;
+}
+
+/// The role for the constraints of these numbers, which ascend, that the rank has. Those have not been routed yet.
+std::vector<Role> TiledRun::roles_of(const std::vector<std::uint32_t>& numbers, Role role) const {
+  const GivenConstraints& given = task_.input.constraints;
+  std::vector<Role> roles(given.size(), Role::any);
+  for (const std::uint32_t c : numbers)
+    if (c >= given.first && c - given.first < given.size()) roles[static_cast<std::size_t>(c - given.first)] = role;
+  return roles;
+}
+
+/// Tiles and seam. Returns the pairs of constraints that cross, of which each has one that is open, or was dropped in
+/// its tile and so handed up to the seam (docs/scale.md, T3).
+std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
+  Partition all;
+  {
+    const Timed timed(report_.ms_share);
+    all = partition(task_.input, task_.cuts, roles);
+    exchange_shares(team_, all);
+  }
+  {
+    const Timed timed(report_.ms_tiles);
+    solve_tiles(all);
+  }
+  const Timed timed(report_.ms_seam);
+  gather_tiles(team_, tiles_);
+  std::vector<Constraint> crossings;
+  if (team_.is_first()) {
+    open_ = std::move(all.open);
+    seam_ = make_seam(task_.cuts, open_, tiles_);
+    report_.seam_vertices = seam_.points.size();
+    report_.seam_constraints = seam_.constraints.size();
+    crossings = solve_seam();
+  }
+  broadcast(team_, crossings);
+  return crossings;
+}
+
+void TiledRun::solve_uncrossed(const std::vector<Role>& roles) {
+  if (!solve_parts(roles).empty()) throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
+}
+
+/// Every tile of the rank, by whichever device takes it; and once more those that a device had when it was lost. Ends:
+/// it is lost for good.
+void TiledRun::solve_tiles(const Partition& all) {
+  tiles_.clear();
+  tiles_.resize(task_.cuts.tiles());
+  std::vector<std::uint32_t> wanted(range_.size());
+  std::iota(wanted.begin(), wanted.end(), static_cast<std::uint32_t>(range_.first));
+  while (!wanted.empty()) {
+    std::vector<std::uint64_t> n{0}, m{0};
+    for (const std::uint32_t t : wanted) {
+      n.push_back(n.back() + task_.input.n() / tiles_.size() + all.tiles[t].foreign.size());
+      m.push_back(m.back() + all.tiles[t].constraints.size());
+    }
+    const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
+    std::mutex mutex;
+    std::vector<bool> is_solved(tiles_.size(), false);
+    run("tiles", 0, tiles_share, sizes, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t problem) {
+      const std::uint32_t t = wanted[problem];
+      make_room(lent, sizes.n(problem), sizes.m(problem));
+      SolvedTile solved = solve_tile(lent, task_, all.tiles[t], t);
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!is_solved[t]) tiles_[t] = std::move(solved), is_solved[t] = true;  // else another device was faster
+      return ForestResult();
+    });
+    wanted.clear();
+    for (std::uint32_t t = 0; t < tiles_.size(); ++t)
+      if (tiles_[t].final.on_device() && pool_.report(tiles_[t].device).lost) wanted.push_back(t);
+  }
+}
+
+/// Spills tiles of the device if the next one might not fit beside them; and if that is not enough, gives back what
+/// can be had again, which takes longer for the whole input than for a tile. A device's tiles are touched by its
+/// thread alone.
+void TiledRun::make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
+  const auto fits = [&] { return lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity; };
+  for (SolvedTile& tile : tiles_)
+    if (!fits() && tile.final.on_device() && tile.device == lent.device)
+      tile.final.spill(lent.runtime, pool_.spill_directory());
+  if (!fits()) task_.staged.leave(lent.device);
+}
+
+std::vector<Constraint> TiledRun::solve_seam() {
+  const std::uint64_t n[2] = {0, seam_.points.size()}, m[2] = {0, seam_.constraints.size()};
+  const BatchInput problem{1, Points::Type::int32, seam_.points.data(), n, seam_.constraints.data(), m};
+  try {
+    made_seam_ = {};
+    const auto solve = [&](DevicePool::Lent& lent, std::uint32_t) {
+      return triangulate_single(lent.runtime, lent.primitives, problem, 0, own_);
+    };
+    made_seam_ = run("seam", tiles_share, seam_share, problem, DevicePool::Who::gpus, solve);
+  } catch (const Error& error) {
+    if (error.status() == Status::constraints_cross) return pairs_of(error.indices());
+    if (error.status() != Status::out_of_memory) throw;
+    throw SeamTooLarge(error.status(), "the seam between " + std::to_string(tiles_.size()) + " tiles, of " +
+                                           std::to_string(seam_.points.size()) + " vertices and " +
+                                           std::to_string(seam_.constraints.size()) + " constraints: " + error.what());
+  }
+  if (own_.crossing == Crossing::reject) between_ = take_seam(seam_, ProblemMesh(made_seam()));
+  return {};
+}
+
+/// Throws the error of the first problem that has one.
+PoolResult TiledRun::run(const char* phase, double from, double to, const BatchInput& sizes, DevicePool::Who who,
+                         const DevicePool::MakeOne& make) {
+  Options options;
+  options.progress = [&](const char*, double done) { return tell(phase, from + (to - from) * done); };
+  PoolResult made = pool_.make_each(sizes, options, who, make);
+  if (!made.errors.empty()) throw made.errors.begin()->second;
+  return made;
+}
+
+/// Of pairs of the seam's constraints those of the input, the smaller number first, ascending. Two straight
+/// constraints meet in one point, so each pair occurs once.
+std::vector<Constraint> TiledRun::pairs_of(const std::vector<std::uint64_t>& indices) const {
+  std::vector<Constraint> pairs;
+  for (std::size_t i = 0; i + 1 < indices.size(); i += 2)
+    for (const std::uint32_t c : seam_.sources_of(indices[i], tiles_))
+      for (const std::uint32_t d : seam_.sources_of(indices[i + 1], tiles_))
+        pairs.push_back({std::min(c, d), std::max(c, d)});
+  if (pairs.empty()) throw Error(Status::check_failed, "tiles: a constraint crosses the border of final triangles");
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+/// Ranks have the ends of their own constraints: each gives what it has.
+Error TiledRun::crossings_of(const std::vector<Constraint>& pairs) {
+  const GivenConstraints& given = task_.input.constraints;
+  std::vector<std::uint64_t> known;  // of the constraints of the pairs the ends, which are not 0
+  for (const Constraint& pair : pairs)
+    for (const std::uint32_t c : pair) {
+      const std::uint64_t place = c - given.first;
+      const bool is_own = c >= given.first && place < given.size();
+      for (std::size_t end = 0; end < 2; ++end)
+        known.push_back(is_own ? given.ends[static_cast<std::size_t>(place)][end] + std::uint64_t{1} : 0);
+    }
+  team_.raise(known.data(), known.size());
+  std::map<std::uint32_t, Constraint> ends;
+  for (std::size_t i = 0; i < 2 * pairs.size(); ++i)
+    ends[pairs[i / 2][i % 2]] = {static_cast<std::uint32_t>(known[2 * i] - 1),
+                                 static_cast<std::uint32_t>(known[2 * i + 1] - 1)};
+  return crossings_error(
+      pairs, [&](std::uint32_t c) { return ends.at(c); }, task_.input.chosen.grid.kind == Grid::Kind::rounded);
+}
+
+double TiledRun::largest_move() {
+  const std::uint64_t key = team_.greatest(tiles_.empty() ? 0 : tiles_[range_.first].move_key);
+  const double own = move_of(task_.input, key);
+  std::uint64_t bits;  // of doubles that are not negative: in their order
+  std::memcpy(&bits, &own, sizeof bits);
+  bits = team_.greatest(bits);
+  double move;
+  std::memcpy(&move, &bits, sizeof move);
+  return move;
+}
+
+RoundedTogether TiledRun::together() {
+  const GivenVertices& given = task_.input.given;
+  std::uint64_t count = 0, first = 0;  // first: the complement of the least vertex and what stands for it
+  for (const SolvedTile& tile : tiles_)
+    for (const auto& [v, r] : tile.merged) {
+      if (v >= given.count) continue;
+      const std::size_t a = given.place_of(v), b = given.place_of(r);
+      if (given.points.coordinate(a, 0) == given.points.coordinate(b, 0) &&
+          given.points.coordinate(a, 1) == given.points.coordinate(b, 1))
+        continue;
+      ++count;
+      first = std::max(first, ~(std::uint64_t{v} << 32 | r));
+    }
+  count = team_.sum(count), first = ~team_.greatest(first);
+  if (count == 0) return {};
+  return {count, {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(first >> 32)}};
+}
+
+}  // namespace gcdt::tiles

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a problem on its grid, and cuts, to the result, or to the part of it that a rank has (docs/scale.md).
+#pragma once
+
+#include "tiles/messages.hpp"
+#include "tiles/result_room.hpp"
+#include "tiles/routes.hpp"
+
+namespace gcdt::tiles {
+
+/// The seam is too large for every device. More tiles do not help: they have more seam.
+struct SeamTooLarge : Error {
+  using Error::Error;
+};
+
+/// Of a result what a rank has: the triangles of its tiles, and the pieces that begin there.
+struct ResultPart {
+  ForestResult result;             ///< without representatives, but of a rank by itself; `statistics` are of all
+  std::uint32_t first = 0;         ///< the place of its first triangle among all
+  std::vector<SeamTriangle> seam;  ///< its triangles that may have vertices of other tiles
+  std::vector<Constraint> merged;  ///< the vertices that others stand for, and these; input numbers
+};
+
+class TiledRun {
+ public:
+  /// All ranks have the same cuts. Everything must outlive the object. The first rank's options tell progress.
+  TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
+           const Options& options, TiledReport& report);
+
+  /// Throws what gcdt::triangulate() does. What is said of the input, all ranks throw.
+  ResultPart solve();
+
+  // After that.
+  /// The largest move of a coordinate.
+  double largest_move();
+  /// Vertices that rounding has made one with a lesser one.
+  RoundedTogether together();
+
+ private:
+  ResultPart split(const std::vector<Constraint>& crossings);
+  ResultPart solve_again(const GridInput& input, const Options& options);
+  Routed route(const std::vector<Constraint>& crossings);
+  std::vector<Role> roles_of(const std::vector<std::uint32_t>& numbers, Role role) const;
+
+  std::vector<Constraint> solve_parts(const std::vector<Role>& roles);
+  void solve_uncrossed(const std::vector<Role>& roles);
+  void solve_tiles(const Partition& all);
+  void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m);
+  std::vector<Constraint> solve_seam();
+  const ForestResult& made_seam() const { return *made_seam_.at(0).first; }
+
+  ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
+  bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before, ForestResult& joined);
+  void finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, Order* order, ResultPart& part);
+  void write_representatives(ForestResult& result) const;
+  void count(const OwnPlaces& places, ForestResult& result);
+
+  PoolResult run(const char* phase, double from, double to, const BatchInput& sizes, DevicePool::Who who,
+                 const DevicePool::MakeOne& make);
+  bool tell(const char* phase, double done) const { return !options_.progress || options_.progress(phase, done); }
+  std::vector<Constraint> pairs_of(const std::vector<std::uint64_t>& indices) const;
+  Error crossings_of(const std::vector<Constraint>& pairs);
+
+  DevicePool& pool_;
+  Team& team_;
+  const TileTask task_;
+  const Options& options_;
+  TiledReport& report_;
+  Options own_;
+  const TileRange range_;  ///< the tiles of this rank
+  ResultRoom room_;
+  std::vector<SolvedTile> tiles_;
+  // At the first rank.
+  std::vector<OpenConstraint> open_;
+  PoolResult made_seam_;
+  Seam seam_;
+  SolvedSeam between_;
+};
+
+}  // namespace gcdt::tiles

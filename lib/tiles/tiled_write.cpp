@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// From solved tiles and seam to the result.
+#include "device/step.hpp"
+#include "tiles/parts.hpp"
+#include "tiles/tiled_run.hpp"
+
+namespace gcdt::tiles {
+
+/// The devices write final triangles, and the host the rest. If a device is lost, all is solved again without it.
+ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped) {
+  for (;;) {
+    if (!tell("join", 0.9)) throw Error(Status::cancelled, "cancelled during join");
+    std::optional<Order> order;
+    if (team_.is_first()) order.emplace(Solved{tiles_, seam_, between_});
+    Order* const at_first = order ? &*order : nullptr;
+    const OwnPlaces places = scatter_places(team_, tiles_.size(), at_first);
+    std::uint32_t triangles = 0;
+    for (std::size_t i = 0; i < range_.size(); ++i)
+      triangles += tiles_[range_.first + i].final.count + static_cast<std::uint32_t>(places.tiles[i].keys.size());
+    ResultPart part;
+    part.result = room_.take(triangles);
+    part.first = places.tiles[0].first;
+    std::vector<std::vector<std::uint32_t>> before(range_.size());
+    if (write_tiles(places, before, part.result)) {
+      const Timed timed(report_.ms_join);
+      finish(places, std::move(before), at_first, part);
+      part.result.statistics.constraints_dropped = dropped.size();
+      std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(part.result, GCDT_DROPPED, dropped.size()));
+      return part;
+    }
+    solve_uncrossed(roles);
+  }
+}
+
+bool TiledRun::write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before,
+                           ForestResult& joined) {
+  const Timed timed(report_.ms_write);
+  std::atomic<std::size_t> next_spilled{0};
+  const bool all = pool_.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
+    const auto write_one = [&](std::size_t i) {
+      FinalTriangles& final = tiles_[range_.first + i].final;
+      const TilePlaces& to = places.tiles[i];
+      const std::size_t at = to.first - places.tiles[0].first;
+      task_.staged.leave(lent.device);
+      before[i] = write_tile(lent, final, to, elements_of<Triangle>(joined, GCDT_TRIANGLES) + at,
+                             elements_of<Neighbours>(joined, GCDT_NEIGHBOURS) + at,
+                             elements_of<std::uint8_t>(joined, GCDT_CONSTRAINED) + at);
+      final.release();
+    };
+    for (std::size_t i = 0; i < range_.size(); ++i) {
+      const SolvedTile& tile = tiles_[range_.first + i];
+      if (tile.final.on_device() && tile.device == lent.device) write_one(i);
+    }
+    // Ends: each of them is taken once.
+    for (std::size_t i = next_spilled++; i < range_.size(); i = next_spilled++)
+      if (tiles_[range_.first + i].final.is_spilled()) write_one(i);
+  });
+  // A device may have been lost since it solved a tile.
+  return all && std::none_of(tiles_.begin(), tiles_.end(),
+                             [](const SolvedTile& tile) { return tile.final.on_device() || tile.final.is_spilled(); });
+}
+
+void TiledRun::finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, Order* order,
+                      ResultPart& part) {
+  gather_before(team_, tiles_.size(), before, order);
+  std::uint64_t merged = 0;
+  for (const SolvedTile& tile : tiles_) merged += tile.merged.size();
+  merged = team_.sum(merged);
+  std::vector<Returned> returned;
+  if (order) {
+    const Solved solved{tiles_, seam_, between_};
+    if (task_.check) check_count(solved, *order, task_.input.n() - merged);
+    returned = returned_by(solved, *order);
+  }
+  returned = scatter_returned(team_, tiles_.size(), std::move(returned));
+  std::vector<WrittenTile> written;
+  for (std::size_t i = 0; i < range_.size(); ++i)
+    written.push_back({tiles_[range_.first + i], places.tiles[i].first, std::move(before[i]), std::move(returned[i])});
+  join(task_.input, written, task_.check, part.result);
+  part.result.statistics.vertices_merged = merged;
+  count(places, part.result);
+  if (team_.is_alone()) return write_representatives(part.result);
+  part.result.begins[GCDT_REPRESENTATIVES].clear();
+  for (const WrittenTile& tile : written) {
+    part.seam.insert(part.seam.end(), tile.seam.triangles.begin(), tile.seam.triangles.end());
+    part.merged.insert(part.merged.end(), tile.tile.merged.begin(), tile.tile.merged.end());
+  }
+}
+
+void TiledRun::write_representatives(ForestResult& result) const {
+  auto* representative = elements_of<std::uint32_t>(result, GCDT_REPRESENTATIVES);
+  for (const SolvedTile& tile : tiles_)
+    for (const Constraint& pair : tile.merged) representative[pair[0]] = pair[1];
+}
+
+/// What there is of the whole result.
+void TiledRun::count(const OwnPlaces& places, ForestResult& result) {
+  Statistics& s = result.statistics;
+  s.n = task_.input.n();
+  s.m = task_.input.constraints.count;
+  s.triangles = places.triangles;
+  s.constraints_pieces = team_.sum(result.begins[GCDT_PIECES].back());
+  s.constraints_overlapping = team_.sum(result.begins[GCDT_SOURCES].back()) - s.constraints_pieces;
+}
+
+}  // namespace gcdt::tiles
