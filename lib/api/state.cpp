@@ -221,27 +221,22 @@ void State::settle() {
   pending_copies.clear();
 }
 
-template <class Make>
-DeviceTriangulation State::make(Make&& make) {
-  settle();
-  try {
-    runtime.memory().begin_call();
-    return make();
-  } catch (...) {
-    // The caller may do with its buffers what it likes from now on.
-    runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
-    runtime.tracer().clear();
-    primitives.release();
-    throw;
-  }
+void State::end_failed_call() noexcept {
+  runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
+  runtime.tracer().clear();
+  primitives.release();
 }
 
 DeviceTriangulation State::triangulate(InputSource source, const Options& options) {
-  return make([&] { return gcdt::triangulate(runtime, primitives, source, options); });
+  settle();
+  runtime.memory().begin_call();
+  return gcdt::triangulate(runtime, primitives, std::move(source), options);
 }
 
 DeviceTriangulation State::refine(const DeviceTriangulation& made, const Options& options) {
-  return make([&] { return refine_result(runtime, primitives, made, options); });
+  settle();
+  runtime.memory().begin_call();
+  return refine_result(runtime, primitives, made, options);
 }
 
 }  // namespace gcdt::api
