@@ -216,8 +216,15 @@ Trace read_trace(gcdt_trace_function call, void* user) {
   };
 }
 
+// A copy that failed does not read any more. A wait that failed says nothing of the copy.
 void State::settle() {
-  for (const cl::Event& event : pending_copies) event.wait();  // one that failed does not write either
+  for (const cl::Event& event : pending_copies) {
+    const cl_int waited = event.wait();
+    if (waited == CL_SUCCESS) continue;
+    cl_int status = CL_QUEUED;
+    const cl_int asked = event.getInfo(CL_EVENT_COMMAND_EXECUTION_STATUS, &status);
+    if (asked != CL_SUCCESS || status > CL_COMPLETE) runtime.fail("clWaitForEvents", "a copy of a result", waited);
+  }
   pending_copies.clear();
 }
 
