@@ -1,21 +1,26 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs inputs that take minutes or are not in the tree, and so are no part of the test suite. Prints the times of each.
-# Usage: scripts/slow.sh lattice | star | maps FILE... | shake
+# Usage: scripts/slow.sh lattice | star | maps FILE... | shake | faults | load [BATCHES] | identity
 #   lattice   2000 x 2000 lines from side to side, split where they cross: four million crossings
 #   star      10,000 lines through one pixel: 50 million crossings
 #   maps      .poly files, or .poly.gz: crossings split, mesh and domain proved. Any map does; the count of crossings is known
 #             of Natural Earth's countries 1:10 million (472,391 vertices and 472,592 segments with six decimals, from
 #             the npm package world-atlas 2, each border once)
 #   shake     shake_test with 1000 shaken runs of its corpus on each way instead of 2 (GCDT_SHAKE_RUNS: another number)
+#   faults    faults_test with each OpenCL call made to fail with each of its errors (GCDT_FAULT_STEP: every N-th call)
+#   load      a million random batches, or so many, in one process; 8 threads, solvers made and released, calls cancelled
+#   identity  the hashes of tests/hashes.txt on PoCL and on Intel's CPU runtime, with several sizes of work-groups, with
+#             and without optional extensions. Intel's comes from PyPI (830 MB) into build-test/intel, once
 # GCDT_TEST_DEVICE chooses the OpenCL device (default: PoCL). Needs about 8 GB of memory.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build-test
-usage() { sed -n '3,11s/^# //p' "$0"; }
+usage() { sed -n '3,15s/^# //p' "$0"; }
 case ${1-} in
-  lattice | star | shake) [[ $# == 1 ]] || { usage >&2; exit 2; } ;;
+  lattice | star | shake | faults | identity) [[ $# == 1 ]] || { usage >&2; exit 2; } ;;
+  load) [[ $# == 1 || ($# == 2 && $2 =~ ^[0-9]+$) ]] || { usage >&2; exit 2; } ;;
   maps) [[ $# -ge 2 ]] || { usage >&2; exit 2; } ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
@@ -25,7 +30,9 @@ shift
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-for file in "$@"; do
+files=()
+[[ $name != maps ]] || files=("$@")
+for file in "${files[@]}"; do
   [[ -r $file ]] || { echo "slow: cannot read $file" >&2; exit 3; }
   case $file in
     *.poly) cp "$file" "$folder/" ;;
@@ -35,10 +42,24 @@ for file in "$@"; do
 done
 
 cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_BENCH=ON -DGCDT_WERROR=ON >&2
-if [[ $name == shake ]]; then
-  cmake --build "$build" --parallel "$(nproc)" --target shake_test shake_layer >&2
-  OPENCL_LAYERS=$build/tests/libshake_layer.so GCDT_SHAKE_RUNS=${GCDT_SHAKE_RUNS-1000} "$build/tests/shake_test" --duration=true
-  exit
-fi
+make_targets() { cmake --build "$build" --parallel "$(nproc)" --target "$@" >&2; }
+case $name in
+  shake)
+    make_targets shake_test shake_layer
+    OPENCL_LAYERS=$build/tests/libshake_layer.so GCDT_SHAKE_RUNS=${GCDT_SHAKE_RUNS-1000} "$build/tests/shake_test" --duration=true
+    exit ;;
+  faults)
+    make_targets faults_test call_layer
+    OPENCL_LAYERS=$build/tests/libcall_layer.so GCDT_FAULT_STEP=${GCDT_FAULT_STEP-1} "$build/tests/faults_test" --duration=true
+    exit ;;
+  load)
+    make_targets load call_layer
+    "$build/tests/load" "${GCDT_TEST_DEVICE-Portable Computing Language}" "${1-1000000}"
+    exit ;;
+  identity)
+    make_targets result_hash lesser_layer
+    bash "$root/scripts/identity.sh" "$build"
+    exit ;;
+esac
 cmake --build "$build" --parallel "$(nproc)" --target slow_cases >&2
 GCDT_TEST_MAPS=$folder "$build/tests/slow_cases" --duration=true --test-case="$name: *"

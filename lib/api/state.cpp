@@ -216,32 +216,34 @@ Trace read_trace(gcdt_trace_function call, void* user) {
   };
 }
 
+// A copy that failed does not read any more. A wait that failed says nothing of the copy.
 void State::settle() {
-  for (const cl::Event& event : pending_copies) event.wait();  // one that failed does not write either
+  for (const cl::Event& event : pending_copies) {
+    const cl_int waited = event.wait();
+    if (waited == CL_SUCCESS) continue;
+    cl_int status = CL_QUEUED;
+    const cl_int asked = event.getInfo(CL_EVENT_COMMAND_EXECUTION_STATUS, &status);
+    if (asked != CL_SUCCESS || status > CL_COMPLETE) runtime.fail("clWaitForEvents", "a copy of a result", waited);
+  }
   pending_copies.clear();
 }
 
-template <class Make>
-DeviceTriangulation State::make(Make&& make) {
-  settle();
-  try {
-    runtime.memory().begin_call();
-    return make();
-  } catch (...) {
-    // The caller may do with its buffers what it likes from now on.
-    runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
-    runtime.tracer().clear();
-    primitives.release();
-    throw;
-  }
+void State::end_failed_call() noexcept {
+  runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
+  runtime.tracer().clear();
+  primitives.release();
 }
 
 DeviceTriangulation State::triangulate(InputSource source, const Options& options) {
-  return make([&] { return gcdt::triangulate(runtime, primitives, source, options); });
+  settle();
+  runtime.memory().begin_call();
+  return gcdt::triangulate(runtime, primitives, std::move(source), options);
 }
 
 DeviceTriangulation State::refine(const DeviceTriangulation& made, const Options& options) {
-  return make([&] { return refine_result(runtime, primitives, made, options); });
+  settle();
+  runtime.memory().begin_call();
+  return refine_result(runtime, primitives, made, options);
 }
 
 }  // namespace gcdt::api

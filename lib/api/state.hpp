@@ -39,7 +39,10 @@ struct State {
 
   /// Waits for copies out of results that may be gone by now.
   void settle();
-  /// Runs the pipeline. Whatever happens, nothing of it is left in the queue.
+  /// After a call that failed, wherever it did: nothing of it is left in the queue, so that the caller may do with its
+  /// memory and its buffers what it likes, nor in the trace.
+  void end_failed_call() noexcept;
+  /// Runs the pipeline.
   DeviceTriangulation triangulate(InputSource source, const Options& options);
   /// The same with what a result has (solve/refine_result.hpp).
   DeviceTriangulation refine(const DeviceTriangulation& made, const Options& options);
@@ -52,10 +55,6 @@ struct State {
   std::uint64_t results = 0;
   std::atomic_flag in_call = ATOMIC_FLAG_INIT;
   Detail detail;
-
- private:
-  template <class Make>
-  DeviceTriangulation make(Make&& make);
 };
 
 /// The status of an error: OpenCL's code if one was the reason.
@@ -90,6 +89,7 @@ std::int32_t guarded_call(const Handle* handle, F&& f) noexcept {
   if (state->in_call.test_and_set())
     return failed(nullptr, GCDT_ERROR_IN_USE, "the solver is in a call, of another thread or of a callback's caller");
   const std::int32_t status = guarded(state, f);
+  if (status != GCDT_OK) state->end_failed_call();
   state->in_call.clear();
   return status;
 }

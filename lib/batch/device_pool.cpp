@@ -249,6 +249,7 @@ void DevicePool::settle(Worker& worker) {
   runtime::Runtime& runtime = *worker.runtime;
   runtime.attempt("clFinish", "after an error", [&] { return runtime.try_finish(); });
   runtime.tracer().clear();
+  worker.staging->chunks.forget();
   worker.primitives->release();
 }
 

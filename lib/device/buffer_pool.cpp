@@ -36,6 +36,11 @@ bool BufferPool::fits(const Entry& entry, std::size_t bytes) const {
 }
 
 DeviceMemory::Place BufferPool::find(Runtime& runtime, const char* name, std::size_t bytes) {
+  if (runtime.tuning().fresh_buffers) {
+    const std::size_t made = add(runtime, name, bytes);
+    entries_[made].used = entries_[made].once = true;
+    return {made, 0, bytes, entries_[made].memory};
+  }
   Served& served = served_[name];
   const std::size_t turn = served.next;
   const std::size_t preferred = turn < served.entries.size() ? served.entries[turn] : entries_.size();
@@ -68,7 +73,8 @@ cl_int BufferPool::try_to_make(Runtime& runtime, const char* name, std::size_t b
 
 std::size_t BufferPool::add(Runtime& runtime, const char* name, std::size_t wanted) {
   const DeviceInfo& info = runtime.info();
-  const std::size_t bytes = rounded_size(wanted, info.largest_buffer_bytes);
+  const bool rounds = !runtime.tuning().fresh_buffers;
+  const std::size_t bytes = rounds ? rounded_size(wanted, info.largest_buffer_bytes) : std::max<std::size_t>(wanted, 1);
   if (meter_.held + bytes > info.memory_bytes) trim();
   if (bytes > info.largest_buffer_bytes || meter_.held + bytes > info.memory_bytes)
     throw Error(Status::out_of_memory, std::string(name) + " needs " + std::to_string(bytes) + " bytes beside " +
@@ -99,7 +105,9 @@ std::size_t BufferPool::add(Runtime& runtime, const char* name, std::size_t want
 
 void BufferPool::give_back(Place& place) {
   place.memory = cl::Buffer();
-  entries_[place.holder].used = false;
+  Entry& entry = entries_[place.holder];
+  entry.used = false;
+  if (entry.once) drop(entry);
 }
 
 void BufferPool::drop(Entry& entry) {

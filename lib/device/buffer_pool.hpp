@@ -37,6 +37,7 @@ class BufferPool final : public DeviceMemory {
     cl::Buffer memory;  ///< null: the entry may be used again
     std::size_t bytes = 0;
     bool used = false;
+    bool once = false;            ///< dropped when handed back (Tuning::fresh_buffers)
     std::uint64_t last_call = 0;  ///< in which it was taken
   };
   /// The entries that served a name, in order, in the last call and so far in this one.

@@ -41,13 +41,15 @@ unsigned threads_for(const Runtime& runtime, std::size_t bytes, bool for_many) {
   return static_cast<unsigned>(std::min<std::size_t>(worth, most));
 }
 
-// Makes a transfer through chunks. After an error nothing of it is left in the queue.
+// Makes a transfer, through chunks if there are any. After an error nothing of it is left in the queue, nor are its
+// events, which the next transfer would wait for.
 template <class F>
-void settled(Runtime& runtime, F&& transfer) {
+void settled(Runtime& runtime, TransferChunks* chunks, F&& transfer) {
   try {
     transfer();
   } catch (...) {
     runtime.try_finish();
+    if (chunks) chunks->forget();
     throw;
   }
 }
@@ -169,7 +171,8 @@ void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::
   TransferChunks* chunks = transfers_for_many() ? nullptr : chunks_for(bytes);
   if (!chunks) return write_at_once(to, offset, from, bytes);
   const unsigned threads = threads_for(*this, bytes, transfers_for_many());
-  settled(*this, [&] { write_through(*chunks, threads, to, offset, static_cast<const unsigned char*>(from), bytes); });
+  settled(*this, chunks,
+          [&] { write_through(*chunks, threads, to, offset, static_cast<const unsigned char*>(from), bytes); });
 }
 
 void Runtime::write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
@@ -184,14 +187,18 @@ void Runtime::write_at_once(cl_mem to, std::size_t offset, const void* from, std
   });
 }
 
-void Runtime::write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written) {
+cl::Event Runtime::write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
+  cl::Event written;
   call("clEnqueueWriteBuffer", "",
        [&] { return clEnqueueWriteBuffer(queue_(), to, CL_FALSE, offset, bytes, from, 0, nullptr, &written()); });
+  return written;
 }
 
-void Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read) {
+cl::Event Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
+  cl::Event read;
   call("clEnqueueReadBuffer", "",
        [&] { return clEnqueueReadBuffer(queue_(), from, CL_FALSE, offset, bytes, to, 0, nullptr, &read()); });
+  return read;
 }
 
 void Runtime::wait(const cl::Event& event) {
@@ -256,7 +263,7 @@ void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t 
   if (bytes == 0) return;
   ++read_backs_;
   if (TransferChunks* chunks = chunks_for(bytes))
-    settled(*this, [&] {
+    settled(*this, chunks, [&] {
       read_through(*chunks, threads_for(*this, bytes, transfers_for_many()), {{from, to, bytes, offset}});
     });
   else
@@ -269,8 +276,9 @@ void Runtime::read_all(const std::vector<HostRead>& reads) {
   if (reads.empty()) return;
   std::size_t bytes = 0;
   for (const HostRead& read : reads) bytes += read.bytes;
-  settled(*this, [&] {
-    if (TransferChunks* chunks = chunks_for(bytes)) {
+  TransferChunks* const chunks = chunks_for(bytes);
+  settled(*this, chunks, [&] {
+    if (chunks) {
       ++read_backs_;
       read_through(*chunks, threads_for(*this, bytes, transfers_for_many()), reads);
       return waited();

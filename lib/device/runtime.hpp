@@ -234,10 +234,10 @@ class Runtime {
   /// Writes bytes from host memory, which may be reused on return; `at_once`: straight from there.
   void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   void write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
-  /// Queues a write: the host memory must not change before wait(written).
-  void write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes, cl::Event& written);
-  /// Queues a read: the host memory holds nothing before wait(read).
-  void read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes, cl::Event& read);
+  /// Queues a write: the host memory must not change before wait() for what is returned.
+  cl::Event write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  /// Queues a read: the host memory holds nothing before wait() for what is returned.
+  cl::Event read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
   void wait(const cl::Event& event);
   /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
   /// writes that are not write_later() do, and what follows an error.

@@ -17,15 +17,19 @@ void TransferChunks::take(std::size_t chunk) {
   if (last()) runtime_.wait(last);
 }
 
+void TransferChunks::forget() {
+  for (cl::Event& event : under_way_) event = cl::Event();
+}
+
 void TransferChunks::write(std::size_t chunk, cl_mem to, std::size_t offset, std::size_t bytes) {
   if (pinned())
-    runtime_.write_later(to, offset, memory(chunk), bytes, under_way_[chunk]);
+    under_way_[chunk] = runtime_.write_later(to, offset, memory(chunk), bytes);
   else
     runtime_.write_at_once(to, offset, memory(chunk), bytes);
 }
 
 void TransferChunks::read(std::size_t chunk, cl_mem from, std::size_t offset, std::size_t bytes) {
-  runtime_.read_later(from, offset, memory(chunk), bytes, under_way_[chunk]);
+  under_way_[chunk] = runtime_.read_later(from, offset, memory(chunk), bytes);
 }
 
 }  // namespace gcdt::runtime

@@ -32,6 +32,8 @@ class TransferChunks {
   /// Waits until the device does not use the chunk. What it did may have been part of an earlier transfer. After an
   /// error the device may still use it; it is done with it before anything that is queued later.
   void take(std::size_t chunk);
+  /// After an error: nothing is queued any more, and whether what was there succeeded is of no interest.
+  void forget();
   /// Queues a write of the chunk's first bytes; it may still be under way when this returns.
   void write(std::size_t chunk, cl_mem to, std::size_t offset, std::size_t bytes);
   /// Queues a read to the chunk; it is there after take().

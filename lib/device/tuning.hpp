@@ -83,6 +83,9 @@ struct Tuning {
   std::size_t copied_by_thread = std::size_t{1} << 22;
   /// Memory that the device is taken to have, if it has more; none: all.
   std::optional<std::uint64_t> memory_bytes;
+  /// Whether each block is a buffer of its own, of just the bytes asked for, and gone when it is handed back: so a test
+  /// sees what is written beside it, and what is read that nobody wrote (docs/testing.md).
+  bool fresh_buffers = false;
   /// Workers of a pool on a device, each with one run at a time; none: by the kind of device (pool_plan.cpp).
   std::optional<std::uint32_t> workers;
   /// Milliseconds that a run of a pool takes whatever is in it; none: by the kind of device.

@@ -191,39 +191,6 @@ TEST_CASE("what a problem needs to be refined, and the device has not, is its ow
 }
 
 TEST_CASE("a device that fails at its k-th OpenCL call while it refines changes no byte") {
-  const std::vector<Workload> problems = {uniform(40), random_pslg(20, 1000, 20, 1), uniform(12, 3)};
-  const RaggedBatch batch(problems);
-  const Options options = refining();
-  const Singles singles(problems, options);
-  const auto right = [&](DevicePool& pool) {
-    const PoolResult result = pool.triangulate(batch.view(), options);
-    for (std::size_t p = 0; p < problems.size(); ++p) {
-      const Schedule::Place place = result.places[p];
-      if (result.errors.count(static_cast<std::uint32_t>(p)) > 0 ||
-          difference(test::part_of(result.results[place.result], place.place), singles.meshes[p]) != "")
-        return false;
-    }
-    return true;
-  };
-  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
-  {
-    runtime::CallHook counted = failing(calls, 0, false, 0);
-    counted.tuning.workers = 1;
-    DevicePool pool({{cl::Context(), app_device(), counted}}, {}, {});
-    REQUIRE(right(pool));
-  }
-  const std::uint64_t all = *calls;
-  std::uint64_t lost = 0, tried = 0;
-  for (std::uint64_t k = 1; k <= all; k += 1 + all / 15, ++tried) {
-    CAPTURE(k);
-    *calls = 0;
-    runtime::CallHook broken = failing(calls, k, tried % 2 == 0, CL_INVALID_COMMAND_QUEUE);
-    broken.tuning.workers = 1;
-    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy()}}, {}, {});
-    CHECK(right(pool));
-    CHECK(!pool.report(1).lost);
-    lost += pool.report(0).lost.has_value();
-    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
-  }
-  CHECK(lost > tried / 4);
+  check_failing_calls({uniform(40), random_pslg(20, 1000, 20, 1), uniform(12, 3)}, refining(), 15,
+                      {CL_INVALID_COMMAND_QUEUE}, 1);
 }

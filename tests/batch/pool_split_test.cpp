@@ -217,40 +217,8 @@ TEST_CASE(
 TEST_CASE("a device that fails at its k-th OpenCL call while it splits changes no byte") {
   const std::vector<Workload> problems = {problem({{0, 0}, {4, 4}, {0, 4}, {4, 0}}, {{0, 1}, {2, 3}}), uniform(6),
                                           problem({{0, 0}, {9, 1}, {0, 1}, {9, 0}, {3, 3}}, {{0, 1}, {2, 3}, {0, 4}})};
-  const RaggedBatch batch(problems);
-  const Options options = splitting_on_any_grid();
-  const Singles singles(problems, options);
+  const Singles singles(problems, splitting_on_any_grid());
   REQUIRE(singles.meshes[0].statistics.vertices_added + singles.meshes[2].statistics.vertices_added == 3);
-  const auto right = [&](DevicePool& pool) {
-    const PoolResult result = pool.triangulate(batch.view(), options);
-    for (std::size_t p = 0; p < problems.size(); ++p) {
-      const Schedule::Place place = result.places[p];
-      if (result.errors.count(p) > 0 ||
-          difference(test::part_of(result.results[place.result], place.place), singles.meshes[p]) != "")
-        return false;
-    }
-    return true;
-  };
-  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
-  {
-    runtime::CallHook counted = failing(calls, 0, false, 0);
-    counted.tuning.workers = 1;
-    DevicePool pool({{cl::Context(), app_device(), counted}}, {}, {});
-    REQUIRE(right(pool));
-  }
-  const std::uint64_t all = *calls;
-  std::uint64_t lost = 0, tried = 0;
-  for (std::uint64_t k = 1; k <= all; k += 1 + all / 40, ++tried) {
-    CAPTURE(k);
-    *calls = 0;
-    const cl_int code = tried % 3 == 0 ? CL_OUT_OF_HOST_MEMORY : CL_INVALID_COMMAND_QUEUE;
-    runtime::CallHook broken = failing(calls, k, tried % 2 == 0, code);
-    broken.tuning.workers = 1 + tried / 2 % 2;
-    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy()}}, {}, {});
-    CHECK(right(pool));
-    CHECK(!pool.report(1).lost);
-    lost += pool.report(0).lost.has_value();
-    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
-  }
-  CHECK(lost > tried / 4);
+  check_failing_calls(problems, splitting_on_any_grid(), 40,
+                      {CL_OUT_OF_HOST_MEMORY, CL_INVALID_COMMAND_QUEUE, CL_INVALID_COMMAND_QUEUE}, 2);
 }

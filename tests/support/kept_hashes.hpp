@@ -6,6 +6,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -124,13 +125,15 @@ inline std::uint64_t hash_of_batch(Pool& pool, std::size_t n, const std::string&
 /// A device to make hashes on. Its pool is only made if there is a batch.
 class Hasher {
  public:
-  explicit Hasher(std::string device) : device_(std::move(device)), solver_(device_) {}
+  explicit Hasher(const std::string& device) : Hasher(Solver(device), [device] { return Pool(device); }) {}
+  Hasher(Solver solver, std::function<Pool()> make_pool)
+      : solver_(std::move(solver)), make_pool_(std::move(make_pool)) {}
   Solver& solver() { return solver_; }
 
   /// The hash of what the workload of a row gives here.
   std::string hash(const KeptHash& row) {
     if (row.name == "batch") {
-      if (!pool_) pool_ = std::make_unique<Pool>(device_);
+      if (!pool_) pool_ = std::make_unique<Pool>(make_pool_());
       return hash_text(hash_of_batch(*pool_, row.n, row.how));
     }
     const Workload work = make_workload(solver_, row.name, row.n);
@@ -138,8 +141,8 @@ class Hasher {
   }
 
  private:
-  std::string device_;
   Solver solver_;
+  std::function<Pool()> make_pool_;
   std::unique_ptr<Pool> pool_;
 };
 

@@ -104,9 +104,10 @@ struct Outcome {
   std::string message;   ///< of the call, if it failed
 };
 
-inline Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector<Triangulation>& expected) {
+inline Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector<Triangulation>& expected,
+                          const Options& options = {}) {
   try {
-    const PoolResult result = pool.triangulate(batch.view(), {});
+    const PoolResult result = pool.triangulate(batch.view(), options);
     Outcome outcome{true, false, ""};
     for (std::size_t p = 0; p < expected.size(); ++p) {
       const Schedule::Place place = result.places[p];
@@ -118,6 +119,37 @@ inline Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std:
   } catch (const Error& error) {
     return {false, false, error.what()};
   }
+}
+
+/// Every `1 + calls / samples`-th OpenCL call of a device fails, by turns once and for good, with the codes by turns,
+/// and another device does its work: no byte changes, and who works is not lost.
+inline void check_failing_calls(const std::vector<Workload>& problems, const Options& options, std::uint64_t samples,
+                                const std::vector<cl_int>& codes, std::uint32_t most_workers) {
+  const RaggedBatch batch(problems);
+  const std::vector<Triangulation> expected = Singles(problems, options).meshes;
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  {
+    runtime::CallHook counted = failing(calls, 0, false, 0);
+    counted.tuning.workers = 1;
+    DevicePool pool({{cl::Context(), app_device(), counted}}, {}, {});
+    REQUIRE(outcome_of(pool, batch, expected, options).right);
+  }
+  const std::uint64_t all = *calls;
+  std::uint64_t lost = 0, tried = 0;
+  for (std::uint64_t k = 1; k <= all; k += 1 + all / samples, ++tried) {
+    CAPTURE(k);
+    *calls = 0;
+    runtime::CallHook broken = failing(calls, k, tried % 2 == 0, codes[tried % codes.size()]);
+    broken.tuning.workers = 1 + static_cast<std::uint32_t>(tried / 2 % most_workers);
+    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy()}}, {}, {});
+    const Outcome outcome = outcome_of(pool, batch, expected, options);
+    CAPTURE(outcome.message);
+    CHECK(outcome.right);
+    CHECK(!pool.report(1).lost);
+    lost += pool.report(0).lost.has_value();
+    CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
+  }
+  CHECK(lost > tried / 4);
 }
 
 /// Without errors of their own.
