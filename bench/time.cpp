@@ -37,7 +37,7 @@ struct Arguments {
   bool quick = false, force = false, first_call = false, context_only = false;
 };
 
-constexpr std::size_t quick_vertices = 50000;
+constexpr std::size_t quick_vertices = 20000, quick_located = 20000;
 constexpr std::size_t samples = 1000000, located = 1000000;
 constexpr double warm_seconds = 0.3;   // a GPU raises its clocks only under load
 constexpr double long_call_ms = 2000;  // one such call has warmed up
@@ -220,7 +220,7 @@ class Benchmark {
   void ask_besides(Row& row) {
     Options options = row.options;
     options.regions = true;
-    std::vector<Point> inside = test::uniform(located).points;
+    std::vector<Point> inside = test::uniform(arguments_.quick ? quick_located : located).points;
     std::array<double, 2> low = row.work.points.at(0), high = low;
     for (const Point& p : row.work.points)
       for (int axis = 0; axis < 2; ++axis) {
