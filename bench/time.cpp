@@ -37,7 +37,7 @@ struct Arguments {
   bool quick = false, force = false, first_call = false, context_only = false;
 };
 
-constexpr std::size_t quick_vertices = 50000;
+constexpr std::size_t quick_vertices = 20000, quick_located = 20000;
 constexpr std::size_t samples = 1000000, located = 1000000;
 constexpr double warm_seconds = 0.3;   // a GPU raises its clocks only under load
 constexpr double long_call_ms = 2000;  // one such call has warmed up
@@ -145,8 +145,8 @@ class Benchmark {
     machine.add("host_threads", static_cast<unsigned long long>(std::thread::hardware_concurrency()));
     machine.add("command", arguments_.command).add("commit", arguments_.commit).add("date", date());
     try {
-      const std::size_t bytes =
-          std::min<std::uint64_t>(d.largest_buffer_bytes / 4, (d.is_gpu ? 1024ull : 128ull) << 20);
+      const std::uint64_t mebibytes = arguments_.quick ? 1 : d.is_gpu ? 1024 : 128;
+      const std::size_t bytes = std::min<std::uint64_t>(d.largest_buffer_bytes / 4, mebibytes << 20);
       const Rates r = measure_rates(d, bytes / 16 * 16);
       machine.add("copy_gb_s", r.copy_gb_s).add("buffer_copy_gb_s", r.buffer_copy_gb_s);
       machine.add("write_gb_s", r.write_gb_s).add("read_gb_s", r.read_gb_s);
@@ -175,9 +175,9 @@ class Benchmark {
     };
     start = seconds_now();
     double ms = call();  // builds the kernels, at first
-    for (int i = 1; (i < 2 && ms < long_call_ms) || seconds_now() - start < warm_seconds; ++i) ms = call();
     const int least = arguments_.quick ? 3 : 11;
-    const double enough = arguments_.quick ? 0 : least_seconds;
+    const double enough = arguments_.quick ? 0 : least_seconds, warm = arguments_.quick ? 0 : warm_seconds;
+    for (int i = 1; (i < 2 && ms < long_call_ms) || seconds_now() - start < warm; ++i) ms = call();
     double measured = 0;
     for (int i = 0; i < least || (i < most_runs && measured < enough); ++i) {
       row->call_ms.push_back(call());
@@ -220,7 +220,7 @@ class Benchmark {
   void ask_besides(Row& row) {
     Options options = row.options;
     options.regions = true;
-    std::vector<Point> inside = test::uniform(located).points;
+    std::vector<Point> inside = test::uniform(arguments_.quick ? quick_located : located).points;
     std::array<double, 2> low = row.work.points.at(0), high = low;
     for (const Point& p : row.work.points)
       for (int axis = 0; axis < 2; ++axis) {

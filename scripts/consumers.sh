@@ -21,11 +21,12 @@ run() {
   echo "consumers: $1: $said"
 }
 
+# Both kinds are linked of the same objects (lib/CMakeLists.txt), which are compiled once, for the first.
 for kind in shared static; do
   prefix=$work/$kind/prefix
   [[ $kind == shared ]] && shared=ON || shared=OFF
-  build "$root" "$work/$kind/gcdt" -DBUILD_SHARED_LIBS=$shared -DGCDT_TOOLS=OFF -DGCDT_EXAMPLES=OFF
-  quietly cmake --install "$work/$kind/gcdt" --prefix "$prefix"
+  build "$root" "$work/gcdt" -DBUILD_SHARED_LIBS=$shared -DGCDT_TOOLS=OFF -DGCDT_EXAMPLES=OFF
+  quietly cmake --install "$work/gcdt" --prefix "$prefix"
   library=$(find "$prefix" -name 'libgcdt.*' | sort)
   library=$(dirname "${library%%$'\n'*}")
 

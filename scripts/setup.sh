@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the distribution's packages that building and running gcdt needs, and nothing else.
 # Usage: scripts/setup.sh [--tests] [--fuzz]
-#   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, PyOpenCL, NumPy, shapely, meshio,
-#             poppler, abidiff, FreeType, Eigen, Open MPI, clang-format
+#   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, Python's headers, pytest, PyOpenCL, NumPy,
+#             SciPy, Matplotlib, shapely, meshio, poppler, abidiff, FreeType, Eigen, Open MPI, clang-format
 #   --fuzz    also what scripts/fuzz.sh needs: clang with its sanitizers and libFuzzer
 # Packages that are there already are left alone; if none is missing, neither the network nor root is needed.
 set -euo pipefail
@@ -12,7 +12,8 @@ build=(g++ cmake make pkg-config ca-certificates
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
   libcli11-dev nlohmann-json3-dev libfmt-dev libfast-float-dev libpugixml-dev libpng-dev zlib1g-dev libzip-dev libcairo2-dev)
 tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14
-  python3-pyopencl python3-numpy python3-shapely python3-meshio poppler-utils abigail-tools binutils libfreetype-dev
+  python3-pyopencl python3-numpy python3-shapely python3-meshio python3-scipy python3-matplotlib python3-pytest
+  python3-dev python3-venv poppler-utils abigail-tools binutils libfreetype-dev
   fonts-dejavu-core libeigen3-dev libopenmpi-dev openmpi-bin procps)
 fuzz=(clang libclang-rt-dev)
 

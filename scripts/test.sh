@@ -22,6 +22,8 @@ tests_at_once=$((cores < 4 ? cores : 4))
 bash "$root/scripts/setup.sh" --tests
 bash "$root/scripts/format.sh"
 bash "$root/scripts/layers.sh"
-cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_BENCH=ON -DGCDT_WERROR=ON
+bash "$root/scripts/python.sh" environment "$build/python-env"
+cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DGCDT_TESTS=ON -DGCDT_BENCH=ON -DGCDT_WERROR=ON \
+  -DGCDT_TEST_PYTHON="$build/python-env/bin/python"
 cmake --build "$build" --parallel "$cores"
 ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$tests_at_once" "${selection[@]}" "$@"

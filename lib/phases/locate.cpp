@@ -49,7 +49,7 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
   if (bad != GCDT_NONE)
     throw Error(
         Status::coordinate_not_finite,
-        std::string(bad % 2 ? "y" : "x") + " of query " + std::to_string(first + bad / 2) + " is not a finite number",
+        std::string(bad % 2 ? "y" : "x") + " of point " + std::to_string(first + bad / 2) + " is not a finite number",
         {first + bad / 2, bad % 2});
   return queries;
 }

@@ -28,6 +28,7 @@ const char* name_of(Status status) {
     case Status::buffers_overlap: return "buffers_overlap";
     case Status::in_use: return "in_use";
     case Status::vertices_coincide: return "vertices_coincide";
+    case Status::spill_failed: return "spill_failed";
   }
   return "device_failed";
 }

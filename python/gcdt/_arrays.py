@@ -16,21 +16,32 @@ from ._errors import make
 _COORDINATES = (np.dtype(np.float64), np.dtype(np.float32), np.dtype(np.int32), np.dtype(np.int64))
 
 
+def _array(values: ArrayLike, name: str) -> NDArray[Any]:
+    try:
+        return np.asarray(values)
+    except ValueError as error:  # rows of several lengths
+        raise make("invalid_argument", f"{name} is no array: {error}") from None
+
+
+def floats(values: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Numbers of any kind and shape as float64."""
+    array = _array(values, name)
+    if array.dtype.kind not in "fiubO":
+        raise make("invalid_argument", f"{name} must be numbers, not {array.dtype}")
+    try:
+        return array.astype(np.float64, copy=False)
+    except (TypeError, ValueError) as error:
+        raise make("invalid_argument", f"{name} must be numbers: {error}") from None
+
+
 def coordinates(values: ArrayLike, name: str = "vertices") -> NDArray[Any]:
     """n x 2 coordinates: float64, float32, int32 or int64 as they are, anything else as float64."""
-    array = np.asarray(values)
+    array = _array(values, name)
     if array.size == 0 and array.ndim < 2:
         return np.empty((0, 2))
     if array.ndim != 2 or array.shape[1] != 2:
         raise make("invalid_argument", f"{name} must have the shape (n, 2), not {array.shape}")
-    if array.dtype not in _COORDINATES:
-        if array.dtype.kind not in "fiubO":
-            raise make("invalid_argument", f"{name} must be numbers, not {array.dtype}")
-        try:
-            array = array.astype(np.float64)
-        except (TypeError, ValueError) as error:
-            raise make("invalid_argument", f"{name} must be numbers: {error}") from None
-    return np.ascontiguousarray(array)
+    return np.ascontiguousarray(array if array.dtype in _COORDINATES else floats(array, name))
 
 
 def doubles(values: ArrayLike, name: str) -> NDArray[np.float64]:
@@ -47,7 +58,7 @@ def numbers(values: ArrayLike | None, width: int, count: int, name: str, what: s
     """k x `width` numbers below `count`, as uint32; arrays of int32 and uint32 are not copied."""
     if values is None:
         return np.empty((0, width), np.uint32)
-    array = np.asarray(values)
+    array = _array(values, name)
     if array.size == 0:
         return np.empty((0, width), np.uint32)
     if array.ndim != 2 or array.shape[1] != width:
@@ -72,7 +83,7 @@ def numbers(values: ArrayLike | None, width: int, count: int, name: str, what: s
 
 def offsets(values: ArrayLike, last: int, name: str) -> NDArray[np.uint64]:
     """Ascending offsets from 0 to `last`, as uint64."""
-    array = np.asarray(values)
+    array = _array(values, name)
     if array.ndim != 1 or not (np.issubdtype(array.dtype, np.integer) or array.size == 0):
         raise make("invalid_argument", f"{name} must be whole numbers in one dimension")
     if array.size == 0:
@@ -89,7 +100,23 @@ def offsets(values: ArrayLike, last: int, name: str) -> NDArray[np.uint64]:
 
 def values_of(values: ArrayLike, count: int, name: str, what: str) -> NDArray[np.float64]:
     """One float64 for each of `count` things."""
-    array = np.ascontiguousarray(values, dtype=np.float64)
+    array = np.ascontiguousarray(floats(values, name))
     if array.shape != (count,):
-        raise make("invalid_argument", f"{name} must have one number for each of {count} {what}, not {array.shape}")
+        raise make(
+            "invalid_argument", f"{name} must have one number for each of {count} {what}, not the shape {array.shape}"
+        )
     return array
+
+
+def indices_to_judge(values: ArrayLike, shape: tuple[int, int], name: str, dtype: Any, wrong: int) -> NDArray[Any]:
+    """Whole numbers of a shape (-1: any length); those that do not fit the type become `wrong`."""
+    array = _array(values, name)
+    if array.size == 0 and shape[0] <= 0:
+        return np.empty((0, shape[1]), dtype)
+    if array.ndim != 2 or array.shape[1] != shape[1] or shape[0] not in (-1, array.shape[0]):
+        wanted = f"({'t' if shape[0] == -1 else shape[0]}, {shape[1]})"
+        raise make("invalid_argument", f"{name} must have the shape {wanted}, not {array.shape}")
+    if not np.issubdtype(array.dtype, np.integer):
+        raise make("invalid_argument", f"{name} must be whole numbers, not {array.dtype}")
+    fits = np.iinfo(dtype)
+    return np.ascontiguousarray(np.where((array < fits.min) | (array > fits.max), wrong, array).astype(dtype))

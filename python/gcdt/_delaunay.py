@@ -21,8 +21,9 @@ class Delaunay:
     `points`: (n, 2) floats. `segments`: (m, 2) point numbers, edges that must be there (constraints), which scipy does
     not have; `options` are those of `gcdt.triangulate_pslg`, such as crossing="split", domain="even-odd" or refine=25.
 
-    `points`: (n, 2) float64, followed by points that splitting and refinement have added. `simplices`: (T, 3) int32, counter-clockwise.
-    `neighbors`: (T, 3) int32: [t, k] is the triangle opposite corner k of t, or -1. `mesh`: the `gcdt.Mesh`.
+    `points`: (n, 2) float64, followed by points that splitting and refinement have added. `simplices`: (T, 3) int32,
+    counter-clockwise. `neighbors`: (T, 3) int32: [t, k] is the triangle opposite corner k of t, or -1. `mesh`: the
+    `gcdt.Mesh`.
 
     Other than with scipy: points that are equal, or on one line, are no error (there may be no triangles); no point is
     left out for being close to an edge; and of points on one circle the diagonal follows a rule, so that the result is

@@ -10,13 +10,14 @@ class Error(Exception):
     """What the library has to say of a failed call.
 
     `status`: its name, such as "constraints_cross". `indices`: the numbers of the vertices, constraints or triangles
-    that it is about, as a tuple (its shape depends on the status; docs/python.md). `opencl_code`: of the OpenCL call
-    that failed, 0 if it was none.
+    that it is about, as a tuple (its shape depends on the status; docs/python.md). `polygon`: which of several polygons
+    it is about, or None. `opencl_code`: of the OpenCL call that failed, 0 if it was none.
     """
 
     status = "error"
     indices: tuple[int, ...] = ()
     pair_count = 0
+    polygon: int | None = None
     opencl_code = 0
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _gcdt, _views
-from ._errors import Error
+from ._errors import CoordinateError, Error
 from ._options import options
 from ._pool import Batch, Pool, default_pool
 from ._solver import Progress
@@ -59,6 +59,18 @@ class PolygonTriangles:
         return geopandas.GeoDataFrame({"polygon": self.polygon_of}, geometry=self.to_shapely(), crs=crs)
 
 
+def _named(error: Error, polygon: int, points: NDArray[Any], first: int) -> Error:
+    """The error of a polygon, whose coordinates begin with row `first`: says which, and which row of all a point is."""
+    said = str(error)
+    if isinstance(error, CoordinateError):
+        row, axis = first + error.indices[0], error.indices[1]
+        error.indices = (row, axis)
+        said = f"coords: row {row} has {'xy'[axis]} = {points[row, axis]}"
+    error.polygon = polygon
+    error.args = (f"polygon {polygon}: {said}",)
+    return error
+
+
 def triangulate_polygons(
     coords: ArrayLike,
     ring_offsets: ArrayLike,
@@ -93,11 +105,9 @@ def triangulate_polygons(
         pool = default_pool(devices)
     native, triangles, offsets, added = pool._native.triangulate_polygons(points, rings, polygons, wanted)
     batch = Batch(native)
-    found = {int(p): batch[int(p)].error for p in batch.failed}
+    found = {int(p): _named(batch[int(p)].error, int(p), points, int(rings[polygons[p]])) for p in batch.failed}
     if found and errors == "raise":
-        polygon, error = next(iter(found.items()))
-        error.args = (f"polygon {polygon}: {error}",)
-        raise error
+        raise next(iter(found.values()))
     if len(added):
         points = np.concatenate([np.asarray(points, np.float64), added])
     return PolygonTriangles(triangles, offsets, points, batch, found)
@@ -150,5 +160,10 @@ def triangulate_geometries(geometries: Any, **how: Any) -> tuple[PolygonTriangle
     Returns the triangles, and for each of them the row of `geometries` that it is in.
     """
     coords, ring_offsets, polygon_offsets, rows = from_shapely(geometries)
-    made = triangulate_polygons(coords, ring_offsets, polygon_offsets, **how)
+    try:
+        made = triangulate_polygons(coords, ring_offsets, polygon_offsets, **how)
+    except Error as error:
+        if error.polygon is not None:
+            error.args = (f"geometry {rows[error.polygon]}: {error}",)
+        raise
     return made, rows[made.polygon_of]

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _arrays, _gcdt
-from ._errors import make
 from ._mesh import Mesh
 from ._options import options
 from ._refinement import Refinement
@@ -131,18 +130,11 @@ def verify(
     """
     points = _arrays.coordinates(vertices)
     pairs = _arrays.numbers(constraints, 2, len(points), "constraints")
-    corners = np.asarray(triangles)
-    if corners.ndim != 2 or corners.shape[1] != 3 or not np.issubdtype(corners.dtype, np.integer):
-        if corners.size:
-            raise make("invalid_argument", f"triangles must be whole numbers of the shape (t, 3), not {corners.shape}")
-        corners = np.empty((0, 3), np.uint32)
-    corners = np.where((corners < 0) | (corners > 0xFFFFFFFF), 0xFFFFFFFF, corners).astype(np.uint32)
+    corners = _arrays.indices_to_judge(triangles, (-1, 3), "triangles", np.uint32, 0xFFFFFFFF)
     links: Any = None
     if neighbours is not None:
-        links = np.ascontiguousarray(neighbours, dtype=np.int32)
-        if links.shape != corners.shape:
-            raise make("invalid_argument", f"neighbours must have the shape {corners.shape}, not {links.shape}")
+        links = _arrays.indices_to_judge(neighbours, corners.shape, "neighbours", np.int32, -(2**31))
     wanted = options(crossing=crossing, domain=domain, holes=holes, grid=grid)
-    mesh = _gcdt.GivenMesh(np.ascontiguousarray(corners), links, None, np.empty((0, 2), np.int32))
+    mesh = _gcdt.GivenMesh(corners, links, None, np.empty((0, 2), np.int32))
     on = _gcdt.choose_grid(points, wanted)
     return Verification(*_gcdt.verify(points, pairs, mesh, None, None, None, on, wanted))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _arrays
 from ._errors import make
 from ._mesh import Mesh
 from ._pslg import triangulate_pslg
@@ -87,10 +88,19 @@ class _Switches:
 
 def _column(values: Any, count: int, name: str, dtype: Any) -> NDArray[Any]:
     """One number for each of `count` rows, given as (count,) or (count, 1)."""
-    array = np.asarray(values, dtype)
+    array = _arrays.floats(values, name)
     if array.size != count:
-        raise make("invalid_argument", f"{name} must have {count} rows, not {array.shape}")
-    return array.reshape(count)
+        raise make("invalid_argument", f"{name} must have {count} rows, not the shape {array.shape}")
+    return array.reshape(count).astype(dtype)
+
+
+def _regions(given: Mapping[str, Any]) -> NDArray[np.float64]:
+    """(r, 4): x, y, attribute and largest area (0: none, which may be left out)."""
+    rows = _arrays.floats(given["regions"], "regions")
+    if rows.ndim != 2 or rows.shape[1] not in (3, 4):
+        raise make("invalid_argument", f"regions must have the shape (r, 4), not {rows.shape}")
+    _arrays.doubles(rows[:, :2], "regions")
+    return rows if rows.shape[1] == 4 else np.hstack([rows, np.zeros((len(rows), 1))])
 
 
 @dataclass
@@ -153,8 +163,11 @@ def _boundary(mesh: Mesh) -> NDArray[np.uint32]:
 
 def _attributes(mesh: Mesh, given: Mapping[str, Any]) -> NDArray[np.float64]:
     """Of vertices; those of added ones are interpolated along their segments, and in their triangles."""
-    own = np.asarray(given["vertex_attributes"], np.float64)
-    own = own.reshape(len(mesh.vertices), -1)
+    own = _arrays.floats(given["vertex_attributes"], "vertex_attributes")
+    count = len(mesh.vertices)
+    if own.shape[:1] != (count,) or own.ndim > 2:
+        raise make("invalid_argument", f"vertex_attributes must have the shape ({count}, a), not {own.shape}")
+    own = own.reshape(count, -1)
     columns = [np.concatenate([own[:, k], mesh.added_values(own[:, k])]) for k in range(own.shape[1])]
     return np.stack(columns, axis=1)
 
@@ -162,17 +175,17 @@ def _attributes(mesh: Mesh, given: Mapping[str, Any]) -> NDArray[np.float64]:
 def _mesh(given: Mapping[str, Any], switches: _Switches, how: dict[str, Any]) -> Mesh:
     if "p" not in switches:
         refine = switches.refinement(None)
-        return triangulate_pslg(np.asarray(given["vertices"], np.float64), refine=refine, **how)
+        return triangulate_pslg(_arrays.floats(given["vertices"], "vertices"), refine=refine, **how)
     regions, areas = None, None
     if ("A" in switches or switches.region_areas) and len(given.get("regions", ())):
         # The last of several points in a region counts, so that the least number is to be the last.
-        rows = np.asarray(given["regions"], np.float64)[::-1]
-        regions, areas = rows[:, :2], rows[:, 3] if rows.shape[1] > 3 else None
+        rows = _regions(given)[::-1]
+        regions, areas = rows[:, :2], rows[:, 3]
     if areas is not None:
         areas = np.where(areas > 0, areas, np.inf)  # Triangle has -1 and 0 for none
     holes = given.get("holes")
     return triangulate_pslg(
-        np.asarray(given["vertices"], np.float64),
+        _arrays.floats(given["vertices"], "vertices"),
         given.get("segments"),
         crossing="split",
         domain="holes" if "c" in switches else "outer-holes",
@@ -231,7 +244,7 @@ def _dictionary(mesh: Mesh, tri: Mapping[str, Any], switches: _Switches) -> dict
     if "vertex_attributes" in tri:
         made["vertex_attributes"] = _attributes(mesh, tri)
     if "A" in switches and "p" in switches and "regions" in tri:
-        attributes = np.append(np.asarray(tri["regions"], np.float64)[::-1, 2], 0.0)
+        attributes = np.append(_regions(tri)[::-1, 2], 0.0)
         made["triangle_attributes"] = attributes[mesh.region_seed][:, None]
     if "n" in switches:
         made["neighbors"] = mesh.neighbours

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Polygons beside shapely: areas, and every triangle within its polygon."""
 
+import importlib
 import threading
 
-import geopandas
 import numpy as np
 import pytest
 import shapely
@@ -62,7 +62,9 @@ def test_rings_may_be_open_and_run_either_way():
                 assert made.areas.tolist() == [11.0]
 
 
+@pytest.mark.whole
 def test_geopandas_in_and_out():
+    geopandas = importlib.import_module("geopandas")
     frame = geopandas.GeoDataFrame({"name": ["a", "b"]}, geometry=list(many(2, seed=2)), crs="EPSG:3857")
     made, row = gcdt.triangulate_geometries(frame.geometry)
     triangles = made.to_geopandas(crs=frame.crs)

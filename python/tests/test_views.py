@@ -44,6 +44,7 @@ def test_meshio_writes_what_it_reads(mesh, tmp_path):
     assert (read.points[:, :2] == np.asarray(mesh.points)).all()
 
 
+@pytest.mark.whole
 def test_pyvista_has_the_area(mesh):
     pyvista = importlib.import_module("pyvista")
     surface = mesh.to_pyvista()

@@ -269,6 +269,18 @@ TEST_CASE("faces and lines of surfaces are constraints, and heights are an attri
   CHECK(obj.first == 1);
   CHECK(from("in.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n").constraints == around);
   CHECK(from("in.off", "OFF 1 0 0\n# none\n3 4 0\n").attributes.empty());
+  // Colours, normals and texture coordinates follow those of the vertices, in their order or not.
+  for (const auto& [kind, more] :
+       {std::pair("COFF", "255 0 0 255"), std::pair("NOFF", "0 0 1"), std::pair("STOFF", ".5 1"),
+        std::pair("CNOFF", "0 0 1 1 0 0 1"), std::pair("STCNOFF", "0 0 1 1 0 0 1 .5 1")}) {
+    CAPTURE(kind);
+    std::string text = std::string(kind) + "\n4 1 0\n";
+    for (const char* place : {"0 0 5 ", "1 0 6 ", "1 1 7 ", "0 1 8 "}) text += std::string(place) + more + '\n';
+    const io::Input off = from("in.off", text + "4 0 1 2 3\n");
+    CHECK(off.vertices == obj.vertices);
+    CHECK(off.constraints == around);
+    CHECK(off.attributes == obj.attributes);
+  }
   const std::string header =
       "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property uchar red\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n"
@@ -310,6 +322,13 @@ TEST_CASE("surfaces that name what is not there, or are no surfaces, are refused
                            {"v nan 0 0\n", ":1: the x coordinate is not finite: nan"}});
   check_refused("in.off", {{"", ":1: the word OFF is missing"},
                            {"PLY\n", ":1: the word OFF is missing"},
+                           {"XOFF\n", ":1: the word OFF is due, not XOFF"},
+                           {"4OFF\n1 0 0\n0 0 0 1\n", ":1: 4OFF has points of another dimension than 3"},
+                           {"STCN4OFF\n", ":1: STCN4OFF has points of another dimension than 3"},
+                           {"nOFF\n2\n1 0 0\n0 0\n", ":1: nOFF has points of another dimension than 3"},
+                           {"C4nOFF\n", ":1: C4nOFF has points of another dimension than 3"},
+                           {"OFF BINARY\n", ":1: the number of vertices must be an integer, not \"BINARY\""},
+                           {"OFF\n", ":1: the number of vertices is missing"},
                            {"OFF\n2 0 0\n0 0 0\n", ":3: the file ends after 1 of 2 vertices"},
                            {"OFF\n1 1 0\n0 0 0\n3 0 0 1\n", ":4: the number of corners is 3; at most 1 are possible"},
                            {"OFF\n1 1 0\n0 0 0\n1 1\n", ":4: there is no vertex 1; there are 1, from 0 on"}});

@@ -117,13 +117,15 @@ mkdir -p "$tree/scripts"
 cp "$root/scripts/test.sh" "$tree/scripts/"
 play "$tree/scripts" setup.sh 'exit 0'
 play "$tree/scripts" format.sh '[[ ! -e $(dirname "$0")/../unformatted ]]'
+play "$tree/scripts" python.sh '[[ ! -e $(dirname "$0")/../unreachable ]]'
 play "$tree/scripts" layers.sh '[[ ! -e $(dirname "$0")/../disordered ]]'
 play "$tree/programs" cmake 'echo "cmake $*"; [[ $1 != --build || ! -e $(dirname "$0")/../broken ]]'
 play "$tree/programs" ctest 'echo "ctest $*"; [[ ! -e $(dirname "$0")/../failing ]]'
 suite() { env PATH="$tree/programs:$PATH" "$tree/scripts/test.sh" "$@"; }
 expect 0 "-DGCDT_TESTS=ON -DGCDT_BENCH=ON" "the suite" suite
+expect 0 "-DGCDT_TEST_PYTHON=$tree/build-test/python-env/bin/python" "the suite's Python" suite
 expect 0 "-LE ^slow" "the quick suite" suite --quick
-for fault in unformatted disordered broken failing; do
+for fault in unformatted disordered unreachable broken failing; do
   touch "$tree/$fault"
   expect fails "" "the suite with something $fault" suite
   rm "$tree/$fault"

@@ -29,11 +29,6 @@ void expect_record(Records& in, const char* kind, std::uint64_t done, std::uint6
   if (!in.next()) in.fail(fmt::format("the file ends after {} of {} {}", done, count, kind));
 }
 
-Input named(const std::string& path) {
-  Input input = input_of(path);
-  return input;
-}
-
 std::uint32_t vertex_number(Records& in, const Input& input) {
   const std::int64_t number = in.integer("a vertex number");
   if (number < 0 || static_cast<std::uint64_t>(number) >= input.vertices.size())
@@ -56,10 +51,25 @@ std::uint32_t corner(Records& in, const Input& input) {
   return static_cast<std::uint32_t>(index);
 }
 
+/// The first word of an .off file. What ST (texture), C (colour) and N (normal) before OFF announce follows the
+/// coordinates of each vertex, and is passed over. 4 and n announce points of another dimension.
+void expect_off(Records& in) {
+  constexpr std::string_view off = "OFF";
+  if (!in.next()) in.fail("the word OFF is missing");
+  std::string_view kind = in.word("the word OFF");
+  if (kind.size() < off.size() || kind.substr(kind.size() - off.size()) != off) in.fail("the word OFF is missing");
+  kind.remove_suffix(off.size());
+  for (const std::string_view passed_over : {"ST", "C", "N"})
+    if (kind.substr(0, passed_over.size()) == passed_over) kind.remove_prefix(passed_over.size());
+  if (kind == "4" || kind == "n" || kind == "4n")
+    in.fail(fmt::format("{} has points of another dimension than 3, which are not read", in.field()));
+  if (!kind.empty()) in.fail(fmt::format("the word OFF is due, not {}", in.field()));
+}
+
 }  // namespace
 
 Input read_cdt_text(const std::string& path) {
-  Input input = named(path);
+  Input input = input_of(path);
   Records in(path);
   if (!in.next()) in.fail("the numbers of vertices and edges are missing");
   const std::uint64_t vertices = in.count("the number of vertices", max_vertices);
@@ -88,7 +98,7 @@ Input read_cdt_text(const std::string& path) {
 }
 
 Input read_obj(const std::string& path) {
-  Input input = named(path);
+  Input input = input_of(path);
   input.first = input.first_constraint = 1;
   Heights heights;
   Records in(path);
@@ -117,10 +127,10 @@ Input read_obj(const std::string& path) {
 }
 
 Input read_off(const std::string& path) {
-  Input input = named(path);
+  Input input = input_of(path);
   Heights heights;
   Records in(path);
-  if (!in.next() || in.word("the word OFF") != "OFF") in.fail("the word OFF is missing");
+  expect_off(in);
   if (!in.more() && !in.next()) in.fail("the number of vertices is missing");
   const std::uint64_t vertices = in.count("the number of vertices", max_vertices);
   const std::uint64_t faces = in.count("the number of faces", most);
@@ -131,7 +141,7 @@ Input read_off(const std::string& path) {
     const double x = coordinate(in, "x coordinate");
     const double y = coordinate(in, "y coordinate");
     heights.add(coordinate(in, "z coordinate"));
-    in.skip_numbers("a coordinate");
+    in.skip_numbers("a normal, colour or texture coordinate");
     input.vertices.push_back({x, y});
     input.vertex_lines.append(in.line());
   }
