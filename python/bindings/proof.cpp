@@ -18,6 +18,7 @@ struct GivenMesh {
   std::optional<Rows<std::int32_t, 3>> neighbours;
   std::optional<Row<std::uint8_t>> constrained;
   Rows<std::int32_t, 2> added;
+  std::optional<Rows<std::uint32_t, 4>> origins;
 
   MeshView view() const {
     MeshView mesh;
@@ -25,6 +26,7 @@ struct GivenMesh {
     if (neighbours) mesh.neighbours = span(*neighbours).data();
     if (constrained) mesh.constrained = constrained->data();
     mesh.added = span(added);
+    if (origins) mesh.added_origin = span(*origins);
     return mesh;
   }
 };
@@ -53,10 +55,13 @@ void bind_proof(nb::module_& m) {
       .def(
           "__init__",
           [](GivenMesh* self, Rows<std::uint32_t, 3> triangles, std::optional<Rows<std::int32_t, 3>> neighbours,
-             std::optional<Row<std::uint8_t>> constrained, Rows<std::int32_t, 2> added) {
-            new (self) GivenMesh{std::move(triangles), std::move(neighbours), std::move(constrained), std::move(added)};
+             std::optional<Row<std::uint8_t>> constrained, Rows<std::int32_t, 2> added,
+             std::optional<Rows<std::uint32_t, 4>> origins) {
+            new (self) GivenMesh{std::move(triangles), std::move(neighbours), std::move(constrained), std::move(added),
+                                 std::move(origins)};
           },
-          nb::arg("triangles"), nb::arg("neighbours").none(), nb::arg("constrained").none(), nb::arg("added"));
+          nb::arg("triangles"), nb::arg("neighbours").none(), nb::arg("constrained").none(), nb::arg("added"),
+          nb::arg("origins").none());
   m.def(
       "choose_grid",
       [](const Pairs& vertices, const CallOptions& options) {

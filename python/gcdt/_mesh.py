@@ -206,8 +206,8 @@ class Mesh:
     def verify(self) -> Verification:
         """Proves on the host, by exact arithmetic and other code, that the mesh is what `triangulate_pslg` promises.
 
-        Of a refined mesh that its triangles are those of the domain, constraints chains within their bounds, and angles
-        and areas as wanted, or excused; not under crossing="split" (docs/refinement.md).
+        Of a refined mesh that its triangles are those of the domain, constraints chains within their bounds, and angles,
+        areas and lengths as wanted, or excused; not under crossing="split" (docs/refinement.md).
         """
         from ._pslg import Verification
 
@@ -230,7 +230,9 @@ class Mesh:
         return _gcdt.assess(self.vertices, self._given(), self.statistics["grid"])
 
     def _given(self) -> Any:
-        return _gcdt.GivenMesh(self.triangles, self.neighbours, self.constrained, self.added_on_grid)
+        return _gcdt.GivenMesh(
+            self.triangles, self.neighbours, self.constrained, self.added_on_grid, self.added_origin
+        )
 
     # ---- For other packages -----------------------------------------------------------------------------------
 

@@ -135,6 +135,6 @@ def verify(
     if neighbours is not None:
         links = _arrays.indices_to_judge(neighbours, corners.shape, "neighbours", np.int32, -(2**31))
     wanted = options(crossing=crossing, domain=domain, holes=holes, grid=grid)
-    mesh = _gcdt.GivenMesh(corners, links, None, np.empty((0, 2), np.int32))
+    mesh = _gcdt.GivenMesh(corners, links, None, np.empty((0, 2), np.int32), None)
     on = _gcdt.choose_grid(points, wanted)
     return Verification(*_gcdt.verify(points, pairs, mesh, None, None, None, on, wanted))

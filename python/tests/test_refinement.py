@@ -95,6 +95,7 @@ def test_regions_and_lengths():
     graded = gcdt.triangulate_pslg(SQUARE, WALLS, refine=Refinement(sizes=0.1 + SQUARE[:, 1] / 4))
     low, high = (np.abs(graded.points[graded.triangles].mean(axis=1)[:, 1] - y) < 1 for y in (0, 8))
     assert graded.areas[low].mean() < graded.areas[high].mean() / 20
+    assert graded.verify()
 
 
 def test_values_at_added_vertices():

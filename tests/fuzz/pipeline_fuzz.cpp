@@ -102,6 +102,7 @@ MeshView view_of(const Triangulation& mesh) {
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
   view.added = mesh.added_on_grid;
+  view.added_origin = mesh.added_origin;
   return view;
 }
 
