@@ -131,7 +131,7 @@ TEST_CASE("more queries than are on the device at once have numbers of their own
     FAIL_CHECK("nothing was thrown");
   } catch (const Error& error) {
     CHECK(error.indices() == std::vector<std::uint64_t>{count - 2, 1});
-    CHECK(std::string(error.what()) == "y of query " + std::to_string(count - 2) + " is not a finite number");
+    CHECK(std::string(error.what()) == "y of point " + std::to_string(count - 2) + " is not a finite number");
   }
 }
 

@@ -233,14 +233,15 @@ TEST_CASE("a sweep finds the least triangle that holds a place, in, on the borde
     mesh.sort();
     for (std::int32_t x = 0; x < 14; ++x)
       for (std::int32_t y = 0; y < 14; ++y) {
-        std::vector<std::uint32_t> expected;
-        for (std::uint32_t t = 0; t < mesh.triangles().size() && expected.empty(); ++t) {
+        std::uint32_t expected = proof::none;
+        for (std::uint32_t t = 0; t < mesh.triangles().size() && expected == proof::none; ++t) {
           const auto& [a, b, c] = mesh.triangles()[t];
           const proof::Vertex p = sites.at[a], q = sites.at[b], r = sites.at[c], at = {x, y};
           if (proof::orient(p, q, at) >= 0 && proof::orient(q, r, at) >= 0 && proof::orient(r, p, at) >= 0)
-            expected = {t};
+            expected = t;
         }
-        CHECK(proof::least_triangles(sites, mesh, {{x, y}, {x, y}}, steps) == expected);
+        const std::vector<std::uint32_t> found = proof::least_triangles(sites, mesh, {{x, y}, {13, 13}, {x, y}}, steps);
+        CHECK(found == std::vector<std::uint32_t>{expected, proof::none, expected});
       }
   }
 }
