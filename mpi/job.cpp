@@ -21,7 +21,7 @@ using io::Failure;
 
 namespace {
 
-std::mutex job_mutex;              ///< held while the first rank renames, so that it is not ended then
+std::mutex job_mutex;                ///< held while the first rank renames, so that it is not ended then
 OutputJob* job_under_way = nullptr;  ///< under job_mutex
 
 [[noreturn]] void cannot_write(const fs::path& path, const std::string& why) {
@@ -42,7 +42,8 @@ void all_or_none(tiles::Team& team, const std::function<void()>& use) {
   const std::uint64_t first = team.greatest(text.empty() ? 0 : team.size() - team.rank());
   if (first == 0) return;
   const std::size_t failed = team.size() - static_cast<std::size_t>(first);
-  std::vector<std::uint64_t> words(1 + 256, 0);  // the status, then characters: all ranks learn them as greatest numbers
+  std::vector<std::uint64_t> words(1 + 256,
+                                   0);  // the status, then characters: all ranks learn them as greatest numbers
   if (team.rank() == failed) {
     words[0] = static_cast<std::uint64_t>(exit);
     for (std::size_t i = 0; i < std::min<std::size_t>(text.size(), 8 * 256); ++i)

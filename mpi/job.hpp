@@ -15,8 +15,9 @@ namespace gcdt::ranks {
 /// Calls `use`. If it throws io::Failure at some ranks, all ranks throw that of the first of them.
 void all_or_none(tiles::Team& team, const std::function<void()>& use);
 
-/// Output files of all ranks. They are written in a hidden folder beside the first one, which every rank knows, and which
-/// the ranks that are left remove when one is lost: who is told to end (SIGTERM, from mpirun) does it (watch_end()).
+/// Output files of all ranks. They are written in a hidden folder beside the first one, which every rank knows, and
+/// which the ranks that are left remove when one is lost: who is told to end (SIGTERM, from mpirun) does it
+/// (watch_end()).
 class OutputJob {
  public:
   /// All ranks name the same targets, in one folder that all see. Throws io::Failure.
@@ -44,8 +45,8 @@ class OutputJob {
   std::filesystem::path folder_;
 };
 
-/// To be called before there are other threads: from then on a thread waits for SIGINT, SIGTERM and SIGHUP, abandons the
-/// output that is under way, and ends the process with Exit::interrupted.
+/// To be called before there are other threads: from then on a thread waits for SIGINT, SIGTERM and SIGHUP, abandons
+/// the output that is under way, and ends the process with Exit::interrupted.
 void watch_end();
 
 }  // namespace gcdt::ranks

@@ -21,7 +21,8 @@ constexpr const char* help =
     "Runs under mpirun, one rank a device: mpirun --bind-to none -n 4 gcdt_mpi INPUT -o OUTPUT\n"
     "Each rank reads its own part of a .pslg; other inputs of gcdt triangulate are read by the first rank.\n"
     "OUTPUT.pvtu leaves the result where it was made, a piece OUTPUT_RANK.vtu a rank; any other output of gcdt\n"
-    "triangulate is gathered at the first rank, and has the bytes that gcdt triangulate writes. Files appear together or\n"
+    "triangulate is gathered at the first rank, and has the bytes that gcdt triangulate writes. Files appear together "
+    "or\n"
     "not at all. Without -o the statistics are printed, with the time of each step at each rank.\n\n"
     "Status: as of gcdt. If a rank is lost, or fails alone, all end.";
 
@@ -48,9 +49,10 @@ void add_options(CLI::App& app, ranks::Arguments& arguments) {
                  "Devices of each machine, as of gcdt batch; its ranks take them in turn; default: the variable "
                  "GCDT_DEVICE, else auto")
       ->type_name("SPEC,...");
-  app.add_option("--tiles", arguments.tiles,
-                 "Tiles of all ranks together, as many for each; default: one a rank, or as many as its device's memory "
-                 "asks for")
+  app.add_option(
+         "--tiles", arguments.tiles,
+         "Tiles of all ranks together, as many for each; default: one a rank, or as many as its device's memory "
+         "asks for")
       ->check(CLI::Range(1u, GCDT_MAX_TILES).description(""))
       ->type_name("K");
   app.add_option("--memory", arguments.memory, "Use no more memory of each device than this, such as 512MB")

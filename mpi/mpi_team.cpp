@@ -105,8 +105,8 @@ Bytes MpiTeam::receive(std::uint64_t bytes, std::size_t from) {
   return got;
 }
 
-// Before the round of `step` a rank that is a multiple of it holds the messages of the `step` ranks from itself on. Ends:
-// the step doubles.
+// Before the round of `step` a rank that is a multiple of it holds the messages of the `step` ranks from itself on.
+// Ends: the step doubles.
 std::vector<Bytes> MpiTeam::gather(Bytes own) {
   std::vector<Bytes> held(1);
   held[0] = std::move(own);

@@ -65,7 +65,8 @@ std::vector<RankReport> Report::gathered() {
 
 void describe(const std::vector<RankReport>& ranks, Statistics& statistics) {
   const auto slowest = [&](const std::string& name) {
-    const auto at = static_cast<std::size_t>(std::find(step_names.begin(), step_names.end(), name) - step_names.begin());
+    const auto at =
+        static_cast<std::size_t>(std::find(step_names.begin(), step_names.end(), name) - step_names.begin());
     double most = 0;
     for (const RankReport& rank : ranks) most = std::max(most, rank.milliseconds[at]);
     return most;
@@ -79,9 +80,12 @@ void describe(const std::vector<RankReport>& ranks, Statistics& statistics) {
 std::string report_json(const Statistics& statistics, const std::vector<RankReport>& ranks) {
   auto json = nlohmann::ordered_json::parse(command::statistics_json(statistics, measured(ranks)));
   for (const RankReport& rank : ranks) {
-    nlohmann::ordered_json one = {{"host", rank.host.data()},      {"device", rank.device.data()},
-                                  {"vertices", rank.vertices},     {"triangles", rank.triangles},
-                                  {"bytes_sent", rank.sent},       {"bytes_received", rank.received},
+    nlohmann::ordered_json one = {{"host", rank.host.data()},
+                                  {"device", rank.device.data()},
+                                  {"vertices", rank.vertices},
+                                  {"triangles", rank.triangles},
+                                  {"bytes_sent", rank.sent},
+                                  {"bytes_received", rank.received},
                                   {"peak_host_bytes", rank.peak_host_bytes}};
     for (std::size_t i = 0; i < step_names.size(); ++i) one["ms"][step_names[i]] = rank.milliseconds[i];
     json["ranks"].push_back(one);

@@ -61,44 +61,29 @@ std::unique_ptr<DevicePool> device_of(std::size_t rank_on_host, const Arguments&
 std::size_t tiles_of(tiles::Team& team, const DevicePool& pool, const tiles::InputBlock& block,
                      const Arguments& arguments) {
   if (arguments.tiles % team.size() != 0)
-    throw Failure(Exit::usage, fmt::format("--tiles {}: is no multiple of the number of ranks, {}", arguments.tiles,
-                                           team.size()));
+    throw Failure(Exit::usage,
+                  fmt::format("--tiles {}: is no multiple of the number of ranks, {}", arguments.tiles, team.size()));
   std::size_t each = arguments.tiles / team.size();
   if (each == 0)
     each = static_cast<std::size_t>(team.greatest(
         tiles::tiles_that_fit(pool, block.all_vertices / team.size(), block.all_constraints / team.size())));
   if (each * team.size() > GCDT_MAX_TILES)
-    throw Failure(Exit::usage, fmt::format("{} tiles of {} ranks: at most {} are possible", each, team.size(),
-                                           GCDT_MAX_TILES));
+    throw Failure(Exit::usage,
+                  fmt::format("{} tiles of {} ranks: at most {} are possible", each, team.size(), GCDT_MAX_TILES));
   return each * team.size();
 }
 
 Triangulation triangulation_of(const ForestResult& made) {
   Triangulation mesh;
-#define GCDT_ARRAY(number, name, ...)                                                       \
-  if (!made.begins[number].empty()) {                                                       \
+#define GCDT_ARRAY(number, name, ...)                                                \
+  if (!made.begins[number].empty()) {                                                \
     const auto all = tiles::array_of<decltype(mesh.name)::value_type>(made, number); \
-    mesh.name.assign(all.begin(), all.end());                                               \
+    mesh.name.assign(all.begin(), all.end());                                        \
   }
 #include <gcdt/arrays.def>
   mesh.statistics = made.statistics;
   mesh.added = grid_coordinates(mesh.statistics.grid, mesh.added_on_grid);
   return mesh;
-}
-
-/// The outputs, and for an .ele with added vertices the .node that has them.
-std::vector<std::string> with_nodes(const Arguments& arguments, bool added) {
-  std::vector<std::string> paths = arguments.outputs;
-  for (const std::string& path : arguments.outputs) {
-    if (!added || io::lower_extension(path) != ".ele") continue;
-    const std::string node = std::filesystem::path(path).replace_extension(".node").string();
-    if (io::same_file(node, arguments.input))
-      throw Failure(Exit::usage,
-                    fmt::format("{}: is an input, but {} needs it for the added vertices: name another", node, path));
-    const auto is_node = [&](const std::string& other) { return io::same_file(node, other); };
-    if (std::none_of(paths.begin(), paths.end(), is_node)) paths.push_back(node);
-  }
-  return paths;
 }
 
 class Run {
@@ -194,7 +179,7 @@ class Run {
     Options options = options_;
     command::set_domain(arguments_.domain, whole_, options);
     const std::vector<std::string> paths =
-        with_nodes(arguments_, made_.part.result.statistics.vertices_added > 0);
+        io::with_nodes(arguments_.outputs, made_.part.result.statistics.vertices_added > 0, {arguments_.input});
     ForestResult made = tiles::gather_result(team_, made_, whole_.vertices, whole_.constraints, options);
     Triangulation mesh;
     if (team_.is_first()) mesh = triangulation_of(made);

@@ -66,9 +66,7 @@ class PieceVertices {
     sort_unique(used);
     return used;
   }
-  bool is_own(std::uint32_t v) const {
-    return std::binary_search(own_.numbers.begin(), own_.numbers.end(), v);
-  }
+  bool is_own(std::uint32_t v) const { return std::binary_search(own_.numbers.begin(), own_.numbers.end(), v); }
 
   const OwnVertices& own_;
   const GivenVertices given_;

@@ -16,7 +16,7 @@ if [[ -z $tool || $("$tool" --version) != *"version 14."* ]]; then
   echo "format: clang-format 14 is not installed (package clang-format-14)" >&2
   exit 1
 fi
-sources=$(find include kernels lib tools tests examples bench python -name build -prune -o -type f \
+sources=$(find include kernels lib mpi tools tests examples bench python -name build -prune -o -type f \
   \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.cl' \) -print | sort)
 mapfile -t sources <<<"$sources"
 "$tool" "${mode[@]}" "${sources[@]}"

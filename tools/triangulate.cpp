@@ -85,25 +85,6 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
   }
 }
 
-/// What is written: an .ele with added vertices gets the .node that has them.
-std::vector<std::string> with_nodes(const TriangulateArguments& arguments, const Triangulation& mesh,
-                                    const std::vector<std::string>& inputs) {
-  std::vector<std::string> paths = arguments.outputs;
-  if (mesh.added.empty()) return paths;
-  for (const std::string& path : arguments.outputs) {
-    if (io::lower_extension(path) != ".ele") continue;
-    const std::string node = std::filesystem::path(path).replace_extension(".node").string();
-    if (std::any_of(paths.begin(), paths.end(), [&](const std::string& other) { return io::same_file(node, other); }))
-      continue;
-    for (const std::string& input : inputs)
-      if (input != "-" && io::same_file(node, input))
-        throw Failure(Exit::usage,
-                      fmt::format("{}: is an input, but {} needs it for the added vertices: name another", node, path));
-    paths.push_back(node);
-  }
-  return paths;
-}
-
 void write_outputs(const TriangulateArguments& arguments, const std::vector<std::string>& paths,
                    const io::Result& result, Statistics& statistics, const Measured& measured,
                    const TraceRecord& trace) {
@@ -164,7 +145,7 @@ void triangulate(const TriangulateArguments& arguments) {
   if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
   stop_if_interrupted();
   Statistics statistics = mesh.statistics;
-  const std::vector<std::string> paths = with_nodes(arguments, mesh, input.files);
+  const std::vector<std::string> paths = io::with_nodes(arguments.outputs, !mesh.added.empty(), input.files);
   io::Result result(input, mesh);
   result.coloured_by_angle = arguments.colour == "angle";
   if (arguments.jettison) {

@@ -38,9 +38,9 @@ static inline uint flood(const Part* part, uint t, uint label) {
     const uint from = queue[--count];
     for (uint k = 0; k < 3u; ++k) {
       const int across = part->neighbours[3u * from + k];
-      if (across < 0 || ((part->constrained[from] >> k) & 1u)) continue;
+      if (across < 0) continue;
       if ((uint)across < part->first || (uint)across >= part->last) return 0u;
-      if (part->region[across] != GCDT_NONE) continue;
+      if (((part->constrained[from] >> k) & 1u) || part->region[across] != GCDT_NONE) continue;
       part->region[across] = label;
       queue[count++] = (uint)across;
     }

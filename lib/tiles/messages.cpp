@@ -18,20 +18,22 @@ std::vector<Bytes> for_ranks(const Team& team, std::size_t tiles, Pack&& pack) {
   return messages;
 }
 
+/// Calls use(array) for each array of a message, in its order: so that what is put is what is got.
+template <class OneShare, class Use>
+void each_of_share(OneShare& share, Use&& use) {
+  use(share.constraints), use(share.constraint_ids), use(share.passages), use(share.foreign), use(share.open_ends);
+}
+template <class OneReturned, class Use>
+void each_of_returned(OneReturned& r, Use&& use) {
+  use(r.triangles), use(r.across), use(r.piece_keys), use(r.pieces), use(r.source_offsets), use(r.sources);
+}
+
 void put(Packer& to, const Share& share) {
-  to.put(share.constraints);
-  to.put(share.constraint_ids);
-  to.put(share.passages);
-  to.put(share.foreign);
-  to.put(share.open_ends);
+  each_of_share(share, [&](const auto& array) { to.put(array); });
 }
 
 void append(Unpacker& from, Share& share) {
-  from.append_to(share.constraints);
-  from.append_to(share.constraint_ids);
-  from.append_to(share.passages);
-  from.append_to(share.foreign);
-  from.append_to(share.open_ends);
+  each_of_share(share, [&](auto& array) { from.append_to(array); });
 }
 
 /// Of the pieces only those that are the seam's.
@@ -77,21 +79,11 @@ void get(Unpacker& from, SolvedTile& tile) {
 }
 
 void put(Packer& to, const Returned& returned) {
-  to.put(returned.triangles);
-  to.put(returned.across);
-  to.put(returned.piece_keys);
-  to.put(returned.pieces);
-  to.put(returned.source_offsets);
-  to.put(returned.sources);
+  each_of_returned(returned, [&](const auto& array) { to.put(array); });
 }
 
 void get(Unpacker& from, Returned& returned) {
-  from.append_to(returned.triangles);
-  from.append_to(returned.across);
-  from.append_to(returned.piece_keys);
-  from.append_to(returned.pieces);
-  from.append_to(returned.source_offsets);
-  from.append_to(returned.sources);
+  each_of_returned(returned, [&](auto& array) { from.append_to(array); });
 }
 
 }  // namespace

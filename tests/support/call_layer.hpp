@@ -3,16 +3,15 @@
 // objects there are.
 #pragma once
 
-#include <dlfcn.h>
-
 #include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "said_by_layer.hpp"
 
 namespace gcdt::test {
 
@@ -111,12 +110,6 @@ class Calls {
 };
 
 /// That of the layer in the file `layer`, which the loader must have loaded: call it after the first OpenCL call.
-inline Calls& calls_of(const std::string& layer) {
-  void* const library = dlopen(layer.c_str(), RTLD_NOW | RTLD_NOLOAD);
-  if (!library) throw std::runtime_error("the OpenCL loader has not loaded " + layer + " (OPENCL_LAYERS)");
-  const auto calls = reinterpret_cast<Calls* (*)()>(dlsym(library, "gcdt_test_calls"));
-  if (!calls) throw std::runtime_error(layer + " is another layer");
-  return *calls();
-}
+inline Calls& calls_of(const std::string& layer) { return said_by_layer<Calls>(layer, "gcdt_test_calls"); }
 
 }  // namespace gcdt::test

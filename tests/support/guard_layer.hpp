@@ -3,13 +3,12 @@
 // bytes beside buffers were written.
 #pragma once
 
-#include <dlfcn.h>
-
 #include <atomic>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "said_by_layer.hpp"
 
 namespace gcdt::test {
 
@@ -24,12 +23,6 @@ struct Guards {
 };
 
 /// Those of the layer in the file `layer`, which the loader must have loaded: call it after the first OpenCL call.
-inline Guards& guards_of(const std::string& layer) {
-  void* const library = dlopen(layer.c_str(), RTLD_NOW | RTLD_NOLOAD);
-  if (!library) throw std::runtime_error("the OpenCL loader has not loaded " + layer + " (OPENCL_LAYERS)");
-  const auto guards = reinterpret_cast<Guards* (*)()>(dlsym(library, "gcdt_test_guards"));
-  if (!guards) throw std::runtime_error(layer + " is another layer");
-  return *guards();
-}
+inline Guards& guards_of(const std::string& layer) { return said_by_layer<Guards>(layer, "gcdt_test_guards"); }
 
 }  // namespace gcdt::test

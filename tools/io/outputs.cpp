@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "outputs.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
 #include "npz.hpp"
+#include "paths.hpp"
 #include "picture.hpp"
 #include "svg.hpp"
 #include "vtu.hpp"
@@ -30,6 +36,24 @@ std::string output_extensions(bool dots) {
   for (const OutputFormat& format : output_formats())
     all += (all.empty() ? "" : " ") + std::string(format.extension + (dots ? 0 : 1));
   return all;
+}
+
+std::vector<std::string> with_nodes(const std::vector<std::string>& outputs, bool added,
+                                    const std::vector<std::string>& inputs) {
+  std::vector<std::string> paths = outputs;
+  if (!added) return paths;
+  for (const std::string& path : outputs) {
+    if (lower_extension(path) != ".ele") continue;
+    const std::string node = std::filesystem::path(path).replace_extension(".node").string();
+    if (std::any_of(paths.begin(), paths.end(), [&](const std::string& other) { return same_file(node, other); }))
+      continue;
+    for (const std::string& input : inputs)
+      if (input != "-" && same_file(node, input))
+        throw Failure(Exit::usage,
+                      fmt::format("{}: is an input, but {} needs it for the added vertices: name another", node, path));
+    paths.push_back(node);
+  }
+  return paths;
 }
 
 }  // namespace gcdt::io

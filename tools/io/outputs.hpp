@@ -24,6 +24,11 @@ Write writer_for(const std::string& extension);
 /// The extensions, separated by blanks; without their dots, if these are not wanted.
 std::string output_extensions(bool dots = true);
 
+/// What is written for `outputs`: with `added` vertices an .ele gets the .node that has them. Throws Failure if that is
+/// one of the `inputs`.
+std::vector<std::string> with_nodes(const std::vector<std::string>& outputs, bool added,
+                                    const std::vector<std::string>& inputs);
+
 /// .pslg: vertices, and the constraints after cleaning, binary.
 void write_pslg(OutputFile& file, const Result& result);
 /// .ply, .obj and .off: vertices, with the heights of the input if it has any, and triangles; .ply in binary, .obj
