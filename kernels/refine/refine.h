@@ -45,6 +45,7 @@ typedef struct RefineRules {
 typedef struct RefineReport {
   u32 failed;                     // a loop did not end where theory says it must
   u32 bad;                        // the length of the list of triangles to be mended
+  u32 aiming;                     // of that of those that need not wait
   u32 asked;                      // of that of subsegments to be split
   u32 candidates;                 // of that of candidates, counted on where they do not fit
   u32 refused;                    // subsegments asked for that cannot be split
@@ -278,7 +279,7 @@ GCDT_INLINE i64 gcdt_shell(Piece piece, u64 squared_length) {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(RefineRules) == 5 * sizeof(u64) + 4 * sizeof(u32), "the same layout on host and device");
-static_assert(sizeof(RefineReport) == (9 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
+static_assert(sizeof(RefineReport) == (10 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -27,7 +27,8 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
   for (const Member& member : members) {
     const Tuning& tuning = member.hook.tuning;
     const DeviceInfo info = runtime::describe(member.device, tuning);
-    devices_.push_back({runtime::kind_of(info, tuning), info.memory_bytes, bool(member.context()), false, tuning});
+    devices_.push_back(
+        {runtime::kind_of(info, tuning), info.memory_bytes, info.compute_units, bool(member.context()), false, tuning});
   }
   const std::vector<DevicePlan> plans = plan_pool(devices_);
   for (std::size_t i = 0; i < members.size(); ++i) {

@@ -5,15 +5,30 @@
 
 namespace gcdt {
 
+namespace {
+
+// A CPU has one beside GPUs, whose threads want its cores, and in the application's context, which has one way of
+// waiting.
+std::uint32_t workers_of(const PooledDevice& device, bool with_gpus) {
+  if (device.kind == DeviceKind::gpu) return Tuning::gpu_workers;
+  return device.kind == DeviceKind::threads && device.compute_units > 1 && !device.given_context && !with_gpus
+             ? Tuning::cpu_workers
+             : 1;
+}
+
+}  // namespace
+
 std::vector<DevicePlan> plan_pool(const std::vector<PooledDevice>& devices) {
   std::vector<DevicePlan> plans;
   std::uint32_t cores = 0;  // for the threads that feed GPUs
   bool gpus = false;
+  const bool with_gpus =
+      std::any_of(devices.begin(), devices.end(), [](const PooledDevice& d) { return d.kind == DeviceKind::gpu; });
   for (const PooledDevice& device : devices) {
     const Tuning& tuning = device.tuning;
     const bool gpu = device.kind == DeviceKind::gpu;
     DevicePlan plan;
-    plan.workers = std::max<std::uint32_t>(1, tuning.workers.value_or(gpu ? Tuning::gpu_workers : 1));
+    plan.workers = std::max<std::uint32_t>(1, tuning.workers.value_or(workers_of(device, with_gpus)));
     plan.shares_context = plan.workers > 1 && (device.given_context || tuning.shares_context.value_or(gpu));
     plan.rounds_per_read = std::max(tuning.rounds_per_read, gpu ? Tuning::gpu_rounds_per_read : 0);
     // Not all of the memory, because others use the device as well, and because the need of a run is an estimate.

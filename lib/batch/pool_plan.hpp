@@ -14,6 +14,7 @@ namespace gcdt {
 struct PooledDevice {
   DeviceKind kind = DeviceKind::accelerator;
   std::uint64_t memory_bytes = 0;
+  std::uint32_t compute_units = 1;
   bool given_context = false;  ///< the context is the application's
   bool lost = false;           ///< the device was taken out of the pool
   Tuning tuning;

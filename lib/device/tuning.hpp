@@ -237,8 +237,11 @@ struct Tuning {
   /// meanwhile. They share a context, because a GPU changes slowly from one context to another, and would do so each
   /// time that a worker waits (NOTES, "Batches": two, four to six workers).
   static constexpr std::uint32_t gpu_workers = 3;
-  /// Rounds of insertion and of flips between two reads there. A wait costs more than a few rounds that find nothing,
-  /// because the work of other workers goes before this worker's next launch (NOTES, "Batches": 10de70b).
+  /// Workers of a CPU with several cores: one of them gathers input, chooses grids and copies results while the
+  /// kernels of the other use all cores (NOTES, "Domains problem by problem").
+  static constexpr std::uint32_t cpu_workers = 2;
+  /// Rounds of insertion and of flips between two reads of a GPU. A wait costs more than a few rounds that find
+  /// nothing, because the work of other workers goes before this worker's next launch (NOTES, "Batches": 10de70b).
   static constexpr std::uint32_t gpu_rounds_per_read = 16;
   /// Milliseconds that some 120 launches and 20 waits take: an H200 takes 3.7 for 100 sketches (NOTES, "Batches": 4).
   static constexpr double gpu_overhead = 2;

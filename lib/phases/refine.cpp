@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t round_limit = 1u << 20;
 
 // Of RefineReport: the words that a round counts from zero, and those that refine_aim and refine_place count.
-constexpr std::size_t words_of_round = 5, first_of_candidates = 3;
+constexpr std::size_t words_of_round = 6, first_of_candidates = 4;
 constexpr std::size_t words_of_report = sizeof(device::RefineReport) / sizeof(cl_uint);
 
 // Room that is made at a time, as a share of the vertices that are there.
@@ -76,6 +76,7 @@ void Refiner::make_room(std::uint32_t more) {
   const std::size_t vertices = count(), faces = mesh_.faces(count()), edges = mesh_.edges(count());
   lists_ = {};
   bad_before_ = {};
+  aiming_ = {};
   asked_ = {};
   enlarge(runtime_, vertices_.points, "points", all, vertices);
   enlarge(runtime_, origins_, "origins of vertices", all - inputs_, added_);
@@ -90,6 +91,10 @@ void Refiner::make_room(std::uint32_t more) {
   lists_ = make_work_lists(runtime_, all);
   enlarge(runtime_, bad_, "triangles to be mended", mesh_.faces(), last_.bad);
   bad_before_ = runtime_.allocate<cl_uint>("triangles to be mended before", mesh_.faces());
+  aiming_ = runtime_.allocate<cl_uint>("triangles that do not wait", mesh_.faces());
+  const std::size_t known = urgency_.size();
+  enlarge(runtime_, urgency_, "urgency of faces", mesh_.faces(), known);
+  runtime_.fill<cl_uint>(urgency_, 0, mesh_.faces() - known, known);
   // A vertex makes two subsegments of one.
   asked_ = runtime_.allocate<cl_uint>("subsegments to be split", std::size_t{subsegments_} + (all - inputs_));
 }
@@ -128,17 +133,20 @@ void Refiner::find_candidates() {
     candidates_ = runtime_.allocate<cl_uint4>("candidates", room);
   }
   std::swap(bad_, bad_before_);
-  const bool knows = result_.rounds > 0 && mesh_.claims_cleared == cleared_when_judged_;
+  const bool knows = judged_ > 0 && mesh_.claims_cleared == cleared_when_judged_;
   const auto threshold = static_cast<cl_uint>(knows ? claims_when_judged_ : 0);
   const cl_uint were_bad = knows ? last_.bad : 0;
   claims_when_judged_ = mesh_.claims_below;
   cleared_when_judged_ = mesh_.claims_cleared;
-  runtime_.launch("judge", "refine_judge", over(were_bad + faces), faces, threshold, were_bad, mesh_.n,
+  runtime_.launch("judge", "refine_judge", over(were_bad + faces), faces, threshold, were_bad, judged_, mesh_.n,
                   vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, inputs_,
                   origins_, pieces_, sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_,
-                  bad_before_, bad_);
+                  bad_before_, bad_, urgency_);
+  judged_ = count();
+  launch_judge("refine_wait", over(faces), report_, bad_, urgency_, aiming_);
   for (;;) {
-    launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, bad_);
+    launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
+                 urgency_);
     launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
                  edge_pieces_, sharp_);
     last_ = read_report();
@@ -195,12 +203,18 @@ void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
 
 RefineResult Refiner::run(Ticker& ticker) {
   result_ = {};
-  for (;;) {
+  for (std::uint64_t idle = 0;;) {
     ticker.tick("refine", most_added_ == 0 ? 1
                                            : double(added_) / double(std::min<std::uint64_t>(
                                                                   most_added_, 4 * std::uint64_t{inputs_})));
     find_candidates();
-    if (last_.candidates == 0) break;
+    if (last_.candidates == 0) {
+      if (last_.aiming == last_.bad) break;
+      // All that did not wait aimed in vain, and are in no one's way from now on.
+      if (++idle > last_.bad) throw Error(Status::round_limit, "refine: triangles wait for ever");
+      continue;
+    }
+    idle = 0;
     const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, GCDT_NONE));
     result_.complete = most > 0;
     if (most == 0) break;
@@ -248,7 +262,7 @@ double Refiner::farthest() {
 
 RefinedMesh Refiner::finish() {
   lists_ = {};
-  for (auto* list : {&bad_, &bad_before_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
+  for (auto* list : {&bad_, &bad_before_, &aiming_, &urgency_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
   keys_ = {};
   candidates_ = {};
   const auto given = static_cast<cl_uint>(vertices_.input_vertex.size());

@@ -90,12 +90,14 @@ class Refiner {
   runtime::Buffer<cl_uint> sharp_;    ///< by piece
   runtime::Buffer<cl_uint> edge_pieces_;
   runtime::Buffer<cl_uint4> origins_;  ///< by added vertex
-  runtime::Buffer<cl_uint> bad_, bad_before_, asked_, numbers_, ranks_;
+  runtime::Buffer<cl_uint> bad_, bad_before_, aiming_, asked_, numbers_, ranks_;
+  runtime::Buffer<cl_uint> urgency_;  ///< by face: judge.cl
   runtime::Buffer<cl_ulong> keys_;
   runtime::Buffer<cl_uint4> candidates_;
   runtime::Buffer<cl_uint> won_;     ///< by candidate in order
   runtime::Buffer<cl_uint> report_;  ///< a RefineReport, word by word
   bool labelled_ = false;
+  std::uint32_t judged_ = 0;  ///< vertices when faces were judged last
   device::RefineReport last_ = {};
   cl_uint stamp_ = 0, bits_ = 0;
   /// Faces that have changed since they were judged have claim words from here on, unless claims have been cleared

@@ -179,6 +179,15 @@ REFINED = [
 ]
 
 
+@pytest.mark.parametrize("switches", ["q20", "q30"])
+def test_refinement_adds_as_few_vertices_to_points(switches):
+    # Candidates of a round must have nearly the precedence that a queue gives them, one by one.
+    points = np.random.default_rng(1).integers(0, 10**6, (3000, 2)).astype(float)
+    given = {"vertices": points}
+    theirs, ours = (len(made.triangulate(given, switches)["vertices"]) - len(points) for made in (triangle, gcdt))
+    assert ours <= 1.03 * theirs
+
+
 @pytest.mark.parametrize("name, switches", REFINED)
 def test_refinement_beside_triangle(name, switches):
     given = _input(name)

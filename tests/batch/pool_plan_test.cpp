@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint64_t gib = std::uint64_t{1} << 30;
 
 PooledDevice device(DeviceKind kind, std::uint64_t memory_bytes = 8 * gib) {
-  return {kind, memory_bytes, false, false, {}};
+  return {kind, memory_bytes, 16, false, false, {}};
 }
 
 const PooledDevice gpu = device(DeviceKind::gpu, 128 * gib), threads = device(DeviceKind::threads),
@@ -33,7 +33,7 @@ TEST_CASE("what a pool does with a device, by its kind") {
   };
   const Row rows[] = {
       {"GPU", gpu, 3, true, 16, 96 * gib, 32 * gib, 1u << 24, 2},
-      {"threads", threads, 1, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
+      {"threads", threads, 2, false, 4, 6 * gib, 3 * gib, 1u << 17, 0},
       {"lanes", lanes, 1, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
       {"accelerator", accelerator, 1, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
   };
@@ -84,6 +84,20 @@ TEST_CASE("devices beside GPUs warm up, and CPUs leave two compute units to each
   }
 }
 
+TEST_CASE("a CPU has two workers if it has two cores, and no GPU beside it that wants them") {
+  PooledDevice one = threads, lost = gpu, given = threads;
+  one.compute_units = 1;
+  given.given_context = true;
+  CHECK(plan_of(given).workers == 1);
+  lost.lost = true;
+  CHECK(plan_of(one).workers == 1);
+  one.compute_units = 2;
+  CHECK(plan_of(one).workers == 2);
+  CHECK(plan_pool({threads, gpu})[0].workers == 1);
+  CHECK(plan_pool({threads, lost})[0].workers == 1);  // workers are made once
+  CHECK(plan_pool({threads, lanes})[0].workers == 2);
+}
+
 TEST_CASE("tuning decides where it says something") {
   PooledDevice tuned = gpu;
   tuned.tuning.workers = 0;
@@ -117,10 +131,8 @@ TEST_CASE("a plan in words names its ways") {
   CHECK(has(text({gpu}), "3 workers in one context; jobs of weight 16777216 and 34359738368 bytes at most"));
   CHECK(has(text({gpu}), "16 rounds between reads"));
   CHECK(!has(text({gpu}), "warms up"));
-  CHECK(has(text({threads}), "1 worker; jobs of weight 131072"));
+  CHECK(has(text({threads}), "2 workers with a context each; jobs of weight 131072"));
+  CHECK(has(text({threads, gpu}), "1 worker; jobs of weight 131072"));
   CHECK(!has(text({threads}), "beside GPUs"));
   CHECK(has(text({threads, gpu}), "beside GPUs; 6 compute units left to the threads that feed GPUs; warms up"));
-  PooledDevice two = threads;
-  two.tuning.workers = 2;
-  CHECK(has(text({two}), "2 workers with a context each"));
 }
