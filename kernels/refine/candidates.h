@@ -5,11 +5,57 @@
 
 #include "refine/cavity.h"
 
-// What a candidate lies in: (x, y, what, kind).
+// What a candidate lies in: (x, y, what, kind | 8 * block), with the first block of its cavity's list.
 #define GCDT_IN_FACE 0u        // what: the face
 #define GCDT_ON_EDGE 1u        // what: a side code of an unconstrained edge
 #define GCDT_ON_SUBSEGMENT 2u  // what: the edge
 #define GCDT_FAR 4u            // added to the last: rounded the other way
+
+static inline uint kind_of_candidate(uint4 candidate) { return candidate.w & 7u; }
+static inline uint block_of_candidate(uint4 candidate) { return candidate.w >> 3; }
+
+// ---- Lists of cavities ------------------------------------------------------------------------------------
+// The faces of a cavity in blocks of eight words: seven faces, less in the last one, which has GCDT_NONE behind them,
+// and the next block. What has no list, because blocks have run out or it is a subsegment's, is gone through again.
+#define GCDT_NO_BLOCK 0x1FFFFFFFu
+
+typedef struct CavityList {
+  global uint* words;
+  uint blocks;  // that there is room for
+  uint first, block, used;
+} CavityList;
+
+static inline CavityList begin_list(global uint* words, uint blocks) {
+  CavityList list;
+  list.words = words;
+  list.blocks = blocks;
+  list.first = list.block = GCDT_NO_BLOCK;
+  list.used = 0u;
+  return list;
+}
+
+// Writes words that no other work-item has: an atomic gives each block once.
+static inline void add_to_list(CavityList* list, uint face, volatile global RefineReport* report) {
+  if (list->used == 0u && list->first == GCDT_NO_BLOCK) {
+    list->first = list->block = atomic_inc(&report->blocks);
+  } else if (list->used == GCDT_BLOCK - 1u) {
+    const uint next = atomic_inc(&report->blocks);
+    if (list->block < list->blocks) list->words[GCDT_BLOCK * list->block + GCDT_BLOCK - 1u] = next;
+    list->block = next;
+    list->used = 0u;
+  }
+  if (list->block < list->blocks) list->words[GCDT_BLOCK * list->block + list->used] = face;
+  ++list->used;
+}
+
+// Returns the first block, or GCDT_NO_BLOCK if there was no room for all. (Numbers of blocks ascend, so the last one
+// tells.)
+static inline uint end_list(CavityList* list) {
+  if (list->block >= list->blocks) return GCDT_NO_BLOCK;
+  if (list->used < GCDT_BLOCK - 1u) list->words[GCDT_BLOCK * list->block + list->used] = GCDT_NONE;
+  list->words[GCDT_BLOCK * list->block + GCDT_BLOCK - 1u] = GCDT_NO_BLOCK;
+  return list->first;
+}
 
 // The faces' labels: 0 where the domain is not kept, else 1 + a triangle of the same region. Flips stay in a region.
 static inline uint label_of(Mesh mesh, uint face) { return mesh.face_data[GCDT_SIDES(face)].w; }

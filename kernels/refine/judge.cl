@@ -108,7 +108,7 @@ static void meet(Judge judge, uint code, Aim* aim, bool asks, Lists lists) {
 // The target of a triangle, by a walk to it and a tour of its cavity. A subsegment that stops the walk, or has the
 // target in its lens, must be split first. A target too near a vertex is given up: a circumcentre has R >= s / (2 sin
 // theta), so up to 39 degrees sqrt(5/8) s around it are free unless rounding or a subsegment has been at work.
-static Aim aim_from(Judge judge, uint face, Judged j, bool asks, Lists lists) {
+static Aim aim_from(Judge judge, uint face, Judged j, bool asks, Lists lists, CavityList* cavity) {
   Aim aim;
   const Mesh mesh = judge.mesh;
   const uint k = j.shape.corner;
@@ -126,6 +126,7 @@ static Aim aim_from(Judge judge, uint face, Judged j, bool asks, Lists lists) {
   bool near = false;
   Tour tour = begin_tour(mesh, judge.marks, aim.at.face, aim.target);
   do {
+    if (cavity && tour.entered) add_to_list(cavity, tour.face, lists.report);
     const Vertex p = corner_vertex(mesh, tour.corners, next_corner(tour.corner)),
                  q = corner_vertex(mesh, tour.corners, previous_corner(tour.corner));
     // Each corner of the cavity begins one of the sides that are looked over.
@@ -250,6 +251,10 @@ kernel void refine_judge(uint faces, uint threshold, uint were_bad, uint judged,
       continue;
     }
     const bool encroached = ask_for_encroached(judge, t, lists);
+    if (was_bad) {
+      bad[atomic_inc(&report->bad)] = t;
+      continue;
+    }
     const Judged j = judge_face(judge, t);
     const uint own = urgency_of(j), verdict = j.verdict;
     const bool is_new = max(max(c.x, c.y), c.z) >= judged;
@@ -272,7 +277,8 @@ kernel void refine_wait(JUDGE_PARAMETERS, volatile global RefineReport* report, 
 // One work-item per face of the list `aiming`. Finds its target, which becomes a candidate, or subsegments are asked
 // for, or neither. Reads the mesh; writes as refine_judge, and its face's word of `urgency`, which no other reads.
 // Launched again with more room, it asks for nothing new.
-kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency) {
+kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency, uint blocks,
+                       global uint* cavities) {
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
   const uint count = report->aiming;
@@ -280,7 +286,8 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
     const uint t = aiming[i];
     const Judged j = judge_face(judge, t);
     if (j.verdict != VERDICT_SHARP && j.verdict != VERDICT_LARGE) continue;
-    const Aim aim = aim_from(judge, t, j, true, lists);
+    CavityList cavity = begin_list(cavities, blocks);
+    const Aim aim = aim_from(judge, t, j, true, lists, &cavity);
     if (aim.failed) atomic_or(&report->failed, 1u);
     if (!aim.wanted) {
       urgency[t] &= ~((1u << URGENCY_BITS) - 1u);
@@ -289,7 +296,7 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
     const bool on_edge = aim.at.kind == GCDT_AT_EDGE;
     const uint what = on_edge ? element(face_data[GCDT_SIDES(aim.at.face)], aim.at.corner) : aim.at.face;
     add_candidate(lists, gcdt_candidate_key(0u, j.shape.shortest, gcdt_badness(j.shape), aim.target), aim.target, what,
-                  on_edge ? GCDT_ON_EDGE : GCDT_IN_FACE);
+                  (on_edge ? GCDT_ON_EDGE : GCDT_IN_FACE) | end_list(&cavity) << 3);
   }
 }
 
@@ -312,7 +319,7 @@ kernel void refine_explain(uint faces, uint limited, JUDGE_PARAMETERS, LIST_PARA
     uint reason = j.verdict;
     if (reason == VERDICT_FINE) continue;
     if (reason >= VERDICT_FINE) {
-      const Aim aim = aim_from(judge, t, j, false, lists);
+      const Aim aim = aim_from(judge, t, j, false, lists, 0);
       if (aim.failed) atomic_or(&report->failed, 1u);
       reason = aim.fixed > 0u    ? GCDT_LEFT_FIXED
                : aim.wanted      ? GCDT_LEFT_LIMIT

@@ -77,15 +77,28 @@ static void claim_cavity(Mesh mesh, global const uint* marks, uint root, Vertex 
   if (tour.steps == 0u) atomic_or(&report->failed, 1u);
 }
 
+// Ends: blocks are linked in the order in which they were made.
+static void claim_list(Mesh mesh, global const uint* cavities, uint block, Ticket t) {
+  for (; block != GCDT_NO_BLOCK; block = cavities[GCDT_BLOCK * block + GCDT_BLOCK - 1u])
+    for (uint i = 0; i + 1u < GCDT_BLOCK; ++i) {
+      const uint face = cavities[GCDT_BLOCK * block + i];
+      if (face == GCDT_NONE) return;
+      claim_face(mesh, face, t);
+    }
+}
+
 // All that a candidate needs. Of a subsegment: the faces on both sides, whose flags change; the face that x is in if it
 // is not these; and the cavities of all. A face in which x is, or on whose unconstrained side, is of a cavity: strictly
 // inside a circle is all of the closed face but its corners.
-static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Ticket t,
+static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, global const uint* cavities, Ticket t,
                       volatile global RefineReport* report) {
   const Vertex x = candidate_point(candidate);
-  if (candidate.w == GCDT_IN_FACE) {
+  const uint kind = kind_of_candidate(candidate);
+  if (kind < GCDT_ON_SUBSEGMENT && block_of_candidate(candidate) != GCDT_NO_BLOCK) {
+    claim_list(mesh, cavities, block_of_candidate(candidate), t);
+  } else if (kind == GCDT_IN_FACE) {
     claim_cavity(mesh, marks, candidate.z, x, t, report);
-  } else if (candidate.w == GCDT_ON_EDGE) {
+  } else if (kind == GCDT_ON_EDGE) {
     claim_cavity(mesh, marks, GCDT_REF_FACE(mesh.edge_faces[candidate.z]), x, t, report);
   } else {
     for (uint side = 0; side < 2u; ++side) {
@@ -104,8 +117,8 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Tick
 // Reads the mesh. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what
 // they end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last is one.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
-                         global const uint* ranks, global const uint4* candidates, volatile global uint* won,
-                         volatile global RefineReport* report) {
+                         global const uint* ranks, global const uint4* candidates, global const uint* cavities,
+                         volatile global uint* won, volatile global RefineReport* report) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(i, count) {
     Ticket t;
@@ -113,7 +126,7 @@ kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS
     t.bits = bits;
     t.place = ranks[i];
     t.won = won;
-    claim_all(mesh, edge_marks, candidates[i], t, report);
+    claim_all(mesh, edge_marks, candidates[i], cavities, t, report);
   }
 }
 
@@ -249,14 +262,14 @@ static uint mean(i64 a, i64 b, i64 c, uint va, uint vb, uint vc, i64 whole) {
 // edge in that order, so that it is the same whatever corner the face begins with, and whatever face the walk came
 // from; and the piece.
 static uint4 origin_of(Mesh mesh, uint4 candidate, global const uint* edge_pieces) {
-  if (candidate.w == GCDT_IN_FACE) {
+  if (kind_of_candidate(candidate) == GCDT_IN_FACE) {
     const uint4 c = mesh.face_data[GCDT_CORNERS(candidate.z)];
     const u64 x = gcdt_tie_key(vertex_at(mesh.points, c.x)), y = gcdt_tie_key(vertex_at(mesh.points, c.y)),
               z = gcdt_tie_key(vertex_at(mesh.points, c.z));
     const uint4 from = rotate_to(c, x < y ? (x < z ? 0u : 2u) : (y < z ? 1u : 2u));
     return (uint4)(from.x, from.y, from.z, GCDT_NONE);
   }
-  const bool on_edge = candidate.w == GCDT_ON_EDGE;
+  const bool on_edge = kind_of_candidate(candidate) == GCDT_ON_EDGE;
   const uint ref = mesh.edge_faces[on_edge ? candidate.z : 2u * candidate.z], k = GCDT_REF_CORNER(ref);
   const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
   const uint p = element(c, next_corner(k)), q = element(c, previous_corner(k));
@@ -307,15 +320,16 @@ kernel void refine_insert(uint count, uint winners, uint first, uint most, uint 
       edge_marks[new_edge(in.mesh, v, j)] = 0u;
       edge_pieces[new_edge(in.mesh, v, j)] = GCDT_NONE;
     }
-    if (candidate.w == GCDT_IN_FACE) {
+    const uint kind = kind_of_candidate(candidate);
+    if (kind == GCDT_IN_FACE) {
       insert_in_face(in, v, candidate.z, claim);
-    } else if (candidate.w == GCDT_ON_EDGE) {
+    } else if (kind == GCDT_ON_EDGE) {
       insert_on_edge(in, v, GCDT_SIDE_EDGE(candidate.z), claim);
     } else {
       atomic_inc(&report->on_subsegments);
       if (gcdt_orient2d_finite(vertex_at(points, origin.x), vertex_at(points, origin.y), x) != 0)
         atomic_inc(&report->bent);
-      if (candidate.w & GCDT_FAR) atomic_inc(&report->far);
+      if (kind & GCDT_FAR) atomic_inc(&report->far);
       insert_for_subsegment(in, v, candidate.z, x, claim);
     }
   }

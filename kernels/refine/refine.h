@@ -17,6 +17,9 @@ namespace gcdt::device {
 #define GCDT_SPLIT_INNER 1u  // subsegments with kept faces on both sides
 #define GCDT_SPLIT_NONE 2u
 
+// Words of a block of the list of a cavity.
+#define GCDT_BLOCK 8u
+
 // Marks of edges beside those of shared.h.
 #define GCDT_MARK_ASKED 4u  // stands in the list of subsegments that someone wants split
 
@@ -48,6 +51,7 @@ typedef struct RefineReport {
   u32 aiming;                     // of that of those that need not wait
   u32 asked;                      // of that of subsegments to be split
   u32 candidates;                 // of that of candidates, counted on where they do not fit
+  u32 blocks;                     // of lists of cavities, counted on where there are none left
   u32 refused;                    // subsegments asked for that cannot be split
   u32 on_subsegments, bent, far;  // sums: vertices on subsegments; not exactly on their piece; rounded the other way
   u32 encroached;                 // at the end: subsegments with a corner in their lens
@@ -279,7 +283,7 @@ GCDT_INLINE i64 gcdt_shell(Piece piece, u64 squared_length) {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(RefineRules) == 5 * sizeof(u64) + 4 * sizeof(u32), "the same layout on host and device");
-static_assert(sizeof(RefineReport) == (10 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
+static_assert(sizeof(RefineReport) == (11 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t round_limit = 1u << 20;
 
 // Of RefineReport: the words that a round counts from zero, and those that refine_aim and refine_place count.
-constexpr std::size_t words_of_round = 6, first_of_candidates = 4;
+constexpr std::size_t words_of_round = 7, first_of_candidates = 4;
 constexpr std::size_t words_of_report = sizeof(device::RefineReport) / sizeof(cl_uint);
 
 // Room that is made at a time, as a share of the vertices that are there.
@@ -92,6 +92,8 @@ void Refiner::make_room(std::uint32_t more) {
   enlarge(runtime_, bad_, "triangles to be mended", mesh_.faces(), last_.bad);
   bad_before_ = runtime_.allocate<cl_uint>("triangles to be mended before", mesh_.faces());
   aiming_ = runtime_.allocate<cl_uint>("triangles that do not wait", mesh_.faces());
+  cavities_ = {};
+  cavities_ = runtime_.allocate<cl_uint>("cavities", GCDT_BLOCK * std::size_t{mesh_.faces() / 8 + least_room});
   const std::size_t known = urgency_.size();
   enlarge(runtime_, urgency_, "urgency of faces", mesh_.faces(), known);
   runtime_.fill<cl_uint>(urgency_, 0, mesh_.faces() - known, known);
@@ -146,7 +148,7 @@ void Refiner::find_candidates() {
   launch_judge("refine_wait", over(faces), report_, bad_, urgency_, aiming_);
   for (;;) {
     launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
-                 urgency_);
+                 urgency_, blocks(), cavities_);
     launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
                  edge_pieces_, sharp_);
     last_ = read_report();
@@ -181,7 +183,7 @@ std::uint32_t Refiner::choose_winners() {
   runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
   runtime_.launch("refine", "refine_ranks", over(candidates), candidates, numbers_, ranks_);
   runtime_.launch("refine", "refine_claim", over(candidates), candidates, stamp_, bits_, mesh_.n, vertices_.points,
-                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, ranks_, candidates_, won_, report_);
+                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, ranks_, candidates_, cavities_, won_, report_);
   return primitives_.scan_total(won_, candidates);
 }
 
@@ -262,7 +264,8 @@ double Refiner::farthest() {
 
 RefinedMesh Refiner::finish() {
   lists_ = {};
-  for (auto* list : {&bad_, &bad_before_, &aiming_, &urgency_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
+  for (auto* list : {&bad_, &bad_before_, &aiming_, &urgency_, &cavities_, &asked_, &numbers_, &ranks_, &won_})
+    *list = {};
   keys_ = {};
   candidates_ = {};
   const auto given = static_cast<cl_uint>(vertices_.input_vertex.size());

@@ -67,6 +67,7 @@ class Refiner {
   double farthest();
   device::RefineReport read_report();
   cl_uint capacity() const { return static_cast<cl_uint>(keys_.size()); }
+  cl_uint blocks() const { return static_cast<cl_uint>(cavities_.size() / GCDT_BLOCK); }
   std::uint32_t count() const { return inputs_ + added_; }
   template <class... Last>
   void launch_judge(const char* kernel, runtime::Range range, const Last&... last);
@@ -91,7 +92,8 @@ class Refiner {
   runtime::Buffer<cl_uint> edge_pieces_;
   runtime::Buffer<cl_uint4> origins_;  ///< by added vertex
   runtime::Buffer<cl_uint> bad_, bad_before_, aiming_, asked_, numbers_, ranks_;
-  runtime::Buffer<cl_uint> urgency_;  ///< by face: judge.cl
+  runtime::Buffer<cl_uint> urgency_;   ///< by face: judge.cl
+  runtime::Buffer<cl_uint> cavities_;  ///< of candidates: candidates.h
   runtime::Buffer<cl_ulong> keys_;
   runtime::Buffer<cl_uint4> candidates_;
   runtime::Buffer<cl_uint> won_;     ///< by candidate in order

@@ -94,14 +94,15 @@ std::uint64_t subsegments(const Sizes& before, const Sizes& after) { return befo
 
 // A round: the mesh with room for all, the pieces of its edges, work lists; of pieces ends and marks; of added vertices
 // origins and wanted lengths; areas and regions of the triangles as they were; lists of triangles and subsegments to be
-// mended. Of candidates, at most one of each of these with a fourth more room, keys, numbers, points, ranks and
-// winners, and the other halves of the sort. And the largest buffer once more, while room is made.
+// mended, which of these do not wait, and their urgency; lists of cavities. Of candidates, at most one of each of these
+// with a fourth more room, keys, numbers, points, ranks and winners, and the other halves of the sort. And the largest
+// buffer once more, while room is made.
 std::uint64_t round_step(const Sizes& before, const Sizes& after) {
   const std::uint64_t added = after.n - before.n, asked = subsegments(before, after);
   const std::uint64_t candidates = 5 * (after.faces + asked) / 4;
   return vertex_bytes(before) + 8 * added + mesh_bytes(after) + (4 + 8) * after.edges + 12 * asked +
-         piece_bytes(before) + (16 + 4) * added + 4 * after.n + (8 + 16) * before.faces + 8 * after.faces + 4 * asked +
-         (8 + 4 + 16 + 4 + 4 + 12) * candidates + 32 * after.faces;
+         piece_bytes(before) + (16 + 4) * added + 4 * after.n + (8 + 16) * before.faces + (16 + 4) * after.faces +
+         4 * asked + (8 + 4 + 16 + 4 + 4 + 12) * candidates + 32 * after.faces;
 }
 
 // The end: vertices are ordered anew beside those that there were, with their origins twice; then the output, of which
