@@ -40,7 +40,7 @@ void add_options(CLI::App& app, ranks::Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--domain", arguments.domain, "Which triangles are kept of a result that is gathered")
       ->check(CLI::IsMember({"hull", "even-odd", "nonzero", "holes", "outer", "outer-holes"}).description(""))
-      ->type_name("hull|even-odd|nonzero|outer")
+      ->type_name("hull|even-odd|nonzero|holes|outer|outer-holes")
       ->capture_default_str();
   app.add_flag("--regions", arguments.regions, "Find the regions of a result that is gathered");
   app.add_option("--grid", arguments.grid, "Round the vertices to this grid")->type_name("X,Y,CELL");

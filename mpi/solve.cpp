@@ -44,8 +44,6 @@ void check(const Arguments& arguments) {
   }
   if (is_distributed(arguments) && (arguments.domain != "hull" || arguments.regions))
     throw Failure(Exit::usage, "--domain and --regions look at the whole mesh: they need an output in one file");
-  if (arguments.domain == "holes" || arguments.domain == "outer-holes")
-    throw Failure(Exit::usage, "hole points are not taken with tiles, so not by ranks");
 }
 
 std::unique_ptr<DevicePool> device_of(std::size_t rank_on_host, const Arguments& arguments) {

@@ -74,6 +74,14 @@ def write_squares(name):
     write_pslg(name, points, segments)
 
 
+def write_walls(name):
+    """400 vertices of a square grid, two walls that make four rooms, two holes and two attributes."""
+    with open(name, "w") as out:
+        out.write("400 2 0 0\n")
+        out.writelines(f"{i} {i % 20} {i // 20}\n" for i in range(400))
+        out.write("2 0\n0 7 387\n1 180 199\n2\n0 2 2\n1 7 9\n2\n0 2 15 5 0\n1 15 2 6 0\n")
+
+
 def gathered_files_are_those_of_gcdt():
     for name in ("one", "all"):
         os.mkdir(name)
@@ -82,6 +90,11 @@ def gathered_files_are_those_of_gcdt():
     options = ("squares.pslg", "--crossing", "drop", "--domain", "even-odd", "--quiet")
     gcdt(*options, "-o", "one/s.npz", "-o", "one/s.vtu")
     ranks(4, *options, "-o", "all/s.npz", "-o", "all/s.vtu", "--tiles", "8")
+    for domain in ("holes", "outer-holes", "hull"):
+        options = ("walls.poly", "--domain", domain, "--regions", "--quiet")
+        gcdt(*options, "-o", f"one/w-{domain}.vtu", "-o", f"one/w-{domain}.ele")
+        ranks(3, *options, "-o", f"all/w-{domain}.vtu", "-o", f"all/w-{domain}.ele")
+    assert os.path.getsize("one/w-holes.ele") < os.path.getsize("one/w-hull.ele")
     assert sorted(os.listdir("one")) == sorted(os.listdir("all")), os.listdir("all")
     for name in os.listdir("one"):
         same(f"one/{name}", f"all/{name}")
@@ -190,6 +203,7 @@ def a_failing_device_ends_all():
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     write_grid("grid.poly")
+    write_walls("walls.poly")
     write_squares("squares.pslg")
     write_pslg("many.pslg", numpy.random.default_rng(1).uniform(0, 1, (200000, 2)), [])
     gathered_files_are_those_of_gcdt()
