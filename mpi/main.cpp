@@ -62,6 +62,10 @@ void add_options(CLI::App& app, ranks::Arguments& arguments) {
       ->type_name("DIRECTORY");
   app.add_option("--stats", arguments.statistics, "Write the statistics as JSON, with those of each rank")
       ->type_name("FILE.json");
+  app.add_flag("--verify", arguments.verify,
+               "Prove a result that is gathered once more on the host, before it is written");
+  app.add_option("--trace", arguments.trace, "Write where the time went at all ranks, for Perfetto")
+      ->type_name("FILE.json");
   app.add_option("--repeat", arguments.repeat, "Read and solve so many times, and tell of the last one, for timing")
       ->check(CLI::Range(1u, 1000000u).description(""))
       ->type_name("N");

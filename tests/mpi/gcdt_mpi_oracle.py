@@ -5,6 +5,7 @@ without output, when one is lost.
 Usage: gcdt_mpi_oracle.py MPIEXEC GCDT GCDT_MPI FAULT_LAYER
 """
 import concurrent.futures
+import json
 import os
 import signal
 import struct
@@ -121,12 +122,32 @@ def pieces_are_the_mesh_of_gcdt():
         assert values == whole.cell_data[array][0].tolist(), array
 
 
+def a_result_is_proved_and_a_trace_has_all_ranks():
+    ranks(2, "walls.poly", "--domain", "holes", "--verify", "--trace", "trace.json", "--quiet", "-o", "proved.ele")
+    same("one/w-holes.ele", "proved.ele")
+    ranks(2, "grid.poly", "--crossing", "split", "--verify", "--quiet")
+    with open("trace.json") as file:
+        events = json.load(file)["traceEvents"]
+    names = {event["pid"]: event["args"]["name"] for event in events if event["name"] == "process_name"}
+    assert sorted(name[:8] for name in names.values()) == ["rank 0: ", "rank 1: "], names
+    rows = {(event["pid"], event["tid"]): event["args"]["name"] for event in events if event["name"] == "thread_name"}
+    spans = [event for event in events if event["ph"] == "X"]
+    for rank in names:
+        own = [(rows[rank, span["tid"]], span["name"]) for span in spans if span["pid"] == rank]
+        for step in ("read", "solve", "write"):
+            assert ("rank", step) in own, (step, own)
+        for phase in ("survey", "take", "final", "write"):
+            assert any(row == phase for row, _ in own), (phase, sorted(set(own)))
+        assert all(span["ts"] >= 0 and span["dur"] >= 0 for span in spans)
+
+
 def errors_have_the_status_of_gcdt():
     said, of_gcdt = ranks(2, "grid.poly", "-o", "none.vtu", status=3), gcdt("grid.poly", "-o", "none.vtu", status=3)
     assert said.splitlines()[1:] == [line for line in of_gcdt.splitlines()[1:] if line.startswith("  ")], said
     assert said.startswith("gcdt_mpi: grid.poly: "), said
     wrong = [
         (2, "grid.poly", "--domain", "even-odd", "-o", "none.pvtu"),
+        (2, "grid.poly", "--verify", "-o", "none.pvtu"),
         (2, "grid.poly", "--tiles", "3"),
         (2, "grid.poly", "-o", "none.foo"),
         (3, "missing.pslg"),
@@ -208,6 +229,7 @@ with tempfile.TemporaryDirectory() as folder:
     write_pslg("many.pslg", numpy.random.default_rng(1).uniform(0, 1, (200000, 2)), [])
     gathered_files_are_those_of_gcdt()
     pieces_are_the_mesh_of_gcdt()
+    a_result_is_proved_and_a_trace_has_all_ranks()
     errors_have_the_status_of_gcdt()
     a_killed_rank_ends_all()
     a_failing_device_ends_all()
