@@ -74,12 +74,14 @@ std::size_t tiles_of(tiles::Team& team, const DevicePool& pool, const tiles::Inp
   return each * team.size();
 }
 
-Triangulation triangulation_of(const ForestResult& made) {
+/// Array by array, so that one at most is there twice.
+Triangulation triangulation_of(ForestResult made) {
   Triangulation mesh;
 #define GCDT_ARRAY(number, name, ...)                                                \
   if (!made.begins[number].empty()) {                                                \
     const auto all = tiles::array_of<decltype(mesh.name)::value_type>(made, number); \
     mesh.name.assign(all.begin(), all.end());                                        \
+    made.arrays[number] = {};                                                        \
   }
 #include <gcdt/arrays.def>
   mesh.statistics = made.statistics;
@@ -186,8 +188,7 @@ class Run {
         io::with_nodes(arguments_.outputs, made_.part.result.statistics.vertices_added > 0, {arguments_.input});
     ForestResult made = tiles::gather_result(team_, made_, whole_.vertices, whole_.constraints, options);
     Triangulation mesh;
-    if (team_.is_first()) mesh = triangulation_of(made);
-    made = {};
+    if (team_.is_first()) mesh = triangulation_of(std::move(made));
     statistics_ = mesh.statistics;
     if (arguments_.verify)
       all_or_none(team_, [&] {
