@@ -40,7 +40,7 @@ void add_options(CLI::App& app, ranks::Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--domain", arguments.domain, "Which triangles are kept of a result that is gathered")
       ->check(CLI::IsMember({"hull", "even-odd", "nonzero", "holes", "outer", "outer-holes"}).description(""))
-      ->type_name("hull|even-odd|nonzero|outer")
+      ->type_name("hull|even-odd|nonzero|holes|outer|outer-holes")
       ->capture_default_str();
   app.add_flag("--regions", arguments.regions, "Find the regions of a result that is gathered");
   app.add_option("--grid", arguments.grid, "Round the vertices to this grid")->type_name("X,Y,CELL");
@@ -61,6 +61,10 @@ void add_options(CLI::App& app, ranks::Arguments& arguments) {
   app.add_option("--spill", arguments.spill, "Directory for files to which tiles go that a device has no room for")
       ->type_name("DIRECTORY");
   app.add_option("--stats", arguments.statistics, "Write the statistics as JSON, with those of each rank")
+      ->type_name("FILE.json");
+  app.add_flag("--verify", arguments.verify,
+               "Prove a result that is gathered once more on the host, before it is written");
+  app.add_option("--trace", arguments.trace, "Write where the time went at all ranks, for Perfetto")
       ->type_name("FILE.json");
   app.add_option("--repeat", arguments.repeat, "Read and solve so many times, and tell of the last one, for timing")
       ->check(CLI::Range(1u, 1000000u).description(""))

@@ -13,8 +13,10 @@
 #include "io/paths.hpp"
 #include "job.hpp"
 #include "progress.hpp"
+#include "prove.hpp"
 #include "read_block.hpp"
 #include "report.hpp"
+#include "trace_of_ranks.hpp"
 #include "write_pieces.hpp"
 
 namespace gcdt::ranks {
@@ -42,17 +44,16 @@ void check(const Arguments& arguments) {
     if (std::filesystem::absolute(path).parent_path() != std::filesystem::absolute(arguments.outputs[0]).parent_path())
       throw Failure(Exit::usage, fmt::format("{}: all outputs stand in one folder", path));
   }
-  if (is_distributed(arguments) && (arguments.domain != "hull" || arguments.regions))
-    throw Failure(Exit::usage, "--domain and --regions look at the whole mesh: they need an output in one file");
-  if (arguments.domain == "holes" || arguments.domain == "outer-holes")
-    throw Failure(Exit::usage, "hole points are not taken with tiles, so not by ranks");
+  if (is_distributed(arguments) && (arguments.domain != "hull" || arguments.regions || arguments.verify))
+    throw Failure(Exit::usage,
+                  "--domain, --regions and --verify look at the whole mesh: they need an output in one file");
 }
 
-std::unique_ptr<DevicePool> device_of(std::size_t rank_on_host, const Arguments& arguments) {
+std::unique_ptr<DevicePool> device_of(std::size_t rank_on_host, const Arguments& arguments, Trace trace) {
   const std::vector<std::size_t> chosen = runtime::choose_devices(arguments.device);
   DevicePool::Member member{cl::Context(), runtime::all_devices().at(chosen[rank_on_host % chosen.size()]), {}};
   if (arguments.memory > 0) member.hook.tuning.memory_bytes = arguments.memory;
-  auto pool = std::make_unique<DevicePool>(std::vector<DevicePool::Member>{member}, runtime::Log(), Trace());
+  auto pool = std::make_unique<DevicePool>(std::vector<DevicePool::Member>{member}, runtime::Log(), std::move(trace));
   pool->spill_to(arguments.spill);
   return pool;
 }
@@ -73,12 +74,14 @@ std::size_t tiles_of(tiles::Team& team, const DevicePool& pool, const tiles::Inp
   return each * team.size();
 }
 
-Triangulation triangulation_of(const ForestResult& made) {
+/// Array by array, so that one at most is there twice.
+Triangulation triangulation_of(ForestResult made) {
   Triangulation mesh;
 #define GCDT_ARRAY(number, name, ...)                                                \
   if (!made.begins[number].empty()) {                                                \
     const auto all = tiles::array_of<decltype(mesh.name)::value_type>(made, number); \
     mesh.name.assign(all.begin(), all.end());                                        \
+    made.arrays[number] = {};                                                        \
   }
 #include <gcdt/arrays.def>
   mesh.statistics = made.statistics;
@@ -89,20 +92,20 @@ Triangulation triangulation_of(const ForestResult& made) {
 class Run {
  public:
   Run(MpiTeam& team, std::size_t rank_on_host, const Arguments& arguments)
-      : team_(team), arguments_(arguments), report_(team) {
+      : team_(team), arguments_(arguments), trace_(team), report_(team) {
     options_.crossing = command::crossing_named(arguments.crossing);
     options_.grid = command::grid_from_option(arguments.grid);
     options_.regions = arguments.regions;
     options_.distinct = arguments.distinct;
     command::set_domain(arguments.domain, {}, options_);
-    pool_ = device_of(rank_on_host, arguments);
+    pool_ = device_of(rank_on_host, arguments, arguments.trace.empty() ? Trace() : trace_.sink());
   }
 
   void solve() {
     const Stopwatch reading;
     tiles::InputBlock block;
     whole_ = {};
-    all_or_none(team_, [&] { block = read_block(team_, arguments_.input, whole_); });
+    trace_.step("read", [&] { all_or_none(team_, [&] { block = read_block(team_, arguments_.input, whole_); }); });
     report_.step("read") = reading.milliseconds();
     const std::size_t tiles = tiles_of(team_, *pool_, block, arguments_);
     command::ProgressLine line(!arguments_.quiet && team_.is_first());
@@ -115,7 +118,8 @@ class Run {
     const Stopwatch solving;
     const auto cut = [&](const tiles::GridInput& given) { return tiles::even_cuts(given, tiles, team_); };
     try {
-      made_ = tiles::triangulate_rank(*pool_, team_, std::move(block), options, tiles, cut);
+      trace_.step("solve",
+                  [&] { made_ = tiles::triangulate_rank(*pool_, team_, std::move(block), options, tiles, cut); });
     } catch (const Error& error) {
       if (!whole_.files.empty()) throw command::explained(error, whole_, options_);
       if (is_of_problem(error.status()))
@@ -132,24 +136,26 @@ class Run {
 
   void write() {
     const Stopwatch writing;
-    if (is_distributed(arguments_))
-      write_distributed();
-    else if (!arguments_.outputs.empty() || options_.regions || options_.domain != Domain::hull)
-      write_gathered();
-    else
-      statistics_ = made_.part.result.statistics;
+    trace_.step("write", [&] {
+      if (is_distributed(arguments_))
+        write_distributed();
+      else if (!arguments_.outputs.empty() || arguments_.verify || options_.regions || options_.domain != Domain::hull)
+        write_gathered();
+      else
+        statistics_ = made_.part.result.statistics;
+    });
     report_.step("write") = writing.milliseconds();
   }
 
   void tell() {
     const std::vector<RankReport> all = report_.gathered();
+    const std::string trace = arguments_.trace.empty() ? "" : trace_.gathered();
     if (!team_.is_first()) return;
     describe(all, statistics_);
-    if (!arguments_.statistics.empty()) {
-      io::OutputFiles files;
-      files.add(arguments_.statistics).write(report_json(statistics_, all));
-      files.commit();
-    }
+    io::OutputFiles files;
+    if (!arguments_.statistics.empty()) files.add(arguments_.statistics).write(report_json(statistics_, all));
+    if (!arguments_.trace.empty()) files.add(arguments_.trace).write(trace);
+    files.commit();
     if (arguments_.quiet) return;
     if (arguments_.outputs.empty()) command::print(report_table(statistics_, all));
   }
@@ -182,9 +188,14 @@ class Run {
         io::with_nodes(arguments_.outputs, made_.part.result.statistics.vertices_added > 0, {arguments_.input});
     ForestResult made = tiles::gather_result(team_, made_, whole_.vertices, whole_.constraints, options);
     Triangulation mesh;
-    if (team_.is_first()) mesh = triangulation_of(made);
-    made = {};
+    if (team_.is_first()) mesh = triangulation_of(std::move(made));
     statistics_ = mesh.statistics;
+    if (arguments_.verify)
+      all_or_none(team_, [&] {
+        if (!team_.is_first()) return;
+        if (const Verification proof = command::prove(whole_, mesh, options); !proof.valid)
+          throw Failure(Exit::check, fmt::format("the result failed its verification: {}", proof.reason));
+      });
     if (arguments_.outputs.empty()) return;
     OutputJob job(team_, paths);
     all_or_none(team_, [&] {
@@ -201,6 +212,7 @@ class Run {
   MpiTeam& team_;
   const Arguments& arguments_;
   Options options_;
+  TraceOfRanks trace_;  ///< outlives the pool
   std::unique_ptr<DevicePool> pool_;
   io::Input whole_;  ///< at the first rank, where that has read it
   tiles::RankResult made_;

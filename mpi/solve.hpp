@@ -12,8 +12,8 @@ namespace gcdt::ranks {
 struct Arguments {
   std::string input;
   std::vector<std::string> outputs;
-  std::string crossing = "reject", domain = "hull", grid, device, statistics, spill;
-  bool quiet = false, regions = false, distinct = false;
+  std::string crossing = "reject", domain = "hull", grid, device, statistics, trace, spill;
+  bool quiet = false, regions = false, distinct = false, verify = false;
   std::uint32_t tiles = 0;   ///< of all ranks; 0: one a rank, or as many as its device's memory asks for
   std::uint64_t memory = 0;  ///< bytes of each device at most; 0: all
   std::uint32_t repeat = 1;

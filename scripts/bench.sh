@@ -5,6 +5,7 @@
 #        scripts/bench.sh batches LABEL [ARGUMENT]...    gcdt_bench_batch, kept as LABEL-batches.jsonl
 #        scripts/bench.sh refine LABEL [ARGUMENT]...     gcdt_bench_refine, kept as LABEL-refine.jsonl, and a plot of rounds
 #        scripts/bench.sh ablation LABEL [ARGUMENT]...   gcdt_bench_ablation, kept as LABEL-ablation.md
+#        scripts/bench.sh tiles LABEL [ARGUMENT]...      gcdt_bench_tiles, kept as LABEL-tiles.jsonl
 #   --quick            small inputs and few runs: shows that everything works; the figures mean nothing
 #   --only NAME[:N]    only these workloads (separated by commas), such as letters or uniform:1000000
 #   --scaling          instead: 100k to 100M uniform vertices
@@ -25,7 +26,7 @@ command_line="scripts/bench.sh $*"
 label=
 case ${1-} in
   cpu | gpu) kind=$1; shift ;;
-  batches | refine | ablation)
+  batches | refine | ablation | tiles)
     [[ $# -ge 2 && $2 != -* ]] || { usage >&2; exit 2; }
     kind=$1; label=$2; shift 2 ;;
   -h | --help) usage; exit 0 ;;
@@ -73,10 +74,12 @@ keep() {
   echo "written: $file" >&2
 }
 case $kind in
-  batches)
-    keep "$results/$label-batches.jsonl" \
+  batches | tiles)
+    program=$binaries/gcdt_bench_tiles
+    [[ $kind == tiles ]] || program=$binaries/gcdt_bench_batch
+    keep "$results/$label-$kind.jsonl" \
       "{\"command\": \"$command_line\", \"commit\": \"$commit\", \"date\": \"$(date -u +%F)\", \"host_threads\": $(nproc)}" \
-      "$binaries/gcdt_bench_batch" "$@"
+      "$program" "$@"
     exit ;;
   refine)
     maps=()

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs inputs that take minutes or are not in the tree, and so are no part of the test suite. Prints the times of each.
-# Usage: scripts/slow.sh lattice | star | maps FILE... | shake | faults | load [BATCHES] | identity
+# Usage: scripts/slow.sh lattice | star | maps FILE... | tiles | shake | faults | load [BATCHES] | identity
 #   lattice   2000 x 2000 lines from side to side, split where they cross: four million crossings
 #   star      10,000 lines through one pixel: 50 million crossings
 #   maps      .poly files, or .poly.gz: crossings split, mesh and domain proved. Any map does; the count of crossings is known
 #             of Natural Earth's countries 1:10 million (472,391 vertices and 472,592 segments with six decimals, from
 #             the npm package world-atlas 2, each border once)
+#   tiles     10M uniform vertices on a device that is said to have 512 MB: the bytes of one call on all of it, and at most
+#             100 bytes of the host's heap a vertex beside input and result, with tiles spilled to files 20
 #   shake     shake_test with 1000 shaken runs of its corpus on each way instead of 2 (GCDT_SHAKE_RUNS: another number)
 #   faults    faults_test with each OpenCL call made to fail with each of its errors (GCDT_FAULT_STEP: every N-th call)
 #   load      a million random batches, or so many, in one process; 8 threads, solvers made and released, calls cancelled
@@ -17,9 +19,9 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build-test
-usage() { sed -n '3,15s/^# //p' "$0"; }
+usage() { sed -n '3,17s/^# //p' "$0"; }
 case ${1-} in
-  lattice | star | shake | faults | identity) [[ $# == 1 ]] || { usage >&2; exit 2; } ;;
+  lattice | star | tiles | shake | faults | identity) [[ $# == 1 ]] || { usage >&2; exit 2; } ;;
   load) [[ $# == 1 || ($# == 2 && $2 =~ ^[0-9]+$) ]] || { usage >&2; exit 2; } ;;
   maps) [[ $# -ge 2 ]] || { usage >&2; exit 2; } ;;
   -h | --help) usage; exit 0 ;;
@@ -47,6 +49,13 @@ case $name in
   shake)
     make_targets shake_test shake_layer
     OPENCL_LAYERS=$build/tests/libshake_layer.so GCDT_SHAKE_RUNS=${GCDT_SHAKE_RUNS-1000} "$build/tests/shake_test" --duration=true
+    exit ;;
+  tiles)
+    make_targets gcdt_bench_tiles
+    device=${GCDT_TEST_DEVICE-pthread}
+    on_little() { "$build/bench/gcdt_bench_tiles" --device "$device" --tiles 0 --memory 512 --runs 1 "$@" uniform:10000000; }
+    on_little --most-host-bytes 100
+    on_little --most-host-bytes 20 --spill "$folder"
     exit ;;
   faults)
     make_targets faults_test call_layer

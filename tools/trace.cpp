@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace gcdt::command {
 
@@ -11,11 +12,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The order in which rows stand.
-constexpr const char* phases[] = {"order", "plan", "insert", "constrain", "flip", "check", "domain", "output", "copy"};
-
-std::size_t row_of(const std::string& phase) {
-  return std::size_t(std::find(std::begin(phases), std::end(phases), phase) - std::begin(phases));
+/// The phases in the order in which their rows stand: those of one problem, then all others (of pools, tiles, ranks).
+std::vector<std::string> rows_of(const std::vector<TraceSpan>& spans) {
+  std::vector<std::string> rows = {"order", "plan", "insert", "constrain", "flip", "check", "domain", "output", "copy"};
+  const std::set<std::string> first(rows.begin(), rows.end());
+  std::set<std::string> others;
+  for (const TraceSpan& span : spans)
+    if (first.count(span.phase) == 0) others.insert(span.phase);
+  rows.insert(rows.end(), others.begin(), others.end());
+  return rows;
 }
 
 Json name_of(const char* what, std::uint32_t process, std::size_t row, const std::string& name) {
@@ -31,10 +36,15 @@ std::string TraceRecord::json() const {
     start = std::min(start, span.begin_ns);
     devices.emplace(span.device_number, span.device);
   }
+  const std::vector<std::string> rows = rows_of(spans_);
+  const auto row_of = [&](const std::string& phase) {
+    return static_cast<std::size_t>(std::find(rows.begin(), rows.end(), phase) - rows.begin());
+  };
   Json events = Json::array();
   for (const auto& [number, name] : devices) {
     events.push_back(name_of("process_name", number, 0, name));
-    for (const char* phase : phases) events.push_back(name_of("thread_name", number, row_of(phase), phase));
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      events.push_back(name_of("thread_name", number, row, rows[row]));
   }
   for (const TraceSpan& span : spans_)
     events.push_back({{"name", span.name},

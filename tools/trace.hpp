@@ -20,6 +20,8 @@ class TraceRecord {
       spans_.push_back(span);
     };
   }
+  /// In the order in which they came; not while a solver or pool is in a call.
+  const std::vector<TraceSpan>& spans() const { return spans_; }
   /// One process per device, one row in it per phase: the phase's span, its inner phases and its launches in it.
   /// Times are microseconds since the first span. Opens in Perfetto or chrome://tracing.
   std::string json() const;

@@ -98,8 +98,8 @@ typedef struct gcdt_batch_input {
  * (gcdt_batch_problem). Under GCDT_CROSSING_SPLIT problems that cross are run one by one, after the others of their
  * run: they take as long as they would take a solver, and so do all problems with gcdt_options.refine, of which
  * most_added counts for each problem, and sizes has one length for each of the batch's vertices, the last offset of
- * them. Domains and regions are each problem's own; hole and region seeds, which would be of one problem, are
- * GCDT_ERROR_INVALID_ARGUMENT.
+ * them. Domains and regions are each problem's own; hole and region seeds, which are of one problem, are taken
+ * with a batch of one, and are GCDT_ERROR_INVALID_ARGUMENT with more.
  *
  * A problem that is too large for every device is cut into tiles, and gcdt_options.tiles cuts all of them: each tile is
  * a problem of a batch that all devices share, and what is between them one more (docs/scale.md). The bytes stay the

@@ -97,6 +97,25 @@ GCDT_INLINE i64 gcdt_decimal_numerator(u64 bits, i32 digits) {
   const i64 value = (i64)(scaled << (digits - d));
   return (bits & GCDT_SIGN_BIT) ? -value : value;
 }
+
+// The grid coordinate on one axis of a point that is no vertex. Where the grid was chosen for decimals, a double that
+// is one is taken for it, as for vertices; all others are rounded by `scale`.
+GCDT_INLINE Quantised gcdt_place_query(u64 bits, u32 by_decimals, GCDT_GLOBAL const Scale* scale,
+                                       GCDT_GLOBAL const Decimals* decimals, u32 axis) {
+  u64 numerator;
+  if (by_decimals && gcdt_decimal(bits, decimals->digits, &numerator)) {
+    const i64 wide = gcdt_decimal_numerator(bits, decimals->digits);
+    const u64 from_least = (u64)wide - (u64)decimals->least[axis];
+    if (wide != (i64)GCDT_NUMERATOR_OVERFLOW) {
+      Quantised placed;
+      placed.outside = wide < decimals->least[axis] || from_least > GCDT_GRID_LAST / decimals->step;
+      placed.value = (u32)(from_least * decimals->step);
+      placed.move = 0;
+      return placed;
+    }
+  }
+  return gcdt_quantise(bits, scale, (i32)axis);
+}
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(Decimals) == 4 * sizeof(u64), "Decimals has the same layout on host and device");
 }  // namespace gcdt::device

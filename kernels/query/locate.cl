@@ -51,25 +51,6 @@ kernel void number_least(const uint count, global const uint* input_vertex, glob
   FOR_EACH(i, count) triangles[i] = (int)least[input_vertex[i]];
 }
 
-// The query's grid coordinate on one axis. Where the grid was chosen for decimals, a double that is one is
-// taken for it, as for vertices; all others are rounded by `scale`.
-GCDT_INLINE Quantised place_coordinate(u64 bits, uint by_decimals, global const Scale* scale,
-                                       global const Decimals* decimals, uint axis) {
-  u64 numerator;
-  if (by_decimals && gcdt_decimal(bits, decimals->digits, &numerator)) {
-    const i64 wide = gcdt_decimal_numerator(bits, decimals->digits);
-    const u64 from_least = (u64)wide - (u64)decimals->least[axis];
-    if (wide != (i64)GCDT_NUMERATOR_OVERFLOW) {
-      Quantised placed;
-      placed.outside = wide < decimals->least[axis] || from_least > GCDT_GRID_LAST / decimals->step;
-      placed.value = (u32)(from_least * decimals->step);
-      placed.move = 0;
-      return placed;
-    }
-  }
-  return gcdt_quantise(bits, scale, (i32)axis);
-}
-
 // One work-item per query.
 // Reads coordinates and the grid. Writes keys[i] and numbers[i]; *not_finite by atomic_min.
 // Words i have one writer; the least bad coordinate is the same in any order.
@@ -86,7 +67,7 @@ kernel void place_queries(const uint count, const uint type, global const ulong*
         outside = 1u;
         continue;
       }
-      const Quantised q = place_coordinate(bits, by_decimals, scale, decimals, axis);
+      const Quantised q = gcdt_place_query(bits, by_decimals, scale, decimals, axis);
       place[axis] = q.value;
       outside |= q.outside;
     }

@@ -145,8 +145,7 @@ std::vector<std::uint64_t> DevicePool::capacities() const {
 
 PoolResult DevicePool::triangulate(const BatchInput& batch, const Options& options) {
   // Checked here, so that no device is blamed for it.
-  if (!options.hole_seeds.empty() || !options.region_seeds.empty())
-    throw Error(Status::invalid_argument, "hole and region seeds are of one problem: a batch takes none");
+  check_seeds(options, batch.problems);
   if (options.grid) fixed_grid(*options.grid);
   if (options.refine)
     check_refinement(*options.refine, options, batch.problems > 0 ? batch.vertex_offsets[batch.problems] : 0);
@@ -308,8 +307,8 @@ void DevicePool::run_job(std::size_t number, Schedule& schedule, const std::shar
 DevicePool::Made DevicePool::make(Worker& worker, const BatchInput& batch, std::vector<std::uint32_t> numbers,
                                   const Options& options) {
   // Refinement numbers added vertices through the whole mesh and judges lengths by the cells of one grid, so problems
-  // are refined one by one.
-  if (options.refine)
+  // are refined one by one. Seeds are of one problem.
+  if (options.refine || has_seeds(options))
     return make_one_by_one(worker, numbers, [&](std::uint32_t p) { return make_single(worker, batch, p, options); });
   return make_forest(worker, batch, std::move(numbers), options);
 }

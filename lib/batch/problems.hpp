@@ -53,6 +53,15 @@ inline bool is_of_problem(Status status) {
   }
 }
 
+inline bool has_seeds(const Options& options) { return !options.hole_seeds.empty() || !options.region_seeds.empty(); }
+
+/// Seeds are of one problem. Throws invalid_argument if there are more.
+inline void check_seeds(const Options& options, std::uint64_t problems) {
+  if (has_seeds(options) && problems > 1)
+    throw Error(Status::invalid_argument,
+                "hole and region seeds are of one problem: a batch of " + std::to_string(problems) + " takes none");
+}
+
 /// What a problem in tiles has cost (lib/tiles).
 struct TiledReport {
   std::uint32_t tiles = 0;  ///< 0: it was not cut

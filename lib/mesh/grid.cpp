@@ -172,6 +172,18 @@ device::Scale scale_of(const Grid& grid) {
                     -grid.cell_decimals);
 }
 
+device::Decimals query_decimals(const Grid& grid, const std::optional<device::Decimals>& of_vertices) {
+  if (!of_vertices) return {};
+  device::Decimals fine = *of_vertices;
+  fine.digits = grid.cell_decimals;
+  fine.step = 1;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    fine.least[axis] = device::gcdt_decimal_numerator(to_bits(grid.origin[axis]), fine.digits);
+    if (fine.least[axis] == static_cast<device::i64>(GCDT_NUMERATOR_OVERFLOW)) return *of_vertices;
+  }
+  return fine;
+}
+
 // The key's number R, in units of the window, is R 2^-offset / five of length.
 double move_length(std::uint64_t key, const device::Scale& scale) {
   const int length = static_cast<int>(key >> 56);

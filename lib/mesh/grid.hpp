@@ -48,6 +48,11 @@ ChosenGrid fixed_grid(const FixedGrid& given);
 /// How coordinates get on a grid that was chosen before; a decimal grid is taken for a given one.
 device::Scale scale_of(const Grid& grid);
 
+/// How points that are no vertices get on a grid that was chosen for decimals (gcdt_place_query): decimals in units of
+/// the cell, so that such a point may have more digits than any vertex; where that leaves 63 bits, those of the
+/// vertices.
+device::Decimals query_decimals(const Grid& grid, const std::optional<device::Decimals>& of_vertices);
+
 /// The length that `key` (gcdt_move_key) stands for: 0 iff the key is 0. Where the key has all digits of the move, or
 /// 56 and what is behind them: the nearest double, or on a grid with a decimal cell that or up to 2^-51 of it more,
 /// never less.

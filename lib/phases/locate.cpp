@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "phases/locate.hpp"
 
-#include <cstring>
-
 #include "mesh/grid.hpp"
 #include "query/locate.h"
 
@@ -20,28 +18,12 @@ struct Queries {
   Buffer<cl_uint> numbers;
 };
 
-/// Decimals in units of the cell, so that a query may have more digits than any vertex; where that leaves 63 bits,
-/// in those of the vertices.
-device::Decimals finest_decimals(const Vertices& vertices) {
-  if (!vertices.decimals) return {};
-  device::Decimals fine = *vertices.decimals;
-  fine.digits = vertices.grid.cell_decimals;
-  fine.step = 1;
-  for (int axis = 0; axis < 2; ++axis) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &vertices.grid.origin[axis], sizeof bits);
-    fine.least[axis] = device::gcdt_decimal_numerator(device::gcdt_without_negative_zero(bits), fine.digits);
-    if (fine.least[axis] == static_cast<device::i64>(GCDT_NUMERATOR_OVERFLOW)) return *vertices.decimals;
-  }
-  return fine;
-}
-
 Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& points, std::uint64_t first) {
   Queries queries = {points.n, runtime.allocate<cl_ulong>("keys of queries", points.n),
                      runtime.allocate<cl_uint>("numbers of queries", points.n)};
   const cl_uint by_decimals = vertices.decimals.has_value();
   const auto scale = runtime.upload_one("scale", scale_of(vertices.grid));
-  const auto decimals = runtime.upload_one("decimals", finest_decimals(vertices));
+  const auto decimals = runtime.upload_one("decimals", query_decimals(vertices.grid, vertices.decimals));
   auto not_finite = runtime.filled<cl_uint>("query not finite", 1, GCDT_NONE);
   runtime.launch("locate", "place_queries", over(points.n), points.n, points.type, points.coordinates, by_decimals,
                  scale, decimals, queries.keys, queries.numbers, not_finite);

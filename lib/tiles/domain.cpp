@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "tiles/parts.hpp"
+#include "tiles/seeds.hpp"
 
 namespace gcdt::tiles {
 
@@ -43,10 +43,28 @@ class Selection {
     switch (domain) {
       case Domain::even_odd: return (winding_of(triangle) & 1) != 0;
       case Domain::nonzero: return winding_of(triangle) != 0;
-      case Domain::outer:
-      case Domain::outer_holes: return depth_of(triangle) != 0;
+      case Domain::holes: return !is_hole_[region_[triangle]];
+      case Domain::outer: return depth_of(triangle) != 0;
+      case Domain::outer_holes: return depth_of(triangle) != 0 && !is_hole_[region_[triangle]];
       default: return true;
     }
+  }
+  /// The least seed of each region; `none` without one.
+  std::vector<std::uint32_t> seeded(const std::vector<std::array<double, 2>>& seeds) const {
+    std::vector<std::optional<GridPoint>> places;
+    for (const std::array<double, 2>& seed : seeds) places.push_back(place_query(input_.chosen, seed));
+    const std::vector<std::uint32_t> triangles =
+        least_triangles(places, triangles_.size(), none, [&](std::size_t t) -> std::array<GridPoint, 3> {
+          return {at(triangles_[t][0]), at(triangles_[t][1]), at(triangles_[t][2])};
+        });
+    std::vector<std::uint32_t> least(regions, none);
+    for (std::size_t i = triangles.size(); i-- > 0;)
+      if (triangles[i] != none) least[region_[triangles[i]]] = static_cast<std::uint32_t>(i);
+    return least;
+  }
+  void mark_holes(const std::vector<std::array<double, 2>>& seeds) {
+    is_hole_.clear();
+    for (const std::uint32_t seed : seeded(seeds)) is_hole_.push_back(seed != none);
   }
   std::uint32_t regions = 0, deepest = 0;
   std::uint64_t open_parity = 0, open_winding = 0;
@@ -174,6 +192,7 @@ class Selection {
   std::uint32_t half_edges_;
   std::vector<std::uint32_t> region_, begins_, arcs_, depth_;
   std::vector<std::int32_t> turns_, winding_;
+  std::vector<char> is_hole_;  ///< by region
 };
 
 /// Keeps the elements of an array that have a place, in their order.
@@ -195,6 +214,8 @@ void keep(ForestResult& joined, std::int32_t array, const std::vector<std::int32
 void select_domain(const GridInput& input, const Options& options, ForestResult& joined) {
   Selection selection(input, joined);
   selection.run();
+  selection.mark_holes(options.hole_seeds);
+  const std::vector<std::uint32_t> seeds = selection.seeded(options.region_seeds);
   const std::size_t triangles = joined.begins[GCDT_TRIANGLES].back();
   std::vector<std::int32_t> places(triangles, -1);
   std::int32_t count = 0;
@@ -210,7 +231,7 @@ void select_domain(const GridInput& input, const Options& options, ForestResult&
     region[places[t]] = selection.region_of(t);
     depth[places[t]] = selection.depth_of(t);
     winding[places[t]] = selection.winding_of(t);
-    seed[places[t]] = -1;
+    seed[places[t]] = static_cast<std::int32_t>(seeds[selection.region_of(t)]);  // none: -1
   });
   if (kept < triangles) {
     keep<Triangle>(joined, GCDT_TRIANGLES, places, kept, [](const Triangle& t) { return t; });

@@ -54,6 +54,20 @@ GridPoint GridInput::at_place(std::size_t place) const {
   return {placed(chosen, bits_of(given.points, place, 0), 0), placed(chosen, bits_of(given.points, place, 1), 1)};
 }
 
+std::optional<GridPoint> place_query(const ChosenGrid& chosen, const std::array<double, 2>& point) {
+  const device::Scale scale = scale_of(chosen.grid);
+  const device::Decimals decimals = query_decimals(chosen.grid, chosen.decimals);
+  const Points one = Points::pairs(point.data(), 1);
+  GridPoint at{};
+  for (std::uint32_t axis = 0; axis < 2; ++axis) {
+    const device::Quantised placed = device::gcdt_place_query(bits_of(one, 0, static_cast<int>(axis)),
+                                                              chosen.decimals.has_value(), &scale, &decimals, axis);
+    if (placed.outside) return std::nullopt;
+    at[axis] = static_cast<std::int32_t>(placed.value);
+  }
+  return at;
+}
+
 Box box_of(const ChosenGrid& chosen, const Survey& surveyed) {
   Box box{};
   for (std::size_t axis = 0; axis < 2; ++axis) {  // what is placed grows with what was given

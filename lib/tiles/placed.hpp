@@ -78,6 +78,9 @@ struct GridInput {
   }
 };
 
+/// Where a point that is no vertex is on the grid: as locate() has it. None if it is outside.
+std::optional<GridPoint> place_query(const ChosenGrid& chosen, const std::array<double, 2>& point);
+
 /// The box around vertices on a grid, if there are any.
 Box box_of(const ChosenGrid& chosen, const Survey& surveyed);
 

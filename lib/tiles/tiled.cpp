@@ -120,8 +120,7 @@ PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options&
     }
     return all;
   }
-  if (!options.hole_seeds.empty() || !options.region_seeds.empty())
-    throw Error(Status::invalid_argument, "hole and region seeds are not taken with tiles");
+  check_seeds(options, batch.problems);
   if (options.grid) fixed_grid(*options.grid);
   const auto start = std::chrono::steady_clock::now();
   PoolResult all;

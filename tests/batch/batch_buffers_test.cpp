@@ -85,6 +85,29 @@ TEST_CASE("a batch without constraints, and one of nothing, need no buffers for 
   CHECK(triangulate(pool, app.queue, {}).size() == 0);
 }
 
+TEST_CASE("a problem in device memory is cut into tiles, and the result goes into device memory") {
+  const App app;
+  Pool pool(test_device());
+  const RaggedBatch one({workload("letters", 2000)});
+  Options options;
+  options.domain = Domain::outer_holes;
+  options.hole_seeds = {workload("letters", 2000).points[5]};
+  const BatchResult expected =
+      pool.triangulate({one.vertices, one.vertex_offsets, one.constraints, one.constraint_offsets}, options);
+  options.tiles = 3;
+  const BatchResult result = triangulate(pool, app.queue, device_batch(app, one), options);
+  CHECK(expected.tiles(0).tiles == 0);
+  CHECK(result.tiles(0).tiles == 3);
+  for (const std::int32_t array : {GCDT_TRIANGLES, GCDT_NEIGHBOURS, GCDT_CONSTRAINED, GCDT_PIECES, GCDT_REGIONS}) {
+    CAPTURE(array);
+    const Flat flat = flat_of(expected, array);
+    REQUIRE(flat.offsets.back() > 0);
+    const cl::Buffer to = app.buffer(flat.bytes.size());
+    copy(result, array, app.queue, to, flat.offsets.back());
+    CHECK(app.read<unsigned char>(to, flat.bytes.size()) == flat.bytes);
+  }
+}
+
 TEST_CASE("the events of the wait list come first") {
   const App app;
   Pool pool(test_device());

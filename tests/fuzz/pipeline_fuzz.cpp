@@ -196,8 +196,10 @@ void run_batch(const Graph& graph, const Options& options) {
 
 void run_tiles(const Graph& graph, Options options) {
   options.tiles = 2 + graph.choices.seeds % 15;
+  const Problem problem = problem_of(graph, graph.vertices.size());
+  add_seeds(graph, problem, options);
   ++counts.problems, ++counts.in_tiles;
-  run_pool({problem_of(graph, graph.vertices.size())}, options, 1);
+  run_pool({problem}, options, 1);
 }
 
 Refinement refinement_of(const fuzz::Choices& c, const Problem& problem, const Options& options,

@@ -5,6 +5,7 @@ without output, when one is lost.
 Usage: gcdt_mpi_oracle.py MPIEXEC GCDT GCDT_MPI FAULT_LAYER
 """
 import concurrent.futures
+import json
 import os
 import signal
 import struct
@@ -74,6 +75,14 @@ def write_squares(name):
     write_pslg(name, points, segments)
 
 
+def write_walls(name):
+    """400 vertices of a square grid, two walls that make four rooms, two holes and two attributes."""
+    with open(name, "w") as out:
+        out.write("400 2 0 0\n")
+        out.writelines(f"{i} {i % 20} {i // 20}\n" for i in range(400))
+        out.write("2 0\n0 7 387\n1 180 199\n2\n0 2 2\n1 7 9\n2\n0 2 15 5 0\n1 15 2 6 0\n")
+
+
 def gathered_files_are_those_of_gcdt():
     for name in ("one", "all"):
         os.mkdir(name)
@@ -82,6 +91,11 @@ def gathered_files_are_those_of_gcdt():
     options = ("squares.pslg", "--crossing", "drop", "--domain", "even-odd", "--quiet")
     gcdt(*options, "-o", "one/s.npz", "-o", "one/s.vtu")
     ranks(4, *options, "-o", "all/s.npz", "-o", "all/s.vtu", "--tiles", "8")
+    for domain in ("holes", "outer-holes", "hull"):
+        options = ("walls.poly", "--domain", domain, "--regions", "--quiet")
+        gcdt(*options, "-o", f"one/w-{domain}.vtu", "-o", f"one/w-{domain}.ele")
+        ranks(3, *options, "-o", f"all/w-{domain}.vtu", "-o", f"all/w-{domain}.ele")
+    assert os.path.getsize("one/w-holes.ele") < os.path.getsize("one/w-hull.ele")
     assert sorted(os.listdir("one")) == sorted(os.listdir("all")), os.listdir("all")
     for name in os.listdir("one"):
         same(f"one/{name}", f"all/{name}")
@@ -108,12 +122,32 @@ def pieces_are_the_mesh_of_gcdt():
         assert values == whole.cell_data[array][0].tolist(), array
 
 
+def a_result_is_proved_and_a_trace_has_all_ranks():
+    ranks(2, "walls.poly", "--domain", "holes", "--verify", "--trace", "trace.json", "--quiet", "-o", "proved.ele")
+    same("one/w-holes.ele", "proved.ele")
+    ranks(2, "grid.poly", "--crossing", "split", "--verify", "--quiet")
+    with open("trace.json") as file:
+        events = json.load(file)["traceEvents"]
+    names = {event["pid"]: event["args"]["name"] for event in events if event["name"] == "process_name"}
+    assert sorted(name[:8] for name in names.values()) == ["rank 0: ", "rank 1: "], names
+    rows = {(event["pid"], event["tid"]): event["args"]["name"] for event in events if event["name"] == "thread_name"}
+    spans = [event for event in events if event["ph"] == "X"]
+    for rank in names:
+        own = [(rows[rank, span["tid"]], span["name"]) for span in spans if span["pid"] == rank]
+        for step in ("read", "solve", "write"):
+            assert ("rank", step) in own, (step, own)
+        for phase in ("survey", "take", "final", "write"):
+            assert any(row == phase for row, _ in own), (phase, sorted(set(own)))
+        assert all(span["ts"] >= 0 and span["dur"] >= 0 for span in spans)
+
+
 def errors_have_the_status_of_gcdt():
     said, of_gcdt = ranks(2, "grid.poly", "-o", "none.vtu", status=3), gcdt("grid.poly", "-o", "none.vtu", status=3)
     assert said.splitlines()[1:] == [line for line in of_gcdt.splitlines()[1:] if line.startswith("  ")], said
     assert said.startswith("gcdt_mpi: grid.poly: "), said
     wrong = [
         (2, "grid.poly", "--domain", "even-odd", "-o", "none.pvtu"),
+        (2, "grid.poly", "--verify", "-o", "none.pvtu"),
         (2, "grid.poly", "--tiles", "3"),
         (2, "grid.poly", "-o", "none.foo"),
         (3, "missing.pslg"),
@@ -190,10 +224,12 @@ def a_failing_device_ends_all():
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     write_grid("grid.poly")
+    write_walls("walls.poly")
     write_squares("squares.pslg")
     write_pslg("many.pslg", numpy.random.default_rng(1).uniform(0, 1, (200000, 2)), [])
     gathered_files_are_those_of_gcdt()
     pieces_are_the_mesh_of_gcdt()
+    a_result_is_proved_and_a_trace_has_all_ranks()
     errors_have_the_status_of_gcdt()
     a_killed_rank_ends_all()
     a_failing_device_ends_all()

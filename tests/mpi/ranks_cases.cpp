@@ -112,7 +112,14 @@ TEST_CASE("regions and domains are those of one device") {
     CAPTURE(name);
     Options options = with(Crossing::split);
     options.domain = Domain::even_odd;
-    check_same(workload(name, 1500), team().size(), evenly(team().size()), options);
+    const Workload work = workload(name, 1500);
+    check_same(work, team().size(), evenly(team().size()), options);
+    options.domain = Domain::holes;
+    for (std::size_t i = 0; i < 30; ++i) {
+      const Point &a = work.points[i * 31], &b = work.points[i * 47];
+      (i % 5 ? options.region_seeds : options.hole_seeds).push_back(i % 2 ? a : Point{(a[0] + b[0]) / 2, b[1]});
+    }
+    check_same(work, team().size(), evenly(team().size()), options);
   }
 }
 

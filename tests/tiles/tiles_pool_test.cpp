@@ -71,17 +71,34 @@ TEST_CASE("what tiles do not take is refused") {
   const std::vector<Point> points = uniform(20).points;
   CHECK(error_of([&] { alone.triangulate(points, {}, in_tiles(2)); }).status() == Status::invalid_argument);
   Pool pool(test_device());
-  Options seeds = in_tiles(2);
-  seeds.domain = Domain::holes;
-  seeds.hole_seeds = {{0.5, 0.5}};
   const auto refused = [&](const Options& options) {
     return error_of([&] { pool.triangulate(batch_of({uniform(20)}), options); }).status();
   };
-  CHECK(refused(seeds) == Status::invalid_argument);
   CHECK(refused(in_tiles(GCDT_MAX_TILES + 1)) == Status::invalid_argument);
   Options grid = in_tiles(2);
   grid.grid = FixedGrid{0, 0, "zero"};
   CHECK(refused(grid) == Status::invalid_argument);
+}
+
+TEST_CASE("a pool takes hole and region points with one problem, whole or in tiles, and with no more") {
+  const Workload work = workload("nested_squares", 1500);
+  Options options;
+  options.domain = Domain::holes;
+  options.hole_seeds = {work.points[7], {0, 0}, work.points[8]};
+  options.region_seeds = {work.points[700], work.points[9]};
+  const Singles expected({work}, options);
+  REQUIRE(expected.meshes[0].triangles.size() > 0);
+  REQUIRE(expected.meshes[0].statistics.triangles_removed > 0);
+  Pool pool(test_device());
+  for (const std::uint32_t tiles : {0u, 1u, 2u, 3u, 4u, 7u}) {
+    CAPTURE(tiles);
+    options.tiles = tiles;
+    expected.check(pool.triangulate(batch_of({work}), options));
+    const Error refused = error_of([&] { pool.triangulate(batch_of({work, work}), options); });
+    CHECK(refused.status() == Status::invalid_argument);
+    CHECK(std::string(refused.what()).find("a batch of 2 takes none") != std::string::npos);
+  }
+  CHECK(pool.triangulate(batch_of({}), options).size() == 0);
 }
 
 TEST_CASE("a problem that is too large for a device is cut into as many tiles as fit") {

@@ -4,6 +4,7 @@
 #include "device_list.hpp"
 #include "kinds.hpp"
 #include "pool_cases.hpp"
+#include "tiles/seeds.hpp"
 #include "tiles/tiled.hpp"
 
 using namespace gcdt;
@@ -128,6 +129,100 @@ TEST_CASE("regions and domains are those of one device") {
     Options options;
     options.domain = Domain::even_odd;
     check_same(workload(name, 2000), evenly(4), options);
+  }
+}
+
+namespace {
+
+/// At vertices, between two of them, on constraints, and outside of the hull and of the grid; some more than once.
+std::vector<Point> some_places(const Workload& work, std::size_t count, Random& random) {
+  std::vector<Point> places;
+  const auto any = [&]() -> const Point& { return work.points[random.below(work.points.size())]; };
+  const auto middle = [](const Point& a, const Point& b) { return Point{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}; };
+  while (places.size() < count) {
+    const std::uint64_t kind = random.below(8);
+    if (kind < 3) places.push_back(middle(any(), any()));
+    if (kind == 3 || kind == 4) places.push_back(any());
+    if (kind == 5 && !work.constraints.empty()) {
+      const Constraint& c = work.constraints[random.below(work.constraints.size())];
+      places.push_back(middle(work.points[c[0]], work.points[c[1]]));
+    }
+    if (kind == 6 && !places.empty()) places.push_back(places.front());
+    if (kind == 7) places.push_back(random.below(2) ? Point{-1e300, 4e9} : Point{any()[0], any()[1] - 0.25});
+  }
+  return places;
+}
+
+constexpr std::array<Domain, 6> domains = {Domain::holes,    Domain::outer_holes, Domain::hull,
+                                           Domain::even_odd, Domain::nonzero,     Domain::outer};
+
+}  // namespace
+
+TEST_CASE("domains by hole points, and regions by theirs, are those of one device") {
+  Random random(77003);
+  for (unsigned i = 0; i < 120; ++i) {
+    CAPTURE(i);
+    const std::uint32_t side = 2 + i % 40;
+    Workload work = i % 2 ? random_crossing(1 + random.below(100), side, random.below(60), 6000 + i)
+                          : random_pslg(1 + random.below(100), side, random.below(60), 6000 + i);
+    Options options = with(i % 3 ? Crossing::drop : Crossing::split);
+    options.domain = domains[i % domains.size()];
+    options.regions = i % 4 == 0;
+    options.hole_seeds = some_places(work, random.below(40), random);
+    options.region_seeds = some_places(work, random.below(40), random);
+    if (i % 5 == 1)  // a decimal grid, and points that have more digits than it
+      for (std::vector<Point>* points : {&work.points, &options.hole_seeds, &options.region_seeds})
+        for (Point& p : *points) p = {p[0] / 10, p[1] / 10};
+    if (i % 5 == 2) options.grid = FixedGrid{0, 0, "0.5"};
+    check_same(work, anywhere(std::array<std::size_t, 4>{2, 3, 4, 7}[i % 4], random), options);
+  }
+}
+
+TEST_CASE("many points in large meshes are in the regions that they have on one device") {
+  Random random(77004);
+  for (const char* name : {"letters", "closed_comb", "spiral", "nested_squares", "row"}) {
+    CAPTURE(name);
+    const Workload work = workload(name, 3000);
+    Options options;
+    options.domain = Domain::holes;
+    options.hole_seeds = some_places(work, 20, random);
+    options.region_seeds = some_places(work, 3000, random);
+    for (const std::size_t tiles : {2, 3, 4, 7}) {
+      CAPTURE(tiles);
+      check_same(work, evenly(tiles), options);
+    }
+  }
+}
+
+TEST_CASE("a triangle finds the points that it holds, border included") {
+  Random random(77005);
+  const auto coordinate = [&](std::uint64_t side) { return static_cast<std::int32_t>(random.below(side)); };
+  for (const std::uint64_t side : {5u, 60u, 1u << 20, 1u << 31}) {
+    std::vector<GridPoint> points;
+    for (int i = 0; i < 700; ++i) points.push_back({coordinate(side), coordinate(side)});
+    for (int i = 0; i < 200; ++i) points.push_back({points[0][0], coordinate(side)});  // a row, too
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    const tiles::SeedTree tree(points);
+    std::size_t held = 0;
+    for (int i = 0; i < 400; ++i) {
+      std::array<GridPoint, 3> t;
+      for (GridPoint& corner : t)
+        corner = random.below(3) ? GridPoint{coordinate(side), coordinate(side)} : points[random.below(points.size())];
+      if (i % 4 == 0) t[2] = {t[0][0] + (t[0][0] == 0 ? 1 : -1), t[0][1]};  // a sliver
+      if (tiles::orient2d(t[0], t[1], t[2]) < 0) std::swap(t[1], t[2]);
+      std::vector<std::uint32_t> found, expected;
+      tree.find(t, found);
+      std::sort(found.begin(), found.end());
+      for (std::uint32_t p = 0; p < points.size(); ++p)
+        if (tiles::orient2d(t[0], t[1], points[p]) >= 0 && tiles::orient2d(t[1], t[2], points[p]) >= 0 &&
+            tiles::orient2d(t[2], t[0], points[p]) >= 0)
+          expected.push_back(p);
+      if (tiles::orient2d(t[0], t[1], t[2]) == 0) continue;  // no triangle
+      CHECK(found == expected);
+      held += found.size();
+    }
+    CHECK(held > 400);
   }
 }
 

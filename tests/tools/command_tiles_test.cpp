@@ -64,6 +64,25 @@ TEST_CASE("an input that is too large for the device's memory is cut by itself; 
   session.bad(2, "triangulate in.node --tiles 0");
   session.bad(2, "triangulate in.node --tiles 65535");
   session.bad(2, "triangulate in.node --memory much");
-  session.write("hole.poly", "4 2 0 0\n0 0 0\n1 9 0\n2 9 9\n3 0 9\n0 0\n1\n0 2 2\n");
-  CHECK(contains(session.bad(2, "triangulate hole.poly --tiles 2 --domain holes"), "not taken with tiles"));
+}
+
+TEST_CASE("hole and region points of the file mean the same in tiles") {
+  Session session;
+  std::ostringstream out;
+  out << "400 2 0 0\n";
+  for (int i = 0; i < 400; ++i) out << i << ' ' << i % 20 << ' ' << i / 20 << '\n';
+  out << "40 0\n";  // two lines across: four regions
+  for (int i = 0; i < 19; ++i) out << i << ' ' << 20 * i + 7 << ' ' << 20 * i + 27 << '\n';
+  for (int i = 19; i < 38; ++i) out << i << ' ' << 161 + i << ' ' << 162 + i << '\n';
+  out << "38 0 19\n39 380 399\n2\n0 2 2\n1 7 9\n2\n0 2 15 5 0\n1 15 2 6 0\n";
+  session.write("in.poly", out.str());
+  for (const std::string domain : {"holes", "outer-holes", "hull --regions"}) {
+    CAPTURE(domain);
+    session.good("triangulate in.poly -o whole.ele -o whole.vtu --quiet --domain " + domain);
+    for (const std::string how : {"--tiles 2", "--tiles 3", "--tiles 7", "--device pthread,pthread"}) {
+      CAPTURE(how);
+      session.good("triangulate in.poly --verify --quiet -o cut.ele -o cut.vtu --domain " + domain + " " + how);
+      session.run("cmp whole.ele cut.ele && cmp whole.vtu cut.vtu");
+    }
+  }
 }

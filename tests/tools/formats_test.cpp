@@ -146,6 +146,30 @@ TEST_CASE("every prefix of a good file is refused with a line, or is a good file
   }
 }
 
+TEST_CASE("a text of several blocks is read as a short one, lines and comments across their borders as well") {
+  ScratchFolder folder;
+  constexpr int count = 500000;
+  std::string text = std::to_string(count) + " 2\n";
+  for (int i = 0; i < count; ++i) {
+    text += std::to_string(i) + std::string(1 + i % 11, ' ') + std::to_string(7 * i) + " " + std::to_string(i % 1000);
+    text += i % 5 == 0 ? " # a comment\r\n" : i % 7 == 0 ? "\n\n" : "\n";
+  }
+  text += "#" + std::string(std::size_t{9} << 20, ' ') + "a long line\n";  // two blocks and more
+  REQUIRE(text.size() > (std::size_t{20} << 20));
+  const io::Input input = io::read_input(folder.write("in.node", text));
+  REQUIRE(input.vertices.size() == count);
+  bool right = true;
+  for (int i = 0; i < count; ++i)
+    right = right && input.vertices[static_cast<std::size_t>(i)] == std::array<double, 2>{7.0 * i, i % 1000 * 1.0};
+  CHECK(right);
+  const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
+  CHECK(input.vertex_lines.of(count - 1) == lines - 1);
+  const std::string path = folder.write("more.node", text + "500000 1 x");
+  const std::string said = failure(path, Exit::input, [&] { io::read_input(path); });
+  CHECK(said.substr(0, said.find(' ')) == std::to_string(lines + 1) + ":");
+  CHECK(said.find("more text") != std::string::npos);
+}
+
 TEST_CASE("a file that is missing, a folder, and an unknown extension are refused") {
   ScratchFolder folder;
   CHECK(failure(folder / "no.poly", Exit::input, [&] {

@@ -28,36 +28,50 @@ std::string printable(std::string_view field) {
 
 std::string shown_name(const std::string& path) { return path == "-" ? "<stdin>" : path; }
 
+TextFile::TextFile(const std::string& path) : path_(path) {
+  file_.reset(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
+  if (!file_) throw Failure(Exit::input, fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  if (path == "-" || std::fseek(file_.get(), 0, SEEK_END) != 0) return;
+  const long size = std::ftell(file_.get());
+  std::rewind(file_.get());
+  // A directory has an absurd size here, and a pipe none.
+  if (size > 0 && size < (1l << 40)) left_ = static_cast<std::uint64_t>(size);
+}
+
+std::size_t TextFile::read(char* to, std::size_t most) {
+  const std::size_t got = std::fread(to, 1, most, file_.get());
+  if (std::ferror(file_.get()))
+    throw Failure(Exit::input, fmt::format("{}: cannot be read: {}", shown_name(path_), std::strerror(errno)));
+  left_ -= std::min<std::uint64_t>(left_, got);
+  return got;
+}
+
+namespace {
+
+/// Of text that goes on. Throws if its last word has more than `longest` bytes.
+void check_word(const std::string& name, std::string_view text, std::size_t longest) {
+  if (text.size() <= longest) return;
+  if (text.substr(text.size() - longest - 1).find_last_of(" \t\r\n") == text.npos)
+    throw Failure(Exit::input, fmt::format("{}: a word of more than {} bytes", name, longest));
+}
+
+}  // namespace
+
 std::string read_file(const std::string& path, std::size_t longest) {
-  auto close = [](std::FILE* f) {
-    if (f != stdin) std::fclose(f);
-  };
-  std::unique_ptr<std::FILE, decltype(close)> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"), close);
-  if (!file) throw Failure(Exit::input, fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
-  std::size_t expected = 0;
-  if (path != "-" && std::fseek(file.get(), 0, SEEK_END) == 0) {
-    const long size = std::ftell(file.get());
-    std::rewind(file.get());
-    // A directory has an absurd size here, and a pipe none: the loop below grows as it reads.
-    if (size > 0 && size < (1l << 40)) expected = static_cast<std::size_t>(size) + 1;
-  }
+  TextFile file(path);
+  const std::size_t expected = file.left() > 0 ? static_cast<std::size_t>(file.left()) + 1 : 0;
   std::string text;
   for (std::size_t used = 0;;) {
     // The first block is read before there is room for the rest: what is no text shows there.
     constexpr std::size_t first = 1 << 21, next = 1 << 24;
     if (used >= first && expected > text.capacity()) text.reserve(expected);
     text.resize(used + (used < first ? std::min(expected > 0 ? expected : first, first) : next));
-    const std::size_t got = std::fread(&text[used], 1, text.size() - used, file.get());
+    const std::size_t got = file.read(&text[used], text.size() - used);
     used += got;
     if (got == 0 || used < text.size()) text.resize(used);
-    if (got == 0) break;
-    const std::size_t blank = text.size() <= longest ? 0 : text.find_last_of(" \t\r\n");
-    if (text.size() > longest && text.size() - (blank == text.npos ? 0 : blank) > longest)
-      throw Failure(Exit::input, fmt::format("{}: a word of more than {} bytes", shown_name(path), longest));
+    if (got == 0) return text;
+    check_word(shown_name(path), text, longest);
   }
-  if (std::ferror(file.get()))
-    throw Failure(Exit::input, fmt::format("{}: cannot be read: {}", shown_name(path), std::strerror(errno)));
-  return text;
 }
 
 std::uint64_t LineNumbers::of(std::uint64_t index) const {
@@ -68,25 +82,55 @@ std::uint64_t LineNumbers::of(std::uint64_t index) const {
   return run.line + (index - run.first);
 }
 
-Records::Records(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {
-  at_ = line_end_ = text_.data();
-  end_ = at_ + text_.size();
-  if (text_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = line_end_ = at_ + 3;  // the byte order mark of UTF-8
+Records::Records(const std::string& path) : name_(shown_name(path)), file_(path) {
+  refill();
+  constexpr std::string_view mark = "\xEF\xBB\xBF";  // the byte order mark of UTF-8
+  if (std::string_view(next_, static_cast<std::size_t>(end_ - next_)).substr(0, mark.size()) == mark)
+    next_ += mark.size();
 }
 
 bool Records::next() {
-  const char* start = line_ == 0 ? line_end_ : line_end_ + 1;
-  while (start < end_) {
-    const char* newline = static_cast<const char*>(std::memchr(start, '\n', static_cast<std::size_t>(end_ - start)));
-    at_ = start;
-    line_end_ = newline ? newline : end_;
+  while (take_line()) {
     ++line_;
     if (more()) return true;
     if (at_ < line_end_) note_comment({at_, static_cast<std::size_t>(line_end_ - at_)});
-    start = line_end_ + 1;
   }
   at_ = line_end_ = end_;
   return false;
+}
+
+/// Ends: the window grows until it has the line's end, or the file's.
+bool Records::take_line() {
+  for (std::size_t looked = 0;;) {
+    const auto come = static_cast<std::size_t>(end_ - next_);
+    const void* found = come > looked ? std::memchr(next_ + looked, '\n', come - looked) : nullptr;
+    if (!found && !is_whole_) {
+      looked = come;
+      refill();
+      continue;
+    }
+    if (!found && come == 0) return false;
+    at_ = next_;
+    line_end_ = found ? static_cast<const char*>(found) : end_;
+    next_ = found ? line_end_ + 1 : end_;
+    return true;
+  }
+}
+
+/// Keeps what has come behind the current line, and reads on.
+void Records::refill() {
+  constexpr std::uint64_t most = std::uint64_t{1} << 22;
+  const auto block = static_cast<std::size_t>(file_.left() > 0 ? std::min(most, file_.left() + 1) : most);
+  const auto kept = static_cast<std::size_t>(end_ - next_);
+  check_word(name_, {next_, kept}, longest_word);
+  field_ = {};
+  if (kept > 0) std::memmove(window_.data(), next_, kept);
+  if (window_.size() < 2 * kept + block) window_.resize(2 * kept + block);
+  const std::size_t got = file_.read(window_.data() + kept, window_.size() - kept);
+  is_whole_ = got < window_.size() - kept;
+  next_ = window_.data();
+  end_ = next_ + kept + got;
+  at_ = line_end_ = next_;
 }
 
 bool Records::more() {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +21,26 @@ constexpr std::size_t longest_word = 1 << 20;
 
 /// How a file is named in messages: its path, or "<stdin>" for "-".
 std::string shown_name(const std::string& path);
+
+/// A file, or standard input for "-", from front to back. Throws Failure (Exit::input).
+class TextFile {
+ public:
+  explicit TextFile(const std::string& path);
+  /// Up to so many bytes, fewer only before the end; 0 there.
+  std::size_t read(char* to, std::size_t most);
+  /// Bytes that follow; 0 of a pipe, of which nobody knows.
+  std::uint64_t left() const { return left_; }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const {
+      if (file != stdin) std::fclose(file);
+    }
+  };
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t left_ = 0;
+};
 
 /// Line numbers of consecutive records, stored as runs of neighbouring lines.
 class LineNumbers {
@@ -38,11 +60,11 @@ class LineNumbers {
   std::uint64_t count_ = 0;
 };
 
-/// Reads records field by field. Every failure says FILE:LINE: what.
+/// Reads records field by field, and the file block by block. Every failure says FILE:LINE: what; a word of more than
+/// `longest_word` bytes, some more or less, is one as well.
 class Records {
  public:
-  explicit Records(const std::string& path) : Records(shown_name(path), read_file(path, longest_word)) {}
-  Records(std::string name, std::string text);
+  explicit Records(const std::string& path);
   Records(const Records&) = delete;
   Records& operator=(const Records&) = delete;
 
@@ -56,7 +78,7 @@ class Records {
   std::uint64_t count(std::string_view what, std::uint64_t most);
   /// The next field as the nearest double; "nan" and "inf" are numbers here.
   double number(std::string_view what);
-  /// The next field as it is.
+  /// The next field as it is, until next() is called.
   std::string_view word(std::string_view what) { return take(what); }
   /// The rest of the record, which must be numbers.
   void skip_numbers(std::string_view what);
@@ -65,7 +87,8 @@ class Records {
   std::string field() const;
   const std::string& name() const { return name_; }
   std::uint64_t line() const { return line_; }
-  std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - line_end_); }
+  /// Of the file, at least; of a pipe what has come of it.
+  std::uint64_t bytes_left() const { return static_cast<std::uint64_t>(end_ - next_) + file_.left(); }
   /// The last comment passed that begins with "# gcdt grid ", less these words, and its line.
   const std::pair<std::string, std::uint64_t>& grid_comment() const { return grid_comment_; }
 
@@ -76,9 +99,15 @@ class Records {
   bool read_plainly(Parse&& parse);
   std::string_view take(std::string_view what);
   void note_comment(std::string_view comment);
+  bool take_line();
+  void refill();
 
-  std::string name_, text_;
-  const char *at_, *line_end_, *end_;
+  std::string name_;
+  TextFile file_;
+  std::vector<char> window_;
+  bool is_whole_ = false;  ///< the window has the end of the file
+  // In the window: the current line from where it is read on, and all that has come behind it.
+  const char *at_ = nullptr, *line_end_ = nullptr, *next_ = nullptr, *end_ = nullptr;
   std::string_view field_;
   std::uint64_t line_ = 0;
   std::pair<std::string, std::uint64_t> grid_comment_;
