@@ -416,7 +416,8 @@ enum {
 
 /* The coordinates of grid points: for each of `count` pairs x, y of `points`, the doubles nearest to
  * origin + x cell, origin + y cell, written as a pair. Where cells are smaller than the gaps between doubles, several
- * grid points have the same. GCDT_ERROR_INVALID_ARGUMENT for a grid that is none or a point outside of it. */
+ * grid points have the same. GCDT_ERROR_INVALID_ARGUMENT for a grid that is none or a point outside of it (indices: the
+ * number of the pair, axis). */
 GCDT_API int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count,
                                        double* coordinates);
 

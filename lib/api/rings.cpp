@@ -18,8 +18,10 @@ void check_offsets(const std::uint64_t* offsets, std::uint64_t count, std::uint6
       throw Error(Status::invalid_argument,
                   std::string(name) + ": element " + std::to_string(i) + " is larger than the next one", {i});
   if (offsets[0] != 0 || offsets[count] != last)
-    throw Error(Status::invalid_argument, std::string(name) + " must go from 0 to " + std::to_string(last) + ", not " +
-                                              std::to_string(offsets[0]) + " to " + std::to_string(offsets[count]));
+    throw Error(Status::invalid_argument,
+                std::string(name) + " must go from 0 to " + std::to_string(last) + ", not " +
+                    std::to_string(offsets[0]) + " to " + std::to_string(offsets[count]),
+                {offsets[0] != 0 ? 0 : count});
 }
 
 /// The sign of the area of vertices [begin, end), exactly.

@@ -205,4 +205,5 @@ def main():
             parser.error(f"nothing is known of {what}")
 
 
-main()
+if __name__ == "__main__":
+    main()
