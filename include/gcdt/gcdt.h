@@ -210,7 +210,8 @@ typedef struct gcdt_rings {
  * given; or, with polygons, the first ring of each counter-clockwise and the others, its holes, clockwise, by the exact
  * sign of their area (0: as given), so that regions with a nonzero winding number are the union. `capacity` in
  * constraints, at least the vertex count. Errors: GCDT_ERROR_INVALID_ARGUMENT (offsets; indices: the first wrong one),
- * GCDT_ERROR_BUFFER_TOO_SMALL; with polygons also GCDT_ERROR_COORDINATE_NOT_FINITE. */
+ * GCDT_ERROR_BUFFER_TOO_SMALL; with polygons also GCDT_ERROR_COORDINATE_NOT_FINITE, or of
+ * an int64 beyond 2^53 GCDT_ERROR_COORDINATE_OUTSIDE_GRID. */
 GCDT_API int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, uint32_t* constraints,
                                        uint64_t capacity);
 
