@@ -67,6 +67,9 @@ for part in $parts; do
       inside bash /gcdt/scripts/demo.sh
       present "$bare/gcdt/out/countries-50m.svg"
       present "$bare/gcdt/out/countries-50m.vtu"
+      inside env -C /gcdt bash -e examples/triangulate.sh # README's commands
+      present "$bare/gcdt/countries.svg"
+      present "$bare/gcdt/countries.vtu"
       ;;
     test)
       inside bash /gcdt/scripts/test.sh "${quick[@]}"
