@@ -189,3 +189,21 @@ def test_the_dictionary_of_triangulate_stays_as_it_is(tmp_path):
         with pytest.raises(gcdt.Error):
             gcdt.triangulate(made, "pA")
         assert made.keys() == before.keys() and all(made[k] is before[k] for k in before)
+
+
+@pytest.mark.parametrize(
+    "call, said",
+    [
+        (lambda: gcdt.triangulate_pslg(POINTS, crossing="cut"), "crossing is one of reject, drop, split, not cut"),
+        (lambda: gcdt.triangulate_pslg(POINTS, domain="all"), "domain is one of hull, "),
+        (lambda: gcdt.triangulate_pslg(POINTS, grid=(0, 0)), "a grid is"),
+        (lambda: gcdt.triangulate_polygons(POINTS, RINGS, POLYGONS, errors="ignore"), "errors is"),
+        (lambda: gcdt.Delaunay(POINTS).find_simplex([1, 2, 3]), "xi must have the shape"),
+        (lambda: gcdt.triangulate(POINTS), "not list"),
+        (lambda: gcdt.triangulate({"vertcies": POINTS}), "unknown key vertcies"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_errors_of_gcdt(call, said):
+    with pytest.raises(ValueError, match=said) as caught:
+        call()
+    assert isinstance(caught.value, gcdt.InputError)

@@ -248,6 +248,9 @@ TEST_CASE("questions to a result name the point that is wrong, and leave what th
              GCDT_ERROR_COORDINATE_NOT_FINITE, {3, 1}, "point 3");
   check_said(said(gcdt_interpolate(result.handle(), GCDT_FLOAT64, points.data(), 6, values.data(), -1, found.data())),
              GCDT_ERROR_COORDINATE_NOT_FINITE, {3, 1}, "point 3");
+  const ReadOnly<std::int64_t> whole(with(corners<std::int64_t>(), 10, std::int64_t{1} << 60));
+  check_said(said(gcdt_locate(result.handle(), GCDT_INT64, whole.data(), 6, triangles.data(), weights.data())),
+             GCDT_ERROR_COORDINATE_OUTSIDE_GRID, {5, 0}, "point 5");
   CHECK((triangles.untouched() && weights.untouched() && found.untouched()));
   const Points queries = Points::pairs(points.data(), 6);
   for (const std::size_t before : {std::size_t{0}, std::size_t{2}, std::size_t{9}}) {
