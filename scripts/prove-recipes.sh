@@ -56,8 +56,8 @@ echo "prove-recipes: vcpkg.json is as vcpkg's schema wants it"
 export CONAN_HOME=$work/conan
 rm -rf "$CONAN_HOME"
 conan() { "$work/env/bin/conan" "$@" || fail "conan $1 failed"; }
-conan profile detect
-conan remote disable '*'
+conan profile detect >"$work/profile.log" 2>&1
+conan remote disable "*" >/dev/null
 for shared in False True; do
   conan create "$root/packaging/conan" --no-remote --build 'gcdt/*' -o "gcdt/*:shared=$shared" \
     -c "tools.build:jobs=$(nproc)" >"$work/create.log" 2>&1 || { tail -40 "$work/create.log" >&2; exit 1; }
