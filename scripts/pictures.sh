@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Draws docs/countries.png, docs/regions.png and docs/refined.png anew. Needs rsvg-convert (package librsvg2-bin).
+# Draws docs/countries.png, docs/regions.png, docs/refined.png and the page docs/map.html anew. Needs rsvg-convert (package librsvg2-bin).
 # Usage: scripts/pictures.sh [GCDT]
 #   GCDT   the command; without one, build/tools/gcdt, as scripts/demo.sh builds it
 set -euo pipefail
@@ -37,6 +37,18 @@ close_borders() {
     }' ends="$work/ends" "$1"
 }
 
+# The same map with coordinates in steps of half a degree, so that a page of it is small.
+coarse() {
+  awk '
+    function rounded(x) { return (x < 0 ? -int(0.5 - 2 * x) : int(0.5 + 2 * x)) / 2 }
+    NR == 1 { vertices = $1 }
+    NR > 1 && NR <= vertices + 1 { $2 = rounded($2); $3 = rounded($3) }
+    { print }' "$1"
+}
+coarse "$input" >"$work/coarse.poly"
+"$gcdt" triangulate "$work/coarse.poly" --triangle pcjQ # leaves out the vertices that have become one with others
+"$gcdt" view "$work/coarse.1.poly" --title "Countries, to half a degree" --quiet -o docs/map.html
+
 "$gcdt" triangulate "$input" --quiet -o "$work/countries.svg"
 close_borders "$input" >"$work/closed.poly"
 "$gcdt" triangulate "$work/closed.poly" --domain outer --verify --quiet -o "$work/regions.svg"
@@ -46,4 +58,4 @@ for picture in countries regions; do
   rsvg-convert -w 1000 "$work/$picture.svg" -o "docs/$picture.png"
 done
 rsvg-convert -w 480 "$work/refined.svg" -o docs/refined.png
-echo "pictures: docs/countries.png, docs/regions.png, docs/refined.png"
+echo "pictures: docs/map.html, docs/countries.png, docs/regions.png, docs/refined.png"

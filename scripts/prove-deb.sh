@@ -8,43 +8,12 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 self=$root/scripts/prove-deb.sh
 case ${1-} in -*) sed -n '4,5s/^# //p' "$self"; exit 2 ;; esac
 folder=$(realpath "${1:-$root/build-deb}")
-[[ $(id -u) == 0 ]] || { echo "prove-deb: needs root" >&2; exit 2; }
-if [[ -z ${GCDT_PROVE_NAMESPACE-} ]]; then
-  GCDT_PROVE_NAMESPACE=yes exec unshare --mount --propagation private bash "$self" "$folder"
-fi
-suite=${GCDT_SUITE:-bookworm}
-work=$(mktemp -d "${TMPDIR:-/var/tmp}/gcdt-prove-XXXXXX")
-bare=$work/root
-clean_up() {
-  umount -q "$bare/sys" "$bare/proc" || true
-  rm -rf --one-file-system "$work"
-}
-trap clean_up EXIT
-trap 'exit 130' INT TERM HUP
-say() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
+# shellcheck source=scripts/bare-root.sh
+. "$root/scripts/bare-root.sh"
+bare_begin "$self" "$folder"
 
 say "a bare $suite"
-# shellcheck disable=SC2016
-sources=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Identifier: Packages' 2>/dev/null |
-  awk -v suite="$suite" '($2 == suite || $2 == suite "-updates" || $2 == suite "-security") && $3 == "main"' | sort -u)
-mirror=${GCDT_MIRROR-$(awk -v suite="$suite" '$2 == suite { print $1; exit }' <<<"$sources")}
-debootstrap --variant=minbase "$suite" "$bare" ${mirror:+"$mirror"} >"$work/debootstrap.log" ||
-  { tail -20 "$work/debootstrap.log" >&2; exit 1; }
-[[ ${GCDT_MIRROR-} || ! $sources ]] || awk '{ print "deb", $0 }' <<<"$sources" >"$bare/etc/apt/sources.list"
-apt-config dump | grep -E '^Acquire::(http|https)::.*[Pp]roxy|^Acquire::Check-(Valid-Until|Date) ' \
-  >"$bare/etc/apt/apt.conf.d/90host" || true
-if grep -q 'https:' "$bare/etc/apt/sources.list"; then
-  install -D -m 644 /etc/ssl/certs/ca-certificates.crt "$bare/etc/ssl/certs/ca-certificates.crt"
-fi
-cat /etc/resolv.conf >"$bare/etc/resolv.conf"
-mount -t proc proc "$bare/proc"
-mount -t sysfs -o ro sysfs "$bare/sys"
-inside() {
-  local variables=(PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive)
-  for name in http_proxy https_proxy no_proxy; do [[ -z ${!name-} ]] || variables+=("$name=${!name}"); done
-  chroot "$bare" /usr/bin/env -i "${variables[@]}" "$@"
-}
-add() { inside apt-get -q -y install --no-install-recommends "$@" >"$work/apt.log" 2>&1 || { tail -20 "$work/apt.log"; exit 1; }; }
+bare_root
 mkdir "$bare/debs"
 cp "$folder"/*.deb "$bare/debs/"
 cp "$root"/examples/triangulate.{c,cpp,py} "$root/examples/data/countries-50m.poly" "$bare/root/"

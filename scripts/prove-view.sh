@@ -67,4 +67,7 @@ from PIL import Image
 colours = Image.open(sys.argv[1]).convert("RGB").getcolors(1 << 20)
 assert len(colours) > 1000, len(colours)  # regions, edges and what lies between
 END
+# The page that README links.
+browser --dump-dom "file://$root/docs/map.html" >"$work/dom"
+grep -q 'data-state="drawn"' "$work/dom" || fail "docs/map.html was not drawn"
 echo "prove-view: drawn, picked and escaped"

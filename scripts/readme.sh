@@ -8,12 +8,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 shows() { # PAGE LANGUAGE
   local shown built
-  shown=$(sed -n "/^\`\`\`$2\$/,/^\`\`\`\$/p" "$1" | sed '1d;$d')
+  shown=$(awk -v fence="\`\`\`$2" '$0 == fence { block = ""; inside = 1; next } /^```$/ { inside = 0 }
+                                   inside { block = block $0 "\n" } END { printf "%s", block }' "$1") # the last such block
   built=$(tail -n +3 "examples/triangulate.$2")
   [[ $shown && $built ]] || { echo "readme: no example in $2 in $1" >&2; exit 1; }
   diff <(echo "$shown") <(echo "$built")
 }
 shows README.md cpp
+shows README.md sh
 shows docs/using.md c
 shows README.md py
 shows docs/python.md py
@@ -37,4 +39,4 @@ for page in "${pages[@]}"; do
     tr -d '` ' | sort -u)
 done
 ((missing == 0)) || exit 1
-echo "readme: its examples are examples/triangulate.c, .cpp and .py, and what ${#pages[@]} pages name is there"
+echo "readme: its examples are examples/triangulate.c, .cpp, .py and .sh, and what ${#pages[@]} pages name is there"

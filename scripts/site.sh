@@ -10,7 +10,7 @@ work=$root/build-site
 rm -rf "$work"
 mkdir -p "$work/source/docs" "$work/source/kernels" "$work/source/bench" "$work/source/python" "$work/source/tests"
 cp "$root"/docs/site/{conf.py,index.md,c.rst,cpp.rst} "$root"/{CONTRIBUTING,CHANGELOG,SECURITY}.md "$work/source/"
-cp "$root"/docs/*.{md,png} "$work/source/docs/"
+cp "$root"/docs/*.{md,png,html} "$work/source/docs/"
 cp "$root/kernels/README.md" "$work/source/kernels/"
 cp "$root"/bench/*.md "$work/source/bench/"
 cp -r "$root/bench/results" "$work/source/bench/"

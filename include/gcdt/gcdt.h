@@ -210,7 +210,8 @@ typedef struct gcdt_rings {
  * given; or, with polygons, the first ring of each counter-clockwise and the others, its holes, clockwise, by the exact
  * sign of their area (0: as given), so that regions with a nonzero winding number are the union. `capacity` in
  * constraints, at least the vertex count. Errors: GCDT_ERROR_INVALID_ARGUMENT (offsets; indices: the first wrong one),
- * GCDT_ERROR_BUFFER_TOO_SMALL; with polygons also GCDT_ERROR_COORDINATE_NOT_FINITE. */
+ * GCDT_ERROR_BUFFER_TOO_SMALL; with polygons also GCDT_ERROR_COORDINATE_NOT_FINITE, or of
+ * an int64 beyond 2^53 GCDT_ERROR_COORDINATE_OUTSIDE_GRID. */
 GCDT_API int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, uint32_t* constraints,
                                        uint64_t capacity);
 
@@ -416,7 +417,8 @@ enum {
 
 /* The coordinates of grid points: for each of `count` pairs x, y of `points`, the doubles nearest to
  * origin + x cell, origin + y cell, written as a pair. Where cells are smaller than the gaps between doubles, several
- * grid points have the same. GCDT_ERROR_INVALID_ARGUMENT for a grid that is none or a point outside of it. */
+ * grid points have the same. GCDT_ERROR_INVALID_ARGUMENT for a grid that is none or a point outside of it (indices: the
+ * number of the pair, axis). */
 GCDT_API int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint64_t count,
                                        double* coordinates);
 

@@ -144,8 +144,17 @@ class Result {
   /// The same with the points' weights in their triangles, in any vector.
   template <class Allocator>
   Array<std::int32_t> locate(Points points, std::vector<std::array<double, 3>, Allocator>* weights) const {
-    if (weights) weights->resize(points.size());
-    return locate(points, weights && !weights->empty() ? weights->data()->data() : nullptr);
+    if (!weights) return locate(points);
+    const std::size_t before = weights->size();
+    if (before < points.size()) weights->resize(points.size());
+    try {
+      Array<std::int32_t> triangles = locate(points, weights->empty() ? nullptr : weights->data()->data());
+      weights->resize(points.size());
+      return triangles;
+    } catch (...) {
+      weights->resize(before);  // as it was: an error writes nothing
+      throw;
+    }
   }
   /// The values at points, linear in each triangle; `vertex_values`: one a vertex, added ones last. See
   /// gcdt_interpolate. Throws invalid_argument if they are not as many. Blocks.

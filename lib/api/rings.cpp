@@ -18,8 +18,10 @@ void check_offsets(const std::uint64_t* offsets, std::uint64_t count, std::uint6
       throw Error(Status::invalid_argument,
                   std::string(name) + ": element " + std::to_string(i) + " is larger than the next one", {i});
   if (offsets[0] != 0 || offsets[count] != last)
-    throw Error(Status::invalid_argument, std::string(name) + " must go from 0 to " + std::to_string(last) + ", not " +
-                                              std::to_string(offsets[0]) + " to " + std::to_string(offsets[count]));
+    throw Error(Status::invalid_argument,
+                std::string(name) + " must go from 0 to " + std::to_string(last) + ", not " +
+                    std::to_string(offsets[0]) + " to " + std::to_string(offsets[count]),
+                {offsets[0] != 0 ? 0 : count});
 }
 
 /// The sign of the area of vertices [begin, end), exactly.
@@ -52,9 +54,12 @@ int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, 
     if (capacity < points.size()) throw too_small(points.size(), capacity, "constraints");
     require(constraints || points.size() == 0, "constraints is null");
     for (std::uint64_t v = 0; v < 2 * points.size() && given.polygon_offsets; ++v)
-      if (const double c = points.coordinate(v / 2, int(v % 2)); !(c - c == 0))
-        throw Error(Status::coordinate_not_finite, "a coordinate of vertex " + std::to_string(v / 2) + " is not finite",
+      if (const double c = points.coordinate(v / 2, int(v % 2)); !(c - c == 0)) {
+        const bool whole = points.type() == Points::Type::int64;
+        throw Error(whole ? Status::coordinate_outside_grid : Status::coordinate_not_finite,
+                    "a coordinate of vertex " + std::to_string(v / 2) + (whole ? " is beyond 2^53" : " is not finite"),
                     {v / 2, v % 2});
+      }
     for (std::uint64_t r = 0; r < given.ring_count; ++r) {
       const std::uint64_t begin = given.ring_offsets[r], end = given.ring_offsets[r + 1];
       for (std::uint64_t v = begin; v < end; ++v) {

@@ -78,7 +78,12 @@ int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint
   return guarded(nullptr, [&] {
     const Grid known = read_whole_grid(grid);
     require((points && coordinates) || count == 0, "points or coordinates is null");
-    for (uint64_t i = 0; i < 2 * count; ++i) require(points[i] >= 0, "a grid point is negative");
+    for (uint64_t i = 0; i < 2 * count; ++i)
+      if (points[i] < 0)
+        throw Error(
+            Status::invalid_argument,
+            "point " + std::to_string(i / 2) + " is not on the grid: " + std::to_string(points[i]) + " is negative",
+            {i / 2, i % 2});
     const proof::Coordinates exact(known);
     for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = exact.at(int(i % 2), points[i]);
   });
@@ -90,11 +95,12 @@ int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint6
     require((points && coordinates) || count == 0, "points or coordinates is null");
     std::vector<std::int32_t> placed(2 * count);
     for (uint64_t i = 0; i < 2 * count; ++i) {
-      const std::vector<std::uint64_t> where = {i / 2, i % 2};
-      if (!proof::is_finite(coordinates[i]))
-        throw Error(Status::coordinate_not_finite, "a coordinate is not finite", where);
+      const auto refuse = [&](Status status, const char* why) {
+        throw Error(status, "a coordinate of point " + std::to_string(i / 2) + why, {i / 2, i % 2});
+      };
+      if (!proof::is_finite(coordinates[i])) refuse(Status::coordinate_not_finite, " is not finite");
       const auto at = proof::nearest_at(known, int(i % 2), coordinates[i]);
-      if (!at) throw Error(Status::coordinate_outside_grid, "a coordinate is outside the grid", where);
+      if (!at) refuse(Status::coordinate_outside_grid, " is outside the grid");
       placed[i] = *at;
     }
     std::copy(placed.begin(), placed.end(), points);

@@ -18,6 +18,15 @@ struct Queries {
   Buffer<cl_uint> numbers;
 };
 
+/// Of a query with such a coordinate.
+Error not_placed(cl_uint type, std::uint64_t coordinate) {
+  const bool whole = type == GCDT_COORDINATES_INT64;
+  return Error(whole ? Status::coordinate_outside_grid : Status::coordinate_not_finite,
+               std::string(coordinate % 2 ? "y" : "x") + " of point " + std::to_string(coordinate / 2) +
+                   (whole ? " is beyond 2^53" : " is not a finite number"),
+               {coordinate / 2, coordinate % 2});
+}
+
 Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& points, std::uint64_t first) {
   Queries queries = {points.n, runtime.allocate<cl_ulong>("keys of queries", points.n),
                      runtime.allocate<cl_uint>("numbers of queries", points.n)};
@@ -28,11 +37,7 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
   runtime.launch("locate", "place_queries", over(points.n), points.n, points.type, points.coordinates, by_decimals,
                  scale, decimals, queries.keys, queries.numbers, not_finite);
   const cl_uint bad = runtime.read_one(not_finite);
-  if (bad != GCDT_NONE)
-    throw Error(
-        Status::coordinate_not_finite,
-        std::string(bad % 2 ? "y" : "x") + " of point " + std::to_string(first + bad / 2) + " is not a finite number",
-        {first + bad / 2, bad % 2});
+  if (bad != GCDT_NONE) throw not_placed(points.type, 2 * first + bad);
   return queries;
 }
 

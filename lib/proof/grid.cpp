@@ -126,8 +126,11 @@ Grid chosen_grid(Points points) {
 }  // namespace
 
 Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed) {
-  for_each_coordinate(points, [](std::size_t i, int axis, double v) {
-    if (!is_finite(v)) fail(Status::coordinate_not_finite, i, axis, "is not finite");
+  const bool whole = points.type() == Points::Type::int64;
+  for_each_coordinate(points, [whole](std::size_t i, int axis, double v) {
+    if (is_finite(v)) return;
+    if (whole) fail(Status::coordinate_outside_grid, i, axis, "is beyond 2^53");
+    fail(Status::coordinate_not_finite, i, axis, "is not finite");
   });
   return fixed ? fixed_grid(points, *fixed) : chosen_grid(points);
 }

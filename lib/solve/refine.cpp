@@ -24,10 +24,17 @@ std::string text_of(double value) {
 }
 
 // `what` begins with the member.
-[[noreturn]] void refuse(const std::string& what) { throw Error(Status::invalid_argument, "refine." + what); }
+[[noreturn]] void refuse(const std::string& what, std::vector<std::uint64_t> indices = {}) {
+  throw Error(Status::invalid_argument, "refine." + what, std::move(indices));
+}
 
-void refuse_unless(bool right, const char* member, const char* must_be, double value) {
-  if (!right) refuse(std::string(member) + " must be " + must_be + ", not " + text_of(value));
+void refuse_unless(bool right, const std::string& member, const char* must_be, double value,
+                   std::vector<std::uint64_t> indices = {}) {
+  if (!right) refuse(member + " must be " + must_be + ", not " + text_of(value), std::move(indices));
+}
+void check_above_zero(const std::string& member, Span<double> values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!(values[i] > 0)) refuse_unless(false, member + "[" + std::to_string(i) + "]", "above 0", values[i], {i});
 }
 
 // A length or an area in units of the input, of which the cell has `unit`, in whole numbers of these; at most `most`.
@@ -177,16 +184,14 @@ void check_refinement(const Refinement& wanted, const Options& options, std::uin
   if (!areas.empty() && areas.size() != options.region_seeds.size())
     refuse("region_areas has " + std::to_string(areas.size()) + " areas for " +
            std::to_string(options.region_seeds.size()) + " region seeds");
-  for (std::size_t i = 0; i < areas.size(); ++i)
-    refuse_unless(areas[i] > 0, ("region_areas[" + std::to_string(i) + "]").c_str(), "above 0", areas[i]);
+  check_above_zero("region_areas", areas);
   const auto& sizes = wanted.sizes;
   if (sizes.empty()) return;
   if (sizes.size() != vertices)
     refuse("sizes has " + std::to_string(sizes.size()) + " lengths for " + std::to_string(vertices) + " vertices");
   if (options.crossing == Crossing::split)
     refuse("sizes do not go with crossings that are split: the vertices there would have none");
-  for (std::size_t i = 0; i < sizes.size(); ++i)
-    refuse_unless(sizes[i] > 0, ("sizes[" + std::to_string(i) + "]").c_str(), "above 0", sizes[i]);
+  check_above_zero("sizes", sizes);
 }
 
 void tell_coarse_grid(Run& run) {

@@ -19,19 +19,25 @@ import numpy as np
 import gcdt
 
 
-def median_ms(work, repeat):
-    times = []
+def measured(work, repeat):
+    """Milliseconds of each run, on the clock and of all processors together."""
+    times, busy = [], []
     for _ in range(repeat):
-        start = time.perf_counter()
+        start, cpu = time.perf_counter(), time.process_time()
         work()
         times.append(1e3 * (time.perf_counter() - start))
-    return statistics.median(times), min(times), max(times)
+        busy.append(1e3 * (time.process_time() - cpu))
+    return times, busy
 
 
 def table(title, rows):
-    print(f"\n{title}\n\n| | ms | least, most |\n|---|---|---|")
-    for name, (middle, least, most) in rows:
-        print(f"| {name} | {middle:.0f} | {least:.0f}, {most:.0f} |", flush=True)
+    print(f"\n{title}\n\n| | ms | least, most | processor time |\n|---|---|---|---|")
+    for name, (times, busy) in rows:
+        middle = statistics.median(times)
+        print(
+            f"| {name} | {middle:.0f} | {min(times):.0f}, {max(times):.0f} | {statistics.median(busy):.0f} |",
+            flush=True,
+        )
 
 
 def buildings(count):
@@ -98,7 +104,7 @@ def polygons(count, repeat):
     ]
     areas = [area(coords, way()) for _, way in ways]
     assert np.allclose(areas, areas[0], rtol=1e-9), areas
-    table(f"{count} polygons, {len(coords)} vertices", [(name, median_ms(way, repeat)) for name, way in ways])
+    table(f"{count} polygons, {len(coords)} vertices", [(name, measured(way, repeat)) for name, way in ways])
 
 
 def find_simplex(count, repeat):
@@ -109,25 +115,24 @@ def find_simplex(count, repeat):
     points, where = rng.random((100_000, 2)), rng.uniform(-0.05, 1.05, (count, 2))
     ours, theirs = gcdt.Delaunay(points), Delaunay(points)
     mesh = matplotlib.tri.Triangulation(*points.T, ours.simplices)
-    start = time.perf_counter()
+    made = measured(mesh.get_trifinder, 1)
     trifinder = mesh.get_trifinder()
-    made = 1e3 * (time.perf_counter() - start)
     found = ours.find_simplex(where)
     assert (found == trifinder(*where.T)).mean() > 0.99999
     # scipy walks from where the last point was: points in any order take it minutes, so once is enough.
-    start = time.perf_counter()
-    assert ((found < 0) == (theirs.find_simplex(where) < 0)).mean() > 0.99999
-    once = 1e3 * (time.perf_counter() - start)
+    answers = []
+    once = measured(lambda: answers.append(theirs.find_simplex(where)), 1)
+    assert ((found < 0) == (answers[0] < 0)).mean() > 0.99999
     near = where[np.lexsort((where[:, 1], (where[:, 0] * 300).astype(int)))]
     table(
         f"{count} points in a mesh of {len(points)} vertices",
         [
-            ("gcdt.Delaunay.find_simplex", median_ms(lambda: ours.find_simplex(where), repeat)),
-            ("the same, of points sorted into stripes", median_ms(lambda: ours.find_simplex(near), repeat)),
-            ("scipy.spatial.Delaunay.find_simplex (once)", (once, once, once)),
-            ("the same, of points sorted into stripes", median_ms(lambda: theirs.find_simplex(near), repeat)),
-            ("matplotlib's trifinder", median_ms(lambda: trifinder(*where.T), repeat)),
-            ("making matplotlib's trifinder (once)", (made, made, made)),
+            ("gcdt.Delaunay.find_simplex", measured(lambda: ours.find_simplex(where), repeat)),
+            ("the same, of points sorted into stripes", measured(lambda: ours.find_simplex(near), repeat)),
+            ("scipy.spatial.Delaunay.find_simplex (once)", once),
+            ("the same, of points sorted into stripes", measured(lambda: theirs.find_simplex(near), repeat)),
+            ("matplotlib's trifinder", measured(lambda: trifinder(*where.T), repeat)),
+            ("making matplotlib's trifinder (once)", made),
         ],
     )
 
@@ -180,9 +185,7 @@ def call(count, repeat, library):
             busy[name].append(1e3 * (time.process_time() - cpu))
             if name != "C functions":
                 beside.append(times[name][-1] - made.statistics["ms"]["call"])
-    for what, all_times in (("", times), (", processor time", busy)):
-        rows = [(name, (statistics.median(t), min(t), max(t))) for name, t in all_times.items()]
-        table(f"{count} vertices{what}", rows)
+    table(f"{count} vertices", [(name, (times[name], busy[name])) for name in ways])
     print(f"\nPython beside its C++ call: {statistics.median(beside):.2f} ms")
 
 
@@ -205,4 +208,5 @@ def main():
             parser.error(f"nothing is known of {what}")
 
 
-main()
+if __name__ == "__main__":
+    main()

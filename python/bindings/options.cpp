@@ -20,7 +20,7 @@ Enum named(const std::string& name, const char* what, const std::array<std::pair
     if (name == word) return value;
     known += std::string(known.empty() ? "" : ", ") + word;
   }
-  throw nb::value_error((std::string(what) + " is one of " + known + ", not " + name).c_str());
+  throw Error(Status::invalid_argument, std::string(what) + " is one of " + known + ", not " + name);
 }
 
 Crossing crossing_named(const std::string& name) {

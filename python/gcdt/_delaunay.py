@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _views
+from ._errors import make
 from ._mesh import Mesh
 from ._pslg import triangulate_pslg
 from ._solver import Solver
@@ -127,6 +128,6 @@ class Delaunay:
         """
         where = np.asarray(xi, dtype=np.float64)
         if where.shape[-1:] != (2,):
-            raise ValueError(f"xi must have the shape (..., 2), not {where.shape}")
+            raise make("invalid_argument", f"xi must have the shape (..., 2), not {where.shape}")
         found = self.mesh.locate(where.reshape(-1, 2))
         return found.reshape(where.shape[:-1])

@@ -8,12 +8,14 @@ system's files and one for each of those drivers, for as long as it reads.
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import os
 import shutil
 import tempfile
 import threading
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 from . import _gcdt
@@ -22,7 +24,7 @@ from . import _gcdt
 _CHOSEN = ("OCL_ICD_VENDORS", "OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES")
 _SYSTEM = Path("/etc/OpenCL/vendors")
 
-_lock = threading.Lock()
+_lock = threading.RLock()
 _ready = False
 
 
@@ -58,23 +60,29 @@ def prepare() -> None:
         return
     with _lock:
         if not _ready:
-            _first_call(installed())
+            with with_installed() as told:
+                if told:
+                    _gcdt.devices()
         _ready = True
 
 
-def _first_call(drivers: list[Path]) -> None:
-    if not drivers or any(os.environ.get(name) for name in _CHOSEN):
-        return
-    folder = Path(tempfile.mkdtemp(prefix="gcdt-icd-"))
-    try:
+@contextlib.contextmanager
+def with_installed() -> Iterator[bool]:
+    """A loader that is first called within this finds the drivers that pip has installed beside those of the system.
+
+    Gives False, and changes nothing, where there are none, or where users have chosen drivers themselves.
+    """
+    with _lock, contextlib.ExitStack() as undo:
+        drivers = installed()
+        if not drivers or any(os.environ.get(name) for name in _CHOSEN):
+            yield False
+            return
+        folder = Path(tempfile.mkdtemp(prefix="gcdt-icd-"))
+        undo.callback(shutil.rmtree, folder, ignore_errors=True)
         for file in _SYSTEM.glob("*.icd"):
             shutil.copyfile(file, folder / file.name)
         for driver in drivers:
             (folder / f"zz-{driver.name}.icd").write_text(f"{driver}\n")
         os.environ["OCL_ICD_VENDORS"] = str(folder)
-        try:
-            _gcdt.devices()
-        finally:
-            del os.environ["OCL_ICD_VENDORS"]
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        undo.callback(os.environ.pop, "OCL_ICD_VENDORS")
+        yield True

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _gcdt, _views
-from ._errors import CoordinateError, Error
+from ._errors import CoordinateError, Error, make
 from ._options import options
 from ._pool import Batch, Pool, default_pool
 from ._solver import Progress
@@ -96,7 +96,7 @@ def triangulate_polygons(
     `pool`, or `devices` for a shared one: see `Pool`.
     """
     if errors not in ("raise", "return"):
-        raise ValueError(f'errors is "raise" or "return", not {errors!r}')
+        raise make("invalid_argument", f'errors is "raise" or "return", not {errors!r}')
     points = _arrays.coordinates(coords, "coords")
     rings = _arrays.offsets(ring_offsets, len(points), "ring_offsets")
     polygons = _arrays.offsets(polygon_offsets, len(rings) - 1, "polygon_offsets")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _drivers, _gcdt
+from ._errors import make
 
 Log = Callable[[int, str], None]
 Progress = Callable[[str, float], "bool | None"]
@@ -89,7 +90,7 @@ def default_solver(device: str | int | None = None) -> Solver:
 def solver_for(solver: Solver | None, device: str | int | None) -> Solver:
     """The solver of a call's arguments."""
     if solver is not None and device is not None:
-        raise ValueError("give a solver or a device, not both")
+        raise make("invalid_argument", "give a solver or a device, not both")
     return solver if solver is not None else default_solver(device)
 
 

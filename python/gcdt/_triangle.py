@@ -216,6 +216,8 @@ def triangulate(
     Their order is that of `gcdt.Mesh`. What there is none of is an empty array, where `triangle` has no key.
     """
     switches = _Switches.of(opts)
+    if not isinstance(tri, Mapping):
+        raise make("invalid_argument", f"the input is a dictionary with `vertices` and more, not {type(tri).__name__}")
     unknown = set(tri) - _KNOWN_KEYS
     if "vertices" not in tri or unknown:
         raise make("invalid_argument", f"unknown key {sorted(unknown)[0]}" if unknown else "there are no vertices")

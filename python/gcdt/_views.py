@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._errors import make
+
 if TYPE_CHECKING:
     from ._mesh import Mesh
 
@@ -50,7 +52,9 @@ def plot(mesh: Mesh, ax: Any, values: Any, style: dict[str, Any]) -> Any:
         else:
             values = np.asarray(values)
             if values.shape != (len(mesh.triangles),):
-                raise ValueError(f"values must have one number for each of {len(mesh.triangles)} triangles")
+                raise make(
+                    "invalid_argument", f"values must have one number for each of {len(mesh.triangles)} triangles"
+                )
             ax.tripcolor(*points.T, mesh.triangles, facecolors=values, **style)
     ax.add_collection(LineCollection(points[_constrained_ends(mesh)], colors="black", linewidths=1.2))
     ax.set_aspect("equal")

@@ -5,7 +5,8 @@
     mesh = gcdt.opencl.triangulate(solver, vertices, constraints)      # pyopencl.array.Arrays
     triangles = mesh.copy("triangles", queue)                          # a pyopencl.array.Array
 
-The solver works on the context and device of the queue. Offsets and counts are in elements: pairs of numbers.
+The solver works on the context and device of the queue. Importing this module, before PyOpenCL is first asked for its
+platforms, lets it find the drivers that pip has installed, too. Offsets and counts are in elements: pairs of numbers.
 """
 
 from __future__ import annotations
@@ -18,10 +19,15 @@ import numpy as np
 import pyopencl as cl
 import pyopencl.array as cl_array
 
-from . import _gcdt
+from . import _drivers, _gcdt
 from ._errors import make
 from ._options import options
 from ._solver import Log, Progress, Solver
+
+# PyOpenCL of PyPI has a loader of its own, which like any other reads the names of drivers when it is first called.
+with _drivers.with_installed() as _told:
+    if _told:
+        cl.get_platforms()
 
 _TYPES = {np.dtype(np.float64): 0, np.dtype(np.float32): 1, np.dtype(np.int32): 2, np.dtype(np.int64): 3}
 _NUMBERS = {"std::uint32_t": np.uint32, "std::int32_t": np.int32, "std::uint8_t": np.uint8}

@@ -50,6 +50,16 @@ def test_drivers_of_packages_stand_beside_those_of_the_system(told, tmp_path):
     assert not folder.exists() and dict(os.environ) == before
 
 
+def test_another_loader_is_told_of_them_too(told, tmp_path):
+    before = dict(os.environ)
+    with _drivers.with_installed() as more:
+        folder = Path(os.environ["OCL_ICD_VENDORS"])
+        assert more and len(list(folder.glob("*.icd"))) == 3
+    with pytest.raises(ZeroDivisionError), _drivers.with_installed():
+        raise ZeroDivisionError
+    assert not folder.exists() and dict(os.environ) == before
+
+
 @pytest.mark.parametrize("variable", _drivers._CHOSEN)
 def test_who_chooses_drivers_himself_has_those(told, monkeypatch, variable):
     monkeypatch.setenv(variable, "/somewhere")

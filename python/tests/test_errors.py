@@ -13,6 +13,16 @@ RINGS, POLYGONS = [0, 3, 6], [0, 1, 2]
 TRIANGLES = [(0, 1, 5), (0, 5, 4)]
 
 
+def kept(tmp_path, values):
+    """A copy of an array in memory that ends the process if it is written to."""
+    values = np.ascontiguousarray(values)
+    (tmp_path / "array").write_bytes(values.tobytes())
+    array = np.memmap(tmp_path / "array", values.dtype, "r", shape=values.shape)
+    (tmp_path / "array").unlink()
+    assert not array.flags.writeable and not np.shares_memory(array, values)
+    return array
+
+
 @pytest.fixture(scope="module")
 def mesh():
     return gcdt.triangulate_pslg(POINTS, SEGMENTS)
@@ -45,14 +55,13 @@ CALLS_WITH_POINTS = {
 @pytest.mark.parametrize("name", CALLS_WITH_POINTS)
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_a_point_that_is_not_finite_is_named(mesh, name, bad, dtype):
+def test_a_point_that_is_not_finite_is_named(mesh, name, bad, dtype, tmp_path):
     points = np.array(POINTS, dtype)
     points[4, 1] = bad
-    before = points.copy()
+    points = kept(tmp_path, points)
     with pytest.raises(ValueError, match=r"\b(row|vertex|point) 4\b") as caught:
         CALLS_WITH_POINTS[name](mesh, points)
     assert isinstance(caught.value, gcdt.CoordinateError) and caught.value.indices == (4, 1)
-    np.testing.assert_array_equal(points, before)
 
 
 def test_a_point_of_a_batch_that_is_not_finite_is_an_error_of_its_problem():
@@ -83,18 +92,20 @@ BAD_NUMBERS += [(2**40, np.int64), (2**63, np.uint64), (-(2**63), np.int64)]
 
 @pytest.mark.parametrize("name", CALLS_WITH_PAIRS)
 @pytest.mark.parametrize("number, dtype", BAD_NUMBERS)
-def test_a_vertex_that_does_not_exist_is_named(name, number, dtype):
+def test_a_vertex_that_does_not_exist_is_named(name, number, dtype, tmp_path):
     pairs = np.array(SEGMENTS, dtype)
     pairs[3, 1] = number
+    pairs = kept(tmp_path, pairs)
     with pytest.raises(IndexError, match=rf"row 3 has vertex {number}\b") as caught:
         CALLS_WITH_PAIRS[name](pairs)
     assert isinstance(caught.value, gcdt.IndexOutOfRange) and caught.value.indices == (3, 1)
 
 
 @pytest.mark.parametrize("number, dtype", BAD_NUMBERS)
-def test_a_corner_that_does_not_exist_is_named(number, dtype):
+def test_a_corner_that_does_not_exist_is_named(number, dtype, tmp_path):
     triangles = np.array(TRIANGLES, dtype)
     triangles[1, 2] = number
+    triangles = kept(tmp_path, triangles)
     with pytest.raises(IndexError, match=rf"triangles: row 1 has vertex {number}\b"):
         gcdt.adopt(POINTS, triangles)
     assert not gcdt.verify(POINTS, triangles)
@@ -147,3 +158,52 @@ def test_columns_of_another_length_are_named(key, values):
 def test_holes_and_regions_of_another_shape_are_named(key, rows):
     with pytest.raises(ValueError, match=key):
         gcdt.triangulate({"vertices": POINTS, "segments": SEGMENTS, key: rows}, "pA")
+
+
+@pytest.mark.parametrize(
+    "rings, polygons, said",
+    [
+        ([0, 4, 3, 6], [0, 1, 3], r"ring_offsets: element 2 is 3\b"),
+        ([0, 3, 7], POLYGONS, r"ring_offsets must run from 0 to 6, but element 2 is 7\b"),
+        (RINGS, [0, 2, 1], r"polygon_offsets: element 2 is 1\b"),
+        (RINGS, [1, 2], r"polygon_offsets must run from 0 to 2, but element 0 is 1\b"),
+    ],
+)
+def test_offsets_that_make_no_sense_are_named(rings, polygons, said, tmp_path):
+    coords, rings = kept(tmp_path, np.array(POINTS)), kept(tmp_path, np.array(rings))
+    polygons = kept(tmp_path, np.array(polygons))
+    for call in (gcdt.triangulate_polygons, gcdt.ring_constraints):
+        with pytest.raises(ValueError, match=said):
+            call(coords, rings, polygons)
+
+
+def test_the_dictionary_of_triangulate_stays_as_it_is(tmp_path):
+    given = {"vertices": kept(tmp_path, np.array(POINTS)), "segments": kept(tmp_path, np.array(SEGMENTS))}
+    before = dict(given)
+    gcdt.triangulate(given, "pqa0.1")
+    assert given.keys() == before.keys() and all(given[key] is before[key] for key in before)
+    wrong = {"segments": [(0, 9)], "vertex_markers": np.arange(3), "holes": [(np.nan, 1)], "regions": [(1, 1)]}
+    for key, values in wrong.items():
+        made = given | {key: kept(tmp_path, np.array(values))}
+        before = dict(made)
+        with pytest.raises(gcdt.Error):
+            gcdt.triangulate(made, "pA")
+        assert made.keys() == before.keys() and all(made[k] is before[k] for k in before)
+
+
+@pytest.mark.parametrize(
+    "call, said",
+    [
+        (lambda: gcdt.triangulate_pslg(POINTS, crossing="cut"), "crossing is one of reject, drop, split, not cut"),
+        (lambda: gcdt.triangulate_pslg(POINTS, domain="all"), "domain is one of hull, "),
+        (lambda: gcdt.triangulate_pslg(POINTS, grid=(0, 0)), "a grid is"),
+        (lambda: gcdt.triangulate_polygons(POINTS, RINGS, POLYGONS, errors="ignore"), "errors is"),
+        (lambda: gcdt.Delaunay(POINTS).find_simplex([1, 2, 3]), "xi must have the shape"),
+        (lambda: gcdt.triangulate(POINTS), "not list"),
+        (lambda: gcdt.triangulate({"vertcies": POINTS}), "unknown key vertcies"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_errors_of_gcdt(call, said):
+    with pytest.raises(ValueError, match=said) as caught:
+        call()
+    assert isinstance(caught.value, gcdt.InputError)
