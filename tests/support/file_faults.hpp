@@ -60,6 +60,7 @@ class Child {
 
  private:
   [[noreturn]] static void run(const std::function<void()>& use, int said) {
+    alarm(240);  // one that hangs has crashed
     std::string error;
     try {
       use();
