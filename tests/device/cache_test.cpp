@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cache of programs when writing to it fails or the process is killed there, when it holds what it should not, and
 // when several processes fill it at once, some of which are killed: what it gives is whole, and it never fails.
-#include <gcdt/gcdt.hpp>
 #include <sys/stat.h>
+#include <gcdt/gcdt.hpp>
 
 #include <chrono>
 #include <random>
