@@ -53,7 +53,7 @@ static int is_below_of(int descriptor) {
   char link[64], path[PATH_MAX];
   snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
   const ssize_t length = readlink(link, path, sizeof path - 1);
-  if (length <= 0) return 0;
+  if (length <= 0 || path[0] != '/') return 0;  // a pipe or a socket
   path[length] = 0;
   return is_below(path);
 }
