@@ -3,7 +3,8 @@
 # Installs the distribution's packages that building and running gcdt needs, and nothing else.
 # Usage: scripts/setup.sh [--tests] [--fuzz]
 #   --tests   also what the tests need: doctest, CGAL, Mesa's OpenCL driver, Python's headers, pytest, PyOpenCL, NumPy,
-#             SciPy, Matplotlib, shapely, meshio, poppler, abidiff, FreeType, Eigen, Open MPI, Doxygen, Sphinx, clang-format
+#             SciPy, Matplotlib, shapely, meshio, poppler, abidiff, FreeType, Eigen, Open MPI, Oclgrind, Doxygen,
+#             Sphinx, clang-format
 #   --fuzz    also what scripts/fuzz.sh needs: clang with its sanitizers and libFuzzer
 # Packages that are there already are left alone; if none is missing, neither the network nor root is needed.
 set -euo pipefail
@@ -14,7 +15,7 @@ build=(g++ cmake make pkg-config ca-certificates
 tests=(doctest-dev libcgal-dev libgmp-dev libmpfr-dev libboost-dev mesa-opencl-icd clang-format-14
   python3-pyopencl python3-numpy python3-shapely python3-meshio python3-scipy python3-matplotlib python3-pytest
   python3-dev python3-venv poppler-utils abigail-tools binutils libfreetype-dev
-  fonts-dejavu-core libeigen3-dev libopenmpi-dev openmpi-bin procps
+  fonts-dejavu-core libeigen3-dev libopenmpi-dev openmpi-bin procps oclgrind
   doxygen python3-sphinx python3-breathe python3-myst-parser)
 fuzz=(clang libclang-rt-dev)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs inputs that take minutes or are not in the tree, and so are no part of the test suite. Prints the times of each.
-# Usage: scripts/slow.sh lattice | star | maps FILE... | tiles | shake | faults | load [BATCHES] | identity
+# Usage: scripts/slow.sh lattice | star | maps FILE... | tiles | shake | faults | races | files | load [BATCHES] | identity
 #   lattice   2000 x 2000 lines from side to side, split where they cross: four million crossings
 #   star      10,000 lines through one pixel: 50 million crossings
 #   maps      .poly files, or .poly.gz: crossings split, mesh and domain proved. Any map does; the count of crossings is known
@@ -9,8 +9,13 @@
 #             the npm package world-atlas 2, each border once)
 #   tiles     10M uniform vertices on a device that is said to have 512 MB: the bytes of one call on all of it, and at most
 #             100 bytes of the host's heap a vertex beside input and result, with tiles spilled to files 20
-#   shake     shake_test with 1000 shaken runs of its corpus on each way instead of 2 (GCDT_SHAKE_RUNS: another number)
+#   shake     shake_test with 1000 shaken runs of its corpus on each way instead of 2 (GCDT_SHAKE_RUNS: another number;
+#             GCDT_SHAKE_FIRST: the first seed)
 #   faults    faults_test with each OpenCL call made to fail with each of its errors (GCDT_FAULT_STEP: every N-th call)
+#   races     every kind of device and every small call on Oclgrind, its reports held against
+#             tests/device/allowed_races.txt
+#   files     each call of the command that writes files fails, or the process is killed there, for all that write outputs;
+#             1000 rounds of processes that fill a cache at once and are killed (GCDT_CACHE_ROUNDS: another number)
 #   load      a million random batches, or so many, in one process; 8 threads, solvers made and released, calls cancelled
 #   identity  the hashes of tests/hashes.txt on PoCL and on Intel's CPU runtime, with several sizes of work-groups, with
 #             and without optional extensions. Intel's comes from PyPI (830 MB) into build-test/intel, once
@@ -19,9 +24,9 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build-test
-usage() { sed -n '3,17s/^# //p' "$0"; }
+usage() { sed -n '3,/^set /s/^# //p' "$0"; }
 case ${1-} in
-  lattice | star | tiles | shake | faults | identity) [[ $# == 1 ]] || { usage >&2; exit 2; } ;;
+  lattice | star | tiles | shake | faults | races | files | identity) [[ $# == 1 ]] || { usage >&2; exit 2; } ;;
   load) [[ $# == 1 || ($# == 2 && $2 =~ ^[0-9]+$) ]] || { usage >&2; exit 2; } ;;
   maps) [[ $# -ge 2 ]] || { usage >&2; exit 2; } ;;
   -h | --help) usage; exit 0 ;;
@@ -60,6 +65,15 @@ case $name in
   faults)
     make_targets faults_test call_layer
     OPENCL_LAYERS=$build/tests/libcall_layer.so GCDT_FAULT_STEP=${GCDT_FAULT_STEP-1} "$build/tests/faults_test" --duration=true
+    exit ;;
+  races)
+    make_targets race_cases
+    python3 "$root/tests/device/races_oracle.py" "$build/tests/race_cases" --all
+    exit ;;
+  files)
+    make_targets command_faults_test cache_test file_faults gcdt_command
+    GCDT_FILE_STEP=1 "$build/tests/command_faults_test" --duration=true
+    GCDT_CACHE_ROUNDS=${GCDT_CACHE_ROUNDS-1000} "$build/tests/cache_test" --duration=true
     exit ;;
   load)
     make_targets load call_layer

@@ -151,7 +151,8 @@ static void insert_on_edge(Mesh mesh, History h, Round r, uint v, uint e) {
 
 // Splits if v owns what it voted for. The node's depth (of its side 0 if it has two) is reported; the
 // plain read before atomic_max only saves atomics. A loser may read a claim word that a winner has reset to 0 or
-// an edge's face that a winner has replaced: whatever it reads is not its ticket. Returns 1 if an edge was split.
+// an edge's face that a winner has replaced by a new one, whose claim word was 0 before (locate_and_vote): whatever it
+// reads is not its ticket. Returns 1 if an edge was split.
 static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global Counters* counters) {
   const uint location = h.nodes[v - h.begin].x;
   const uint ticket = ticket_of(r, v);
@@ -187,7 +188,7 @@ kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMET
 }
 
 // Vertex v's first location, found by a walk in the top layer from the coarser vertex before it on the curve; and its
-// vote there.
+// vote there. The claim words of the faces that it will bring become 0, which is nobody's ticket (split_if_won).
 static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Round r, uint v,
                             private uint* steps, volatile global Counters* counters) {
   const uint from = coarse_vertex_near(levels, level, mesh.points, mesh.n, h, v);
@@ -205,12 +206,13 @@ static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, H
     location = ON_EDGE | GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(t)], zero));
   h.nodes[v - h.begin] = (uint4)(location, 0u, 0u, 0u);
   h.shape[v - h.begin] = 0u;
+  *claim_word(mesh.face_data, new_face(mesh, v, 0u)) = *claim_word(mesh.face_data, new_face(mesh, v, 1u)) = 0u;
   vote(mesh, r, v, location);
 }
 
 // One work-item per vertex of the level. Reads the top layer. Writes its own record and shape, its place in the list,
-// and its first vote (atomic_max: the greatest ticket wins whatever the order); work-item 0 the list's length. After:
-// every vertex of the level has a location, and round 1's votes are cast.
+// the claim words of its own faces, and its first vote (atomic_max: the greatest ticket wins whatever the order);
+// work-item 0 the list's length. After: every vertex of the level has a location, and round 1's votes are cast.
 kernel void insert_locate(uint level, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                           GCDT_HISTORY_PARAMETERS, global uint* list, volatile global Counters* counters) {
   local uint sum;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/cache.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <random>
 
 namespace gcdt::cache {
@@ -16,6 +16,9 @@ namespace {
 // First line of a file; the second is the digest of all that follows it.
 constexpr char magic[] = "gcdt cache 2\n";
 constexpr std::size_t digest_length = 32, header_length = sizeof magic - 1 + digest_length + 1;
+
+// A program's binary has megabytes at most: what is larger is no entry.
+constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 28;
 
 // A set variable that is not empty.
 std::optional<std::string> variable(const char* name) {
@@ -70,11 +73,14 @@ std::string entry(const char* kind, const std::vector<std::string>& parts) {
 std::optional<std::string> load(const std::string& entry) {
   const fs::path place = folder();
   if (place.empty()) return std::nullopt;
+  std::error_code error;
+  if (!fs::is_regular_file(place / entry, error)) return std::nullopt;  // a pipe would be waited for
+  const std::uintmax_t size = fs::file_size(place / entry, error);
+  std::string all(error || size > most_bytes ? 0 : static_cast<std::size_t>(size), '\0');
   std::ifstream file(place / entry, std::ios::binary);
-  if (!file) return std::nullopt;
-  const std::string all((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const bool whole = static_cast<bool>(file.read(all.data(), static_cast<std::streamsize>(all.size())));
   file.close();
-  if (all.size() >= header_length) {
+  if (whole && all.size() >= header_length) {
     std::string content = all.substr(header_length);
     if (all.compare(0, header_length, magic + digest(content) + '\n') == 0) return content;
   }
@@ -82,11 +88,35 @@ std::optional<std::string> load(const std::string& entry) {
   return std::nullopt;
 }
 
+namespace {
+
+// Of a file under way: an entry's, which ends with a digest, then a dot and a number.
+bool is_temporary(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  return dot != std::string::npos && dot > digest_length && name[dot - digest_length - 1] == '-' &&
+         name.find_first_not_of("0123456789abcdef", dot - digest_length) == dot && dot + 1 < name.size() &&
+         name.find_first_not_of("0123456789", dot + 1) == std::string::npos;
+}
+
+// What processes left that were killed while they wrote: it is older than any write takes.
+void remove_left(const fs::path& place) {
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  std::error_code error, ignored;
+  for (fs::directory_iterator file(place, error), end; !error && file != end; file.increment(error)) {
+    if (!is_temporary(file->path().filename().string())) continue;
+    const fs::file_time_type written = fs::last_write_time(file->path(), ignored);
+    if (!ignored && written < old) fs::remove(file->path(), ignored);
+  }
+}
+
+}  // namespace
+
 void store(const std::string& entry, const std::string& content) {
   const fs::path place = folder();
   if (place.empty()) return;
   std::error_code ignored;
   fs::create_directories(place, ignored);
+  remove_left(place);
   std::random_device random;  // so that two writers do not share a temporary file
   const fs::path temporary = place / (entry + '.' + std::to_string(random()) + std::to_string(random()));
   std::ofstream file(temporary, std::ios::binary);

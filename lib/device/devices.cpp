@@ -9,6 +9,7 @@
 #include <set>
 
 #include "device/runtime.hpp"
+#include "device/told.hpp"
 
 namespace gcdt::runtime {
 
@@ -18,19 +19,19 @@ bool usable(const cl::Device& device) {
   cl_bool available = CL_FALSE, compiler = CL_FALSE;
   cl_platform_id platform = nullptr;
   std::string version;
-  const bool told = device.getInfo(CL_DEVICE_AVAILABLE, &available) == CL_SUCCESS &&
-                    device.getInfo(CL_DEVICE_COMPILER_AVAILABLE, &compiler) == CL_SUCCESS &&
-                    device.getInfo(CL_DEVICE_PLATFORM, &platform) == CL_SUCCESS &&
-                    device.getInfo(CL_DEVICE_VERSION, &version) == CL_SUCCESS;
+  const bool answered = device.getInfo(CL_DEVICE_AVAILABLE, &available) == CL_SUCCESS &&
+                        device.getInfo(CL_DEVICE_COMPILER_AVAILABLE, &compiler) == CL_SUCCESS &&
+                        device.getInfo(CL_DEVICE_PLATFORM, &platform) == CL_SUCCESS &&
+                        device.getInfo(CL_DEVICE_VERSION, &version) == CL_SUCCESS;
   int major = 0, minor = 0;
-  if (!told || !available || !compiler || !platform ||
+  if (!answered || !available || !compiler || !platform ||
       std::sscanf(version.c_str(), "OpenCL %d.%d", &major, &minor) != 2)
     return false;
   return major > 1 || (major == 1 && minor >= 2);
 }
 
 cl::Device part_of(const cl::Device& device, std::uint32_t left) {
-  const cl_uint units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>(), kept = units > left ? units - left : 1;
+  const cl_uint units = told<CL_DEVICE_MAX_COMPUTE_UNITS>(device), kept = units > left ? units - left : 1;
   const cl_device_partition_property counts[] = {CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_int>(kept),
                                                  CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
   std::vector<cl::Device> parts;
@@ -42,7 +43,7 @@ cl::Device part_of(const cl::Device& device, std::uint32_t left) {
 cl_uint compute_units_of_root(const cl::Device& device) {
   cl::Device root = device, parent;
   while (root.getInfo(CL_DEVICE_PARENT_DEVICE, &parent) == CL_SUCCESS && parent()) root = parent;
-  return std::max<cl_uint>(1, root.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
+  return std::max<cl_uint>(1, told<CL_DEVICE_MAX_COMPUTE_UNITS>(root));
 }
 
 std::vector<cl::Device> all_devices() {
@@ -65,20 +66,20 @@ DeviceInfo describe(const cl::Device& device, const Tuning& tuning) {
     s.erase(std::find(s.begin(), s.end(), '\0'), s.end());
     return s;
   };
-  info.name = text(device.getInfo<CL_DEVICE_NAME>());
-  info.vendor = text(device.getInfo<CL_DEVICE_VENDOR>());
-  info.driver = text(device.getInfo<CL_DRIVER_VERSION>());
-  info.version = text(device.getInfo<CL_DEVICE_VERSION>());
-  info.platform = text(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>());
-  const auto type = device.getInfo<CL_DEVICE_TYPE>();
+  info.name = text(told<CL_DEVICE_NAME>(device));
+  info.vendor = text(told<CL_DEVICE_VENDOR>(device));
+  info.driver = text(told<CL_DRIVER_VERSION>(device));
+  info.version = text(told<CL_DEVICE_VERSION>(device));
+  info.platform = text(platform_name(device));
+  const auto type = told<CL_DEVICE_TYPE>(device);
   info.is_gpu = type & CL_DEVICE_TYPE_GPU;
   info.is_cpu = !info.is_gpu && (type & CL_DEVICE_TYPE_CPU);  // a simulator may say that it is everything
-  info.memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
-  info.largest_buffer_bytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
-  info.local_bytes = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
-  info.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
-  info.largest_work_group = static_cast<std::uint32_t>(device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>());
-  const std::string extensions = device.getInfo<CL_DEVICE_EXTENSIONS>();
+  info.memory_bytes = told<CL_DEVICE_GLOBAL_MEM_SIZE>(device);
+  info.largest_buffer_bytes = told<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device);
+  info.local_bytes = told<CL_DEVICE_LOCAL_MEM_SIZE>(device);
+  info.compute_units = told<CL_DEVICE_MAX_COMPUTE_UNITS>(device);
+  info.largest_work_group = static_cast<std::uint32_t>(told<CL_DEVICE_MAX_WORK_GROUP_SIZE>(device));
+  const std::string extensions = told<CL_DEVICE_EXTENSIONS>(device);
   auto has = [&](const char* name) { return extensions.find(name) != std::string::npos; };
   info.atomics64 = has("cl_khr_int64_base_atomics") && has("cl_khr_int64_extended_atomics");
   info.fp64 = has("cl_khr_fp64");

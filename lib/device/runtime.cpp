@@ -10,6 +10,7 @@
 
 #include "device/download.hpp"
 #include "device/step.hpp"
+#include "device/told.hpp"
 #include "device/upload.hpp"
 
 namespace gcdt::runtime {
@@ -108,7 +109,7 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     present_ = std::shared_ptr<void>(nullptr, [](void*) { --loaded_by_width; });
   }
   // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
-  alignment_ = std::max<std::size_t>(device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8, least_alignment);
+  alignment_ = std::max<std::size_t>(told<CL_DEVICE_MEM_BASE_ADDR_ALIGN>(device_) / 8, least_alignment);
   if (sibling) {  // which has tested the device
     emulate_mul_hi_ = sibling->emulate_mul_hi_;
     return;

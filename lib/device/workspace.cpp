@@ -2,12 +2,13 @@
 #include "device/workspace.hpp"
 
 #include "device/runtime.hpp"
+#include "device/told.hpp"
 
 namespace gcdt::runtime {
 
 Workspace::Workspace(const std::vector<cl::Buffer>& buffers) {
   for (const cl::Buffer& buffer : buffers) {
-    const std::size_t bytes = buffer.getInfo<CL_MEM_SIZE>();
+    const std::size_t bytes = size_of(buffer);
     slabs_.push_back({buffer, {{0, bytes}}});
     meter_.hold(bytes);
   }

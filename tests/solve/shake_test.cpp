@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes do not depend on the schedule: a mixed corpus, under a layer that permutes groups and work-items and lets
 // groups wait (tests/support/shake_layer.cpp), launch by launch. GCDT_SHAKE_RUNS says how often (default 2, and 1000 in
-// scripts/slow.sh shake).
+// scripts/slow.sh shake), GCDT_SHAKE_FIRST which seed is the first (default 1).
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 
 #include <gcdt/gcdt_pool.hpp>
@@ -28,9 +29,18 @@ class Shaken {
   Shaken& operator=(const Shaken&) = delete;
 };
 
-int runs() {
-  const char* given = std::getenv("GCDT_SHAKE_RUNS");
-  return given ? std::atoi(given) : 2;
+int number(const char* variable, int usual) {
+  const char* given = std::getenv(variable);
+  return given ? std::atoi(given) : usual;
+}
+
+/// The seeds of the shaken runs.
+int first_seed() { return number("GCDT_SHAKE_FIRST", 1); }
+int end_of_seeds() { return first_seed() + number("GCDT_SHAKE_RUNS", 2); }
+
+/// For who looks at a long run.
+void tell(const char* what, int seed) {
+  if ((seed - first_seed()) % 50 == 49) std::fprintf(stderr, "shake: %s: seeds %d to %d\n", what, first_seed(), seed);
 }
 
 struct Call {
@@ -74,19 +84,21 @@ Solver pocl_as(DeviceKind kind, const Tuning& given = {}) {
 }
 
 /// Every call once as it is, then shaken so many times.
-void shake(Solver& solver) {
+void shake(const char* what, Solver& solver) {
   const std::vector<Call> calls = corpus();
   std::vector<Triangulation> expected;
   for (const Call& call : calls)
     expected.push_back(solver.triangulate(call.work.points, call.work.constraints, call.options));
-  for (int run = 1; run <= runs(); ++run)
+  for (int seed = first_seed(); seed < end_of_seeds(); ++seed) {
     for (std::size_t i = 0; i < calls.size(); ++i) {
-      CAPTURE(run);
+      CAPTURE(seed);
       CAPTURE(i);
-      const Shaken shaken(run);
+      const Shaken shaken(seed);
       CHECK(difference(solver.triangulate(calls[i].work.points, calls[i].work.constraints, calls[i].options),
                        expected[i]) == "");
     }
+    tell(what, seed);
+  }
 }
 
 }  // namespace
@@ -130,13 +142,13 @@ TEST_CASE("the layer is there: shaken numbers are the usual ones in another orde
 
 TEST_CASE("threads: bytes do not depend on the schedule") {
   Solver solver = pocl_as(DeviceKind::threads);
-  shake(solver);
+  shake("threads", solver);
 }
 
 TEST_CASE("a device treated as a GPU, with usual thresholds and with small ones: neither do they there") {
   Solver usual = pocl_as(DeviceKind::gpu), few = pocl_as(DeviceKind::gpu, small_thresholds());
-  shake(usual);
-  shake(few);
+  shake("GPU", usual);
+  shake("GPU, small thresholds", few);
 }
 
 TEST_CASE("neither do those of batches and tiles") {
@@ -153,11 +165,13 @@ TEST_CASE("neither do those of batches and tiles") {
     for (const std::uint32_t tiles : {0u, 3u}) {
       options.tiles = tiles;
       const BatchResult expected = pool.triangulate(batch, options);
-      for (int run = 1; run <= runs(); ++run) {
-        const Shaken shaken(run);
+      for (int seed = first_seed(); seed < end_of_seeds(); ++seed) {
+        CAPTURE(seed);
+        const Shaken shaken(seed);
         const BatchResult found = pool.triangulate(batch, options);
         for (std::size_t p = 0; p < found.size(); ++p)
           CHECK(difference(gcdt::detail::triangulation(found, p), gcdt::detail::triangulation(expected, p)) == "");
+        tell(tiles == 0 ? "batches" : "tiles", seed);
       }
     }
   }

@@ -41,7 +41,13 @@ OutputFile::OutputFile(const std::string& path, const std::function<void()>& bet
     std::fclose(writable);
   }
   temporary_ = unused_name(target_.parent_path(), ".tmp");
-  append("wbx");
+  std::FILE* made = std::fopen(temporary_.c_str(), "wbx");
+  if (!made) fail(std::strerror(errno));
+  if (std::fclose(made) != 0) {
+    const std::string why = std::strerror(errno);
+    fs::remove(temporary_, ignored);
+    fail(why);
+  }
   if (!fs::exists(status)) return;
   permissions_ = status.permissions();
   fs::permissions(temporary_, *permissions_ | fs::perms::owner_write, ignored);
@@ -57,8 +63,8 @@ void OutputFile::fail(const std::string& why) const {
 }
 
 // Open only as long as that: there may be more output files than a process can have open.
-void OutputFile::append(const char* mode) {
-  std::FILE* file = std::fopen(temporary_.c_str(), mode);
+void OutputFile::append() {
+  std::FILE* file = std::fopen(temporary_.c_str(), "ab");
   if (!file) fail(std::strerror(errno));
   const bool written = std::fwrite(buffer_.data(), 1, buffer_.size(), file) == buffer_.size();
   const int why = errno;
@@ -69,7 +75,7 @@ void OutputFile::append(const char* mode) {
 
 void OutputFile::flush() {
   between_blocks_();
-  append("ab");
+  append();
 }
 
 void OutputFile::close() {

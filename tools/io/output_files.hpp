@@ -39,7 +39,7 @@ class OutputFile {
  private:
   friend class OutputFiles;
   static constexpr std::size_t block = 1 << 20;
-  void append(const char* mode);
+  void append();
   void flush();
   void close();
   void replace_target();

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small calls that launch kernels on a device treated as one kind, for tools that look at each launch (Oclgrind):
+//   race_cases DEVICE KIND [CASE]...
+//     KIND   gpu, few (a GPU with small thresholds), lanes or threads
+//     CASE   default: all
+// Prints a line "hash KIND CASE HASH" for each, and "kernel NAME" for each kernel that was launched.
+#include <cinttypes>
+#include <cstdio>
+#include <functional>
+#include <mutex>
+#include <set>
+
+#include "api/state.hpp"
+#include "result_hash.hpp"
+#include "workloads.hpp"
+
+namespace {
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+struct Case {
+  const char* name;
+  std::function<std::uint64_t(Solver&)> run;
+};
+
+std::uint64_t solved(Solver& on, const Workload& work, const Options& options = {}) {
+  return result_hash(on.triangulate(work.points, work.constraints, options));
+}
+
+Options with(Crossing crossing, Domain domain = Domain::hull) {
+  Options options;
+  options.crossing = crossing;
+  options.domain = domain;
+  return options;
+}
+
+std::uint64_t queried(Solver& on) {
+  const Workload work = random_pslg(24, 100, 16, 3);
+  const Result result = on.solve(work.points, work.constraints);
+  Hash hash;
+  const std::vector<Point> points = {{0, 0}, {31.5, 40}, {99, 12}, {200, 200}};
+  for (const std::int32_t triangle : result.locate(points)) hash.add(triangle);
+  for (const std::uint32_t vertex : result.hull()) hash.add(vertex);
+  hash.add(result.quality().least_angle_triangle);
+  hash.add(result_hash(result.download()));
+  return hash.value();
+}
+
+std::vector<Case> all_cases() {
+  Options refined, regions = with(Crossing::drop, Domain::even_odd);
+  refined.refine = Refinement{};
+  refined.refine->most_added = 8;
+  regions.regions = true;
+  regions.region_seeds = {{5, 5}};
+  return {
+      {"vertices", [](Solver& on) { return solved(on, uniform(30)); }},
+      {"lattice", [](Solver& on) { return solved(on, workload("grid", 36)); }},
+      {"hub", [](Solver& on) { return solved(on, workload("hub", 40)); }},
+      {"pslg", [](Solver& on) { return solved(on, random_pslg(30, 60, 20, 3)); }},
+      {"regions", [=](Solver& on) { return solved(on, random_crossing(14, 12, 5, 7), regions); }},
+      {"crossing", [](Solver& on) { return solved(on, random_crossing(16, 16, 4, 11), with(Crossing::drop)); }},
+      {"split", [](Solver& on) { return solved(on, random_crossing(12, 12, 4, 11), with(Crossing::split)); }},
+      {"refine", [=](Solver& on) { return solved(on, random_pslg(14, 100, 12, 3), refined); }},
+      {"queries", queried},
+  };
+}
+
+/// Levels, groups and lists of a few, sweeps from the start: as kinds.hpp has them for tests.
+Tuning small_thresholds() {
+  Tuning tuning;
+  tuning.coarsest_level = 8;
+  tuning.one_group_vertices = 4;
+  tuning.one_group_edges = 4;
+  tuning.least_sweep = 20;
+  tuning.most_stamps = 3;
+  tuning.rounds_of_group = 2;
+  return tuning;
+}
+
+runtime::CallHook hook_of(const std::string& kind) {
+  runtime::CallHook hook;
+  if (kind == "few") hook.tuning = small_thresholds();
+  if (kind == "gpu" || kind == "few")
+    hook.tuning.kind = DeviceKind::gpu;
+  else if (kind == "lanes" || kind == "threads")
+    hook.tuning.kind = kind == "lanes" ? DeviceKind::lanes : DeviceKind::threads;
+  else
+    throw std::runtime_error("no kind is called " + kind);
+  return hook;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) try {
+  if (count < 3) {
+    std::fprintf(stderr, "usage: race_cases DEVICE KIND [CASE]...\n");
+    return 2;
+  }
+  std::mutex mutex;
+  std::set<std::string> kernels;
+  const Trace trace = [&](const TraceSpan& span) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (span.on_device) kernels.insert(span.name);
+  };
+  const std::set<std::string> wanted(arguments + 3, arguments + count);
+  std::size_t made = 0;
+  {
+    auto handle = std::make_unique<gcdt_solver>();
+    handle->state = std::make_shared<api::State>(cl::Context(), runtime::all_devices().at(select_device(arguments[1])),
+                                                 runtime::Log(), trace, hook_of(arguments[2]));
+    Solver solver(handle.release());
+    for (const Case& one : all_cases()) {
+      if (!wanted.empty() && wanted.count(one.name) == 0) continue;
+      ++made;
+      std::printf("hash %s %s %016" PRIx64 "\n", arguments[2], one.name, one.run(solver));
+      std::fflush(stdout);
+    }
+  }
+  if (made < wanted.size()) throw std::runtime_error("no such case");
+  for (const std::string& name : kernels) std::printf("kernel %s\n", name.c_str());
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "race_cases: %s\n", error.what());
+  return 1;
+}
