@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The example in C of docs/using.md: a square with a slit in it. */
+/* The example in C of README and docs/using.md: a square with a slit in it. */
 #include <gcdt/gcdt.h>
 #include <stdio.h>
 

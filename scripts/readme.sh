@@ -16,6 +16,7 @@ shows() { # PAGE LANGUAGE
 }
 shows README.md cpp
 shows README.md sh
+shows README.md c
 shows docs/using.md c
 shows README.md py
 shows docs/python.md py
