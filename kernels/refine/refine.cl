@@ -56,8 +56,9 @@ kernel void refine_ranks(uint count, global const uint* numbers, global uint* ra
 // ---- Claims -----------------------------------------------------------------------------------------------
 
 typedef struct Ticket {
-  uint stamp, bits, place;  // of the candidate in the order
-  volatile global uint* won;
+  uint stamp, bits, place;     // of the candidate in the order
+  global const uint* numbers;  // of candidates in order
+  volatile global uint* won;   // by number
 } Ticket;
 
 // Claims the face. Of two that claim one face the lesser loses, and is told by whichever comes second: it finds the
@@ -65,7 +66,7 @@ typedef struct Ticket {
 static inline void claim_face(Mesh mesh, uint face, Ticket t) {
   const uint ticket = (t.stamp << t.bits) | t.place, old = atomic_max(claim_word(mesh.face_data, face), ticket);
   if (old == ticket || old >> t.bits != t.stamp) return;
-  atomic_xchg(t.won + (old > ticket ? t.place : old & ((1u << t.bits) - 1u)), 0u);
+  atomic_xchg(t.won + t.numbers[old > ticket ? t.place : old & ((1u << t.bits) - 1u)], 0u);
 }
 
 // A face is met once for each of its sides that are looked over.
@@ -115,19 +116,33 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, glob
 
 // One work-item per candidate. Claims its faces, the later in order with precedence: tickets are places there.
 // Reads the mesh. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what
-// they end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last is one.
+// they end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last in order
+// is one of them.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
-                         global const uint* ranks, global const uint4* candidates, global const uint* cavities,
-                         volatile global uint* won, volatile global RefineReport* report) {
+                         global const uint* numbers, global const uint* ranks, global const uint4* candidates,
+                         global const uint* cavities, volatile global uint* won, volatile global RefineReport* report) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(i, count) {
     Ticket t;
     t.stamp = stamp;
     t.bits = bits;
     t.place = ranks[i];
+    t.numbers = numbers;
     t.won = won;
     claim_all(mesh, edge_marks, candidates[i], cavities, t, report);
   }
+}
+
+// One work-item per candidate in order. Of the scan of winners by number: whether it is one. No race: its own word.
+kernel void refine_in_order(uint count, global const uint* numbers, global const uint* before, global uint* won) {
+  FOR_EACH(i, count) won[i] = before[numbers[i] + 1u] - before[numbers[i]];
+}
+
+// One work-item per candidate in order. Of the scan of winners in order: whether it is one of the last `most` of
+// these, by number. No race: numbers are a permutation.
+kernel void refine_last_in_order(uint count, uint winners, uint most, global const uint* numbers,
+                                 global const uint* before, global uint* won) {
+  FOR_EACH(i, count) won[numbers[i]] = before[i + 1u] > before[i] && winners - 1u - before[i] < most ? 1u : 0u;
 }
 
 // One work-item per subsegment that was asked for. Takes the marks away. No race: each its own word.
@@ -289,17 +304,16 @@ static uint wanted_at(Mesh mesh, uint4 origin, Vertex x, global const uint* size
   return mean(whole - along, along, 0, sizes[origin.x], sizes[origin.y], 0u, whole);
 }
 
-// One work-item per candidate; `before` is the scan of the winners in order, of which there are `winners`. Inserts
-// those with the greatest tickets, `most` at most, and numbers them from `first` on, the greatest first. Writes the
-// words of its faces and edges and those that its vertex brings, which others do not have (L1: winners' faces are
-// disjoint), and marks of the edges around by atomics. After: a valid mesh; edges that may be illegal are queued, and
-// listed.
-kernel void refine_insert(uint count, uint winners, uint first, uint most, uint stamp, uint bits, uint sized,
-                          GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* edge_pieces,
-                          global const uint* ranks, global const uint4* candidates, global const uint* before,
-                          global int2* new_points, uint inputs, global uint4* origins, global uint* sizes,
-                          global uint* queue, volatile global Counters* counters,
-                          volatile global RefineReport* report) {
+// One work-item per candidate; `before` is the scan of the winners by number. Inserts them, and numbers their vertices
+// from `first` on in the order in which candidates were found, which is that of faces: so what is near in the mesh is
+// near in memory. Writes the words of its faces and edges and those that its vertex brings, which others do not have
+// (L1: winners' faces are disjoint), and marks of the edges around by atomics. After: a valid mesh; edges that may be
+// illegal are queued, and listed.
+kernel void refine_insert(uint count, uint first, uint stamp, uint bits, uint sized, GCDT_MESH_PARAMETERS,
+                          global uint* edge_marks, global uint* edge_pieces, global const uint* ranks,
+                          global const uint4* candidates, global const uint* before, global int2* new_points,
+                          uint inputs, global uint4* origins, global uint* sizes, global uint* queue,
+                          volatile global Counters* counters, volatile global RefineReport* report) {
   Insertion in;
   in.mesh = make_mesh(n, points, face_data, edge_faces);
   in.marks = edge_marks;
@@ -307,9 +321,8 @@ kernel void refine_insert(uint count, uint winners, uint first, uint most, uint 
   in.queue = queue;
   in.counters = counters;
   FOR_EACH(number, count) {
-    const uint i = ranks[number], place = winners - 1u - before[i];
-    if (before[i + 1u] == before[i] || place >= most) continue;
-    const uint v = first + place, claim = (stamp << bits) | i;
+    if (before[number + 1u] == before[number]) continue;
+    const uint v = first + before[number], claim = (stamp << bits) | ranks[number];
     const uint4 candidate = candidates[number];
     const Vertex x = candidate_point(candidate);
     const uint4 origin = origin_of(in.mesh, candidate, edge_pieces);

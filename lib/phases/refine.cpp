@@ -183,20 +183,33 @@ std::uint32_t Refiner::choose_winners() {
   runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
   runtime_.launch("refine", "refine_ranks", over(candidates), candidates, numbers_, ranks_);
   runtime_.launch("refine", "refine_claim", over(candidates), candidates, stamp_, bits_, mesh_.n, vertices_.points,
-                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, ranks_, candidates_, cavities_, won_, report_);
+                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, numbers_, ranks_, candidates_, cavities_, won_,
+                  report_);
   return primitives_.scan_total(won_, candidates);
+}
+
+// Leaves of the winners those with the greatest tickets.
+void Refiner::keep_greatest(std::uint32_t winners, std::uint32_t most) {
+  const cl_uint candidates = last_.candidates;
+  const auto in_order = runtime_.allocate<cl_uint>("winners in order", std::size_t{candidates} + 1);
+  runtime_.launch("refine", "refine_in_order", over(candidates), candidates, numbers_, won_, in_order);
+  primitives_.scan_total(in_order, candidates);
+  runtime_.launch("refine", "refine_last_in_order", over(candidates), candidates, winners, most, numbers_, in_order,
+                  won_);
+  primitives_.scan_total(won_, candidates);
 }
 
 // Inserts the first `most` of the winners, and makes the mesh Delaunay.
 void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
   const std::uint32_t more = std::min(winners, most);
+  if (more < winners) keep_greatest(winners, most);
   if (count() + more > mesh_.n) {
     const std::uint64_t room = std::max<std::uint64_t>(more, count() / 2 + least_room);
     make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, room)));
   }
   counters_.zero();
-  runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, winners, count(), most, stamp_,
-                  bits_, rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
+  runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, count(), stamp_, bits_,
+                  rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
                   edge_pieces_, ranks_, candidates_, won_, vertices_.points, inputs_, origins_, sizes_, lists_.first,
                   counters_.buffer(), report_);
   added_ += more;

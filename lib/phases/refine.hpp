@@ -62,6 +62,7 @@ class Refiner {
   void make_room(std::uint32_t capacity);
   void find_candidates();
   std::uint32_t choose_winners();
+  void keep_greatest(std::uint32_t winners, std::uint32_t most);
   void insert(std::uint32_t winners, std::uint32_t most);
   void explain();
   double farthest();

@@ -117,7 +117,8 @@ TEST_CASE("what makes no sense is refused, and the pool works on") {
   CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, bad_grid), Error);
   Options seeds;
   seeds.hole_seeds = {{0.1, 0.1}};
-  CHECK_THROWS_AS(pool.triangulate({points, right, {}, {}}, seeds), Error);
+  const std::vector<std::uint64_t> two = {0, 3, 3};  // of which problem would they be?
+  CHECK_THROWS_AS(pool.triangulate({points, two, {}, {}}, seeds), Error);
   Options stop;
   stop.progress = [](const char*, double) { return false; };
   try {

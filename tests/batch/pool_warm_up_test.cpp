@@ -22,6 +22,7 @@ struct Watch {
     runtime::CallHook hook;
     hook.keep_programs = true;
     hook.tuning.warms_up = true;
+    hook.tuning.workers = 1;  // as beside GPUs, where devices warm up
     hook.before = [this](const char* call, const char* detail) {
       const std::string name = call;
       if (name == "clCreateKernel") {
