@@ -2,6 +2,7 @@
 // Quality refinement, the first half of a round: which triangles and subsegments are to be mended, and by which
 // vertices. Nothing of the mesh changes but marks (docs/refinement.md, A).
 #include "refine/candidates.h"
+#include "refine/wait.h"
 
 // Verdicts beyond the reasons to leave a triangle (GCDT_LEFT_...).
 #define VERDICT_FINE 16u
@@ -138,65 +139,6 @@ static Aim aim_from(Judge judge, uint face, Judged j, bool asks, Lists lists, Ca
   return aim;
 }
 
-// ---- Who waits for whom -----------------------------------------------------------------------------------
-
-// Bad triangles stand in clusters, and what mends the worst one mends most of the others, or changes what they aim at.
-// So a sharp face waits as long as one within three steps over unconstrained sides goes before it: the one with the
-// shorter side, by powers of two of its square, then the sharper one. Equal ones do not wait for each other, nor do
-// faces that are only too large, which mend nothing but themselves. A face whose aim was in vain stays in no one's way
-// until its triangle changes, so a round without candidates leaves fewer that do, or has none that waits.
-//
-// Of a sharp face the upper half of its word of `urgency` is its place in that order, above 0; the lower half is that,
-// too, unless it has aimed in vain. All other words are 0.
-#define URGENCY_BITS 16u
-
-static inline uint urgency_of(Judged j) {
-  if (j.verdict != VERDICT_SHARP) return 0u;
-  return ((127u - gcdt_log2(j.shape.shortest)) << 9) | (uint)gcdt_badness(j.shape);
-}
-
-static inline uint in_the_way(uint word) { return word & ((1u << URGENCY_BITS) - 1u); }
-
-// The face beyond an unconstrained side; GCDT_NONE beyond others.
-static inline uint ref_beyond(Judge judge, uint code) {
-  return is_constrained(judge.marks, code) ? GCDT_NONE : judge.mesh.edge_faces[code ^ 1u];
-}
-
-static inline uint other_side(Judge judge, uint ref, uint number) {
-  const uint k = GCDT_REF_CORNER(ref);
-  return element(judge.mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(ref))],
-                 number == 0u ? next_corner(k) : previous_corner(k));
-}
-
-// Is there a face that goes before it two or three steps over the side?
-static bool is_worse_beyond(Judge judge, uint code, uint own, global const uint* urgency) {
-  const uint one = ref_beyond(judge, code);
-  if (one == GCDT_NONE) return false;
-  for (uint a = 0; a < 2u; ++a) {
-    const uint two = ref_beyond(judge, other_side(judge, one, a));
-    if (two == GCDT_NONE) continue;
-    if (in_the_way(urgency[GCDT_REF_FACE(two)]) > own) return true;
-    for (uint b = 0; b < 2u; ++b) {
-      const uint three = ref_beyond(judge, other_side(judge, two, b));
-      if (three != GCDT_NONE && in_the_way(urgency[GCDT_REF_FACE(three)]) > own) return true;
-    }
-  }
-  return false;
-}
-
-// Must the face wait? Looks at 21 others at most, and first at its neighbours, where what is worse mostly is.
-static bool must_wait(Judge judge, uint face, global const uint* urgency) {
-  const uint own = urgency[face] >> URGENCY_BITS;
-  if (own == 0u) return false;
-  const uint4 s = judge.mesh.face_data[GCDT_SIDES(face)];
-  for (uint k = 0; k < 3u; ++k) {
-    const uint one = ref_beyond(judge, element(s, k));
-    if (one != GCDT_NONE && in_the_way(urgency[GCDT_REF_FACE(one)]) > own) return true;
-  }
-  return is_worse_beyond(judge, s.x, own, urgency) || is_worse_beyond(judge, s.y, own, urgency) ||
-         is_worse_beyond(judge, s.z, own, urgency);
-}
-
 #define LIST_PARAMETERS                                                                                  \
   uint capacity, global uint *asked, global ulong *keys, global uint *numbers, global uint4 *candidates, \
       volatile global RefineReport *report
@@ -256,7 +198,7 @@ kernel void refine_judge(uint faces, uint threshold, uint were_bad, uint judged,
       continue;
     }
     const Judged j = judge_face(judge, t);
-    const uint own = urgency_of(j), verdict = j.verdict;
+    const uint verdict = j.verdict, own = verdict == VERDICT_SHARP ? urgency_of(j.shape) : 0u;
     const bool is_new = max(max(c.x, c.y), c.z) >= judged;
     urgency[t] = (own << URGENCY_BITS) | (is_new || in_the_way(urgency[t]) != 0u ? own : 0u);
     if (encroached || verdict == VERDICT_SHARP || verdict == VERDICT_LARGE) bad[atomic_inc(&report->bad)] = t;
@@ -265,12 +207,12 @@ kernel void refine_judge(uint faces, uint threshold, uint were_bad, uint judged,
 
 // One work-item per face of the list `bad`. Those that need not wait make the list `aiming`. Reads the mesh and words
 // of `urgency`. Writes the list's words once, at places that an atomic gives: in any order, which nothing depends on.
-kernel void refine_wait(JUDGE_PARAMETERS, volatile global RefineReport* report, global const uint* bad,
-                        global const uint* urgency, global uint* aiming) {
-  MAKE_JUDGE(judge);
+kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, volatile global RefineReport* report,
+                        global const uint* bad, global const uint* urgency, global uint* aiming) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint count = report->bad;
   FOR_EACH(i, count) {
-    if (!must_wait(judge, bad[i], urgency)) aiming[atomic_inc(&report->aiming)] = bad[i];
+    if (!must_wait(mesh, edge_marks, bad[i], urgency)) aiming[atomic_inc(&report->aiming)] = bad[i];
   }
 }
 

@@ -145,7 +145,8 @@ void Refiner::find_candidates() {
                   origins_, pieces_, sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_,
                   bad_before_, bad_, urgency_);
   judged_ = count();
-  launch_judge("refine_wait", over(faces), report_, bad_, urgency_, aiming_);
+  runtime_.launch("judge", "refine_wait", over(faces), mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
+                  mesh_.edge_marks, report_, bad_, urgency_, aiming_);
   for (;;) {
     launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
                  urgency_, blocks(), cavities_);
