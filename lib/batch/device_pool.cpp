@@ -56,7 +56,7 @@ void DevicePool::open(Member& member, std::size_t device, const DevicePlan& plan
       worker.runtime = std::make_unique<runtime::Runtime>(*workers_.back().runtime, log_, trace_);
     else
       worker.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log_, trace_);
-    if (plan.shares_context) worker.runtime->share_context();
+    if (plan.polls) worker.runtime->share_context();
     worker.runtime->time_steps(worker.runtime->tracer().on());
     worker.runtime->tracer().set_worker(first + number * devices, number);
     worker.primitives = std::make_unique<Primitives>(*worker.runtime);

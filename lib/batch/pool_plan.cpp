@@ -29,7 +29,9 @@ std::vector<DevicePlan> plan_pool(const std::vector<PooledDevice>& devices) {
     const bool gpu = device.kind == DeviceKind::gpu;
     DevicePlan plan;
     plan.workers = std::max<std::uint32_t>(1, tuning.workers.value_or(workers_of(device, with_gpus)));
-    plan.shares_context = plan.workers > 1 && (device.given_context || tuning.shares_context.value_or(gpu));
+    const bool threads = device.kind == DeviceKind::threads;
+    plan.shares_context = plan.workers > 1 && (device.given_context || tuning.shares_context.value_or(gpu || threads));
+    plan.polls = plan.shares_context && (gpu || device.given_context || tuning.shares_context.has_value());
     plan.rounds_per_read = std::max(tuning.rounds_per_read, gpu ? Tuning::gpu_rounds_per_read : 0);
     // Not all of the memory, because others use the device as well, and because the need of a run is an estimate.
     plan.capacity = device.memory_bytes / 4 * 3;
@@ -51,6 +53,7 @@ std::vector<DevicePlan> plan_pool(const std::vector<PooledDevice>& devices) {
 std::string DevicePlan::text() const {
   std::string all = std::to_string(workers) + (workers == 1 ? " worker" : " workers");
   if (workers > 1) all += shares_context ? " in one context" : " with a context each";
+  if (polls) all += ", which poll";
   all += "; jobs of weight " + std::to_string(job_weight) + " and " + std::to_string(job_bytes) + " bytes at most";
   all += "; " + std::to_string(rounds_per_read) + " rounds between reads";
   if (beside_gpus) all += "; beside GPUs";

@@ -24,7 +24,8 @@ struct PooledDevice {
 /// plans each batch anew.
 struct DevicePlan {
   std::uint32_t workers = 1;          ///< runs at once, each with a queue, memory and a thread of its own
-  bool shares_context = false;        ///< the workers have one context
+  bool shares_context = false;        ///< the workers have one context, and its programs
+  bool polls = false;                 ///< they ask whether commands have ended, since a wait would hold the others up
   std::uint32_t rounds_per_read = 0;  ///< rounds of insertion and of flips between two blocking reads
   std::uint32_t cores_left = 0;       ///< compute units that a CPU leaves to the threads that feed GPUs
   std::uint64_t capacity = 0;         ///< bytes that one problem may need

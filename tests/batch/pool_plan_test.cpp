@@ -26,22 +26,23 @@ TEST_CASE("what a pool does with a device, by its kind") {
     const char* name;
     PooledDevice device;
     std::uint32_t workers;
-    bool shares_context;
+    bool shares_context, polls;
     std::uint32_t rounds_per_read;
     std::uint64_t capacity, job_bytes, job_weight;
     double job_overhead;
   };
   const Row rows[] = {
-      {"GPU", gpu, 3, true, 16, 96 * gib, 32 * gib, 1u << 24, 2},
-      {"threads", threads, 2, false, 4, 6 * gib, 3 * gib, 1u << 17, 0},
-      {"lanes", lanes, 1, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
-      {"accelerator", accelerator, 1, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
+      {"GPU", gpu, 3, true, true, 16, 96 * gib, 32 * gib, 1u << 24, 2},
+      {"threads", threads, 2, true, false, 4, 6 * gib, 3 * gib, 1u << 17, 0},
+      {"lanes", lanes, 1, false, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
+      {"accelerator", accelerator, 1, false, false, 4, 6 * gib, 6 * gib, 1u << 17, 0},
   };
   for (const Row& row : rows) {
     CAPTURE(row.name);
     const DevicePlan plan = plan_of(row.device);
     CHECK(plan.workers == row.workers);
     CHECK(plan.shares_context == row.shares_context);
+    CHECK(plan.polls == row.polls);
     CHECK(plan.rounds_per_read == row.rounds_per_read);
     CHECK(plan.capacity == row.capacity);
     CHECK(plan.job_bytes == row.job_bytes);
@@ -118,6 +119,11 @@ TEST_CASE("tuning decides where it says something") {
   CHECK(plan_of(tuned).warms_up);
   PooledDevice cpu = threads;
   cpu.tuning.workers = 2;
+  CHECK(plan_of(cpu).shares_context);
+  CHECK(!plan_of(cpu).polls);
+  cpu.tuning.shares_context = true;
+  CHECK(plan_of(cpu).polls);
+  cpu.tuning.shares_context = false;
   CHECK(!plan_of(cpu).shares_context);
   CHECK(plan_pool({cpu, tuned})[0].cores_left == 10);
   cpu.tuning.warms_up = false;
@@ -128,10 +134,11 @@ TEST_CASE("tuning decides where it says something") {
 TEST_CASE("a plan in words names its ways") {
   const auto text = [](const std::vector<PooledDevice>& devices) { return plan_pool(devices)[0].text(); };
   const auto has = [](const std::string& all, const char* words) { return all.find(words) != std::string::npos; };
-  CHECK(has(text({gpu}), "3 workers in one context; jobs of weight 16777216 and 34359738368 bytes at most"));
+  CHECK(
+      has(text({gpu}), "3 workers in one context, which poll; jobs of weight 16777216 and 34359738368 bytes at most"));
   CHECK(has(text({gpu}), "16 rounds between reads"));
   CHECK(!has(text({gpu}), "warms up"));
-  CHECK(has(text({threads}), "2 workers with a context each; jobs of weight 131072"));
+  CHECK(has(text({threads}), "2 workers in one context; jobs of weight 131072"));
   CHECK(has(text({threads, gpu}), "1 worker; jobs of weight 131072"));
   CHECK(!has(text({threads}), "beside GPUs"));
   CHECK(has(text({threads, gpu}), "beside GPUs; 6 compute units left to the threads that feed GPUs; warms up"));

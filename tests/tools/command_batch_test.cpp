@@ -18,7 +18,7 @@ TEST_CASE("a batch writes what triangulate writes, and inputs that fail spoil no
   CHECK(statistics.at("inputs") == 6);
   CHECK(statistics.at("failed") == 0);
   for (const auto& device : statistics.at("devices"))
-    CHECK(contains(device.at("plan").get<std::string>(), "worker; jobs of weight "));
+    CHECK(contains(device.at("plan").get<std::string>(), "jobs of weight "));
   for (const char* input :
        {"many/a.poly", "many/b.poly", "many/c.node", "many/d.node", "many/empty.poly", "more.poly"}) {
     session.good(std::string("triangulate ") + input + " -o one.ele -o one.neigh -o one.vtu --quiet");
