@@ -22,6 +22,9 @@ constexpr std::size_t words_of_report = sizeof(device::RefineReport) / sizeof(cl
 
 // Room that is made at a time, as a share of the vertices that are there.
 constexpr std::uint32_t least_room = 1024;
+// Faces for each block of lists of cavities. Most candidates win, and winners have six faces each; where more triangles
+// than that are too large at once, their cavities are gone through again.
+constexpr std::uint32_t faces_per_block = 16;
 
 /// Makes `buffer` hold `size` elements, of which the first `kept` stay.
 template <class T>
@@ -93,7 +96,7 @@ void Refiner::make_room(std::uint32_t more) {
   bad_before_ = runtime_.allocate<cl_uint>("triangles to be mended before", mesh_.faces());
   aiming_ = runtime_.allocate<cl_uint>("triangles that do not wait", mesh_.faces());
   cavities_ = {};
-  cavities_ = runtime_.allocate<cl_uint>("cavities", GCDT_BLOCK * std::size_t{mesh_.faces() / 8 + least_room});
+  cavities_ = runtime_.allocate<cl_uint>("cavities", GCDT_BLOCK * std::size_t{mesh_.faces() / faces_per_block + 1});
   const std::size_t known = urgency_.size();
   enlarge(runtime_, urgency_, "urgency of faces", mesh_.faces(), known);
   runtime_.fill<cl_uint>(urgency_, 0, mesh_.faces() - known, known);
