@@ -119,4 +119,6 @@ def indices_to_judge(values: ArrayLike, shape: tuple[int, int], name: str, dtype
     if not np.issubdtype(array.dtype, np.integer):
         raise make("invalid_argument", f"{name} must be whole numbers, not {array.dtype}")
     fits = np.iinfo(dtype)
-    return np.ascontiguousarray(np.where((array < fits.min) | (array > fits.max), wrong, array).astype(dtype))
+    judged = np.ascontiguousarray(array).astype(dtype)
+    judged[(array < fits.min) | (array > fits.max)] = wrong  # from NumPy 2 on, no `where` takes both types
+    return judged
