@@ -54,6 +54,7 @@ END
 echo "prove-recipes: vcpkg.json is as vcpkg's schema wants it"
 
 export CONAN_HOME=$work/conan
+trap 'rm -rf "$root/packaging/conan/test_package/build"' EXIT  # where Conan builds the program that uses the package
 rm -rf "$CONAN_HOME"
 conan() { "$work/env/bin/conan" "$@" || fail "conan $1 failed"; }
 conan profile detect >"$work/profile.log" 2>&1
