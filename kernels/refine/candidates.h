@@ -30,17 +30,16 @@ static inline CavityList begin_list(global uint* words, uint blocks) {
   list.words = words;
   list.blocks = blocks;
   list.first = list.block = GCDT_NO_BLOCK;
-  list.used = 0u;
+  list.used = GCDT_BLOCK - 1u;
   return list;
 }
 
 // Writes words that no other work-item has: an atomic gives each block once.
 static inline void add_to_list(CavityList* list, uint face, volatile global RefineReport* report) {
-  if (list->used == 0u && list->first == GCDT_NO_BLOCK) {
-    list->first = list->block = atomic_inc(&report->blocks);
-  } else if (list->used == GCDT_BLOCK - 1u) {
+  if (list->used == GCDT_BLOCK - 1u) {
     const uint next = atomic_inc(&report->blocks);
     if (list->block < list->blocks) list->words[GCDT_BLOCK * list->block + GCDT_BLOCK - 1u] = next;
+    if (list->first == GCDT_NO_BLOCK) list->first = next;
     list->block = next;
     list->used = 0u;
   }

@@ -217,8 +217,8 @@ kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, vol
 }
 
 // One work-item per face of the list `aiming`. Finds its target, which becomes a candidate, or subsegments are asked
-// for, or neither. Reads the mesh; writes as refine_judge, and its face's word of `urgency`, which no other reads.
-// Launched again with more room, it asks for nothing new.
+// for, or neither. Reads the mesh; writes as refine_judge, blocks of `cavities` that an atomic gives once, and its
+// face's word of `urgency`, which no other reads. Launched again with more room, it asks for nothing new.
 kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency, uint blocks,
                        global uint* cavities) {
   MAKE_JUDGE(judge);

@@ -200,9 +200,11 @@ GCDT_INLINE u64 gcdt_mix(u64 x) {
   return x ^ (x >> 33);
 }
 
+// Bits 47 .. 62 of a key: above 0.
+GCDT_INLINE u32 gcdt_precedence(u64 squared, u64 worse) { return ((127u - gcdt_log2(squared)) << 9) | (u32)worse; }
+
 GCDT_INLINE u64 gcdt_candidate_key(u32 of_subsegment, u64 squared, u64 worse, Vertex at) {
-  return ((u64)of_subsegment << 63) | ((u64)(127u - gcdt_log2(squared)) << 56) | (worse << 47) |
-         (gcdt_mix(gcdt_tie_key(at)) >> 17);
+  return ((u64)of_subsegment << 63) | ((u64)gcdt_precedence(squared, worse) << 47) | (gcdt_mix(gcdt_tie_key(at)) >> 17);
 }
 
 // 511 - min(511, floor(2^8 area / dot)); dot > 0, since the least angle is at most 60 degrees. The rest is below dot.

@@ -16,7 +16,7 @@
 
 #define URGENCY_BITS 16u
 
-static inline uint urgency_of(Shape s) { return ((127u - gcdt_log2(s.shortest)) << 9) | (uint)gcdt_badness(s); }
+static inline uint urgency_of(Shape s) { return gcdt_precedence(s.shortest, gcdt_badness(s)); }
 
 static inline uint in_the_way(uint word) { return word & ((1u << URGENCY_BITS) - 1u); }
 

@@ -238,7 +238,7 @@ struct Tuning {
   /// time that a worker waits (NOTES, "Batches": two, four to six workers).
   static constexpr std::uint32_t gpu_workers = 3;
   /// Workers of a CPU with several cores: one of them gathers input, chooses grids and copies results while the
-  /// kernels of the other use all cores (NOTES, "Domains problem by problem").
+  /// kernels of the other use all cores (NOTES, "Two workers of a CPU").
   static constexpr std::uint32_t cpu_workers = 2;
   /// Rounds of insertion and of flips between two reads of a GPU. A wait costs more than a few rounds that find
   /// nothing, because the work of other workers goes before this worker's next launch (NOTES, "Batches": 10de70b).
