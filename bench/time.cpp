@@ -233,7 +233,7 @@ class Benchmark {
     for (int i = -1; i < 5; ++i) {
       const Result result = solver_.solve(row.work.points, row.work.constraints, options);
       const double order_ms = result.statistics().ms.output;  // without the copy to the host
-      std::vector<std::array<double, 3>> weights;
+      Array<std::array<double, 3>> weights;
       result.locate(std::vector<Point>{inside[0]}, &weights);  // makes what all later queries use
       const double from = seconds_now();
       result.locate(inside, &weights);

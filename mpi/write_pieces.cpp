@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "write_pieces.hpp"
 
+#include "device/parts.hpp"
 #include "io/vtu_arrays.hpp"
 #include "tiles/input_exchange.hpp"
-#include "tiles/parts.hpp"
 
 #include <gcdt/gcdt.hpp>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: point location and interpolation with host arrays.
 #include "api/state.hpp"
+#include "device/parts.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -9,6 +10,8 @@ namespace {
 
 // The most queries that are on the device at once.
 constexpr std::size_t chunk = Tuning::queries_at_once;
+// Queries that are worth a thread: some 0.1 ms of divisions.
+constexpr std::size_t queries_of_a_thread = std::size_t{1} << 14;
 
 /// Where a chunk's results go on the host, in arrays that nobody has written to before; null: not wanted.
 struct Destination {
@@ -64,11 +67,15 @@ int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* po
           return Destination{found.data() + first, nullptr, weights ? areas.data() + 3 * first : nullptr};
         },
         [](std::size_t, std::size_t) {});
-    std::copy(found.begin(), found.end(), triangles);
-    for (std::size_t i = 0; weights && i < queries.size(); ++i) {
-      const auto w = weights_of(found[i], areas.data() + 3 * i);
-      std::copy(w.begin(), w.end(), weights + 3 * i);
-    }
+    for_each_in_threads(
+        queries.size(),
+        [&](std::size_t i) {
+          triangles[i] = found[i];
+          if (!weights) return;
+          const auto w = weights_of(found[i], areas.data() + 3 * i);
+          std::copy(w.begin(), w.end(), weights + 3 * i);
+        },
+        queries_of_a_thread);
   });
 }
 
@@ -89,13 +96,16 @@ int32_t gcdt_interpolate(gcdt_result* result, int32_t coordinate_type, const voi
           return Destination{found.data(), corners.data(), areas.data()};
         },
         [&](std::size_t first, std::size_t some) {
-          for (std::size_t i = 0; i < some; ++i) {
-            const auto w = weights_of(found[i], areas.data() + 3 * i);
-            double value = 0;
-            for (std::size_t k = 0; k < 3; ++k)
-              if (w[k] != 0) value += w[k] * vertex_values[corners[3 * i + k]];
-            all[first + i] = found[i] < 0 ? outside : value;
-          }
+          for_each_in_threads(
+              some,
+              [&](std::size_t i) {
+                const auto w = weights_of(found[i], areas.data() + 3 * i);
+                double value = 0;
+                for (std::size_t k = 0; k < 3; ++k)
+                  if (w[k] != 0) value += w[k] * vertex_values[corners[3 * i + k]];
+                all[first + i] = found[i] < 0 ? outside : value;
+              },
+              queries_of_a_thread);
         });
     std::copy(all.begin(), all.end(), values);
   });

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "tiles/parts.hpp"
+#include "device/parts.hpp"
 
 namespace gcdt::tiles {
 

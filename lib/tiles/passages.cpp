@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "tiles/parts.hpp"
+#include "device/parts.hpp"
 
 namespace gcdt::tiles {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "device/parts.hpp"
 #include "phases/given.hpp"
 #include "phases/order.hpp"
-#include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
 

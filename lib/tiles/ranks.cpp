@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/ranks.hpp"
 
+#include "device/parts.hpp"
 #include "device/step.hpp"
 #include "tiles/domain.hpp"
 #include "tiles/input_exchange.hpp"
-#include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
 

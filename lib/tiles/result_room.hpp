@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "device/host_room.hpp"
+#include "device/parts.hpp"
 #include "tiles/join.hpp"
-#include "tiles/parts.hpp"
 
 namespace gcdt::tiles {
 

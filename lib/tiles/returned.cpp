@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "tiles/parts.hpp"
+#include "device/parts.hpp"
 
 namespace gcdt::tiles {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/seam.hpp"
 
-#include "tiles/parts.hpp"
+#include "device/parts.hpp"
 
 namespace gcdt::tiles {
 

@@ -2,7 +2,7 @@
 // Hole and region points in a mesh that the host has.
 #pragma once
 
-#include "tiles/parts.hpp"
+#include "device/parts.hpp"
 #include "tiles/placed.hpp"
 
 namespace gcdt::tiles {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/tile.hpp"
 
+#include "device/parts.hpp"
 #include "device/step.hpp"
 #include "solve/triangulate.hpp"
-#include "tiles/parts.hpp"
 #include "tiles/passages.hpp"
 #include "tiles/take.hpp"
 

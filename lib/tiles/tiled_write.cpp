@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From solved tiles and seam to the result.
+#include "device/parts.hpp"
 #include "device/step.hpp"
-#include "tiles/parts.hpp"
 #include "tiles/tiled_run.hpp"
 
 namespace gcdt::tiles {

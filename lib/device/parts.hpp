@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
-namespace gcdt::tiles {
+namespace gcdt {
 
 /// A range of numbers in parts of consecutive ones, one a thread. What is made part by part, in the order of the parts,
 /// is in the order of the numbers.
@@ -20,7 +21,8 @@ class Parts {
     parts_ = std::max<std::size_t>(1, std::min(threads, count / least));
   }
   std::size_t size() const { return parts_; }
-  /// Calls use(part, first, end) for each part, at once. Throws what the first part throws that does.
+  /// Calls use(part, first, end) for each part, at once; where the system has no more threads, one after the other.
+  /// Throws what the first part throws that does, or before any call.
   template <class Use>
   void run(Use&& use) const {
     std::vector<std::exception_ptr> failed(parts_);
@@ -32,7 +34,14 @@ class Parts {
       }
     };
     std::vector<std::thread> threads;
-    for (std::size_t part = 1; part < parts_; ++part) threads.emplace_back(one, part);
+    threads.reserve(parts_);
+    for (std::size_t part = 1; part < parts_; ++part) {
+      try {
+        threads.emplace_back(one, part);
+      } catch (const std::system_error&) {
+        one(part);
+      }
+    }
     one(0);
     for (std::thread& thread : threads) thread.join();
     for (const std::exception_ptr& error : failed)
@@ -66,4 +75,4 @@ std::uint64_t count_in_threads(std::size_t end, Count&& count) {
   return sum;
 }
 
-}  // namespace gcdt::tiles
+}  // namespace gcdt
