@@ -206,13 +206,16 @@ kernel void refine_judge(uint faces, uint threshold, uint were_bad, uint judged,
 }
 
 // One work-item per face of the list `bad`. Those that need not wait make the list `aiming`. Reads the mesh and words
-// of `urgency`. Writes the list's words once, at places that an atomic gives: in any order, which nothing depends on.
+// of `urgency`. Writes the list's words once, at places that an atomic gives: in any order, which nothing depends on;
+// and its face's own way, which no other reads.
 kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, volatile global RefineReport* report,
-                        global const uint* bad, global const uint* urgency, global uint* aiming) {
+                        global const uint* bad, global const uint* urgency, global uchar* ways, global uint* aiming) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint count = report->bad;
   FOR_EACH(i, count) {
-    if (!must_wait(mesh, edge_marks, bad[i], urgency)) aiming[atomic_inc(&report->aiming)] = bad[i];
+    const uint face = bad[i], found = way_to_worse(mesh, edge_marks, face, ways[face], urgency);
+    ways[face] = (uchar)found;
+    if (found == GCDT_NO_WAY) aiming[atomic_inc(&report->aiming)] = face;
   }
 }
 

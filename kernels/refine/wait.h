@@ -30,34 +30,57 @@ static inline uint other_side(Mesh mesh, uint ref, uint number) {
   return element(mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(ref))], number == 0u ? next_corner(k) : previous_corner(k));
 }
 
-// Is there a face that goes before it two or three steps over the side?
-static bool is_worse_beyond(Mesh mesh, volatile global const uint* marks, uint code, uint own,
-                            global const uint* urgency) {
+// A way from a face to one beyond at most three sides: the number of sides, the side of the face, and of each face
+// entered then the side after that of the entry (0) or before it (1). GCDT_NO_WAY: none.
+#define GCDT_NO_WAY 0u
+static inline uint way(uint sides, uint k, uint a, uint b) { return sides | k << 2 | a << 4 | b << 5; }
+
+static inline bool goes_before(uint ref, uint own, global const uint* urgency) {
+  return ref != GCDT_NONE && in_the_way(urgency[GCDT_REF_FACE(ref)]) > own;
+}
+
+// Leads the way to a face that goes before it?
+static inline bool leads_to_worse(Mesh mesh, volatile global const uint* marks, uint face, uint w, uint own,
+                                  global const uint* urgency) {
+  const uint sides = w & 3u;
+  if (sides == 0u) return false;
+  uint ref = ref_beyond(mesh, marks, element(mesh.face_data[GCDT_SIDES(face)], w >> 2 & 3u));
+  if (sides > 1u && ref != GCDT_NONE) ref = ref_beyond(mesh, marks, other_side(mesh, ref, w >> 4 & 1u));
+  if (sides > 2u && ref != GCDT_NONE) ref = ref_beyond(mesh, marks, other_side(mesh, ref, w >> 5 & 1u));
+  return goes_before(ref, own, urgency);
+}
+
+// The way to a face that goes before it two or three steps over side k, or none.
+static uint way_beyond(Mesh mesh, volatile global const uint* marks, uint code, uint k, uint own,
+                       global const uint* urgency) {
   const uint one = ref_beyond(mesh, marks, code);
-  if (one == GCDT_NONE) return false;
+  if (one == GCDT_NONE) return GCDT_NO_WAY;
   for (uint a = 0; a < 2u; ++a) {
     const uint two = ref_beyond(mesh, marks, other_side(mesh, one, a));
     if (two == GCDT_NONE) continue;
-    if (in_the_way(urgency[GCDT_REF_FACE(two)]) > own) return true;
-    for (uint b = 0; b < 2u; ++b) {
-      const uint three = ref_beyond(mesh, marks, other_side(mesh, two, b));
-      if (three != GCDT_NONE && in_the_way(urgency[GCDT_REF_FACE(three)]) > own) return true;
-    }
+    if (goes_before(two, own, urgency)) return way(2u, k, a, 0u);
+    for (uint b = 0; b < 2u; ++b)
+      if (goes_before(ref_beyond(mesh, marks, other_side(mesh, two, b)), own, urgency)) return way(3u, k, a, b);
   }
-  return false;
+  return GCDT_NO_WAY;
 }
 
-// Must the face wait? Looks at 21 others at most, and first at its neighbours, where what is worse mostly is.
-static bool must_wait(Mesh mesh, volatile global const uint* marks, uint face, global const uint* urgency) {
+// The way to a face for which it must wait, or none. Looks at 21 others at most, and first where `last` leads, the way
+// that it found when it was asked before: most still have to wait for the same one. Then at its neighbours, where what
+// is worse mostly is. Whether there is a way depends on neither.
+static uint way_to_worse(Mesh mesh, volatile global const uint* marks, uint face, uint last,
+                         global const uint* urgency) {
   const uint own = urgency[face] >> URGENCY_BITS;
-  if (own == 0u) return false;
+  if (own == 0u) return GCDT_NO_WAY;
+  if (leads_to_worse(mesh, marks, face, last, own, urgency)) return last;
   const uint4 s = mesh.face_data[GCDT_SIDES(face)];
+  for (uint k = 0; k < 3u; ++k)
+    if (goes_before(ref_beyond(mesh, marks, element(s, k)), own, urgency)) return way(1u, k, 0u, 0u);
   for (uint k = 0; k < 3u; ++k) {
-    const uint one = ref_beyond(mesh, marks, element(s, k));
-    if (one != GCDT_NONE && in_the_way(urgency[GCDT_REF_FACE(one)]) > own) return true;
+    const uint found = way_beyond(mesh, marks, element(s, k), k, own, urgency);
+    if (found != GCDT_NO_WAY) return found;
   }
-  return is_worse_beyond(mesh, marks, s.x, own, urgency) || is_worse_beyond(mesh, marks, s.y, own, urgency) ||
-         is_worse_beyond(mesh, marks, s.z, own, urgency);
+  return GCDT_NO_WAY;
 }
 
 #endif

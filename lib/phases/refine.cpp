@@ -100,6 +100,8 @@ void Refiner::make_room(std::uint32_t more) {
   const std::size_t known = urgency_.size();
   enlarge(runtime_, urgency_, "urgency of faces", mesh_.faces(), known);
   runtime_.fill<cl_uint>(urgency_, 0, mesh_.faces() - known, known);
+  enlarge(runtime_, ways_, "ways to worse triangles", mesh_.faces(), known);
+  runtime_.fill<cl_uchar>(ways_, 0, mesh_.faces() - known, known);
   // A vertex makes two subsegments of one.
   asked_ = runtime_.allocate<cl_uint>("subsegments to be split", std::size_t{subsegments_} + (all - inputs_));
 }
@@ -149,7 +151,7 @@ void Refiner::find_candidates() {
                   bad_before_, bad_, urgency_);
   judged_ = count();
   runtime_.launch("judge", "refine_wait", over(faces), mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
-                  mesh_.edge_marks, report_, bad_, urgency_, aiming_);
+                  mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_);
   for (;;) {
     launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
                  urgency_, blocks(), cavities_);
@@ -283,6 +285,7 @@ RefinedMesh Refiner::finish() {
   lists_ = {};
   for (auto* list : {&bad_, &bad_before_, &aiming_, &urgency_, &cavities_, &asked_, &numbers_, &ranks_, &won_})
     *list = {};
+  ways_ = {};
   keys_ = {};
   candidates_ = {};
   const auto given = static_cast<cl_uint>(vertices_.input_vertex.size());

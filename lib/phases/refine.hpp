@@ -94,6 +94,7 @@ class Refiner {
   runtime::Buffer<cl_uint4> origins_;  ///< by added vertex
   runtime::Buffer<cl_uint> bad_, bad_before_, aiming_, asked_, numbers_, ranks_;
   runtime::Buffer<cl_uint> urgency_;   ///< by face: wait.h
+  runtime::Buffer<cl_uchar> ways_;     ///< the same
   runtime::Buffer<cl_uint> cavities_;  ///< of candidates: candidates.h
   runtime::Buffer<cl_ulong> keys_;
   runtime::Buffer<cl_uint4> candidates_;
