@@ -65,13 +65,11 @@ typedef struct Germ {
 // side decides, since the point moves towards q; 0 only if the whole segment lies on the line (or the
 // plain vertex does).
 static inline int germ_side(Germ g, Vertex a, Vertex b) {
-  if (g.k == 0u) {
-    const i64 o = gcdt_orient2d(a, b, g.p);
-    if (o != 0 || g.parts == 1u) return gcdt_sign64(o != 0 ? o : gcdt_orient2d(a, b, g.q));
-    return gcdt_sign64(gcdt_orient2d(a, b, g.q));
-  }
-  const int s = gcdt_orient2d_division(a, b, g.p, g.q, g.k, g.parts);
-  return s != 0 ? s : gcdt_sign64(gcdt_orient2d(a, b, g.q));
+  const i64 p = gcdt_orient2d(a, b, g.p);
+  if (g.k == 0u && (p != 0 || g.parts == 1u)) return gcdt_sign64(p);
+  const i64 q = gcdt_orient2d(a, b, g.q);
+  const int s = gcdt_division_sign(p, q, g.k, g.parts);
+  return s != 0 ? s : gcdt_sign64(q);
 }
 
 // A grid point near the germ. Rounding does not matter. |difference| * k < 2^31 * 2^31.
@@ -199,13 +197,15 @@ static uint coarse_vertex_around(GCDT_LEVELS_POINTER levels, uint level, global 
 static uint find_in_top_layer(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Germ g, uint a, uint from,
                               uint limit, private uint* steps, private uint* zero) {
   const uint root = root_of(mesh.points, mesh.n, a), faces = min(limit, gcdt_forest_faces(h.begin, mesh.roots));
-  const uint top = walk_top_layer(mesh.points, mesh.n, h, g, from, root, min(faces, SHORT_WALK), steps, zero);
-  if (top != GCDT_NONE || from == GCDT_NONE) return top;
-  const Vertex goal = near_germ(g);
-  const int2 at = (int2)((int)goal.x, (int)goal.y);
-  const uint near = coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, at);
-  from = coarse_vertex_around(levels, level, mesh.points, mesh.n, h, a, at, near);
-  return walk_top_layer(mesh.points, mesh.n, h, g, from, root, faces, steps, zero);
+  for (bool again = false;; again = true) {  // twice at most: its text is compiled once
+    const uint top =
+        walk_top_layer(mesh.points, mesh.n, h, g, from, root, again ? faces : min(faces, SHORT_WALK), steps, zero);
+    if (top != GCDT_NONE || from == GCDT_NONE || again) return top;
+    const Vertex goal = near_germ(g);
+    const int2 at = (int2)((int)goal.x, (int)goal.y);
+    const uint near = coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, at);
+    from = coarse_vertex_around(levels, level, mesh.points, mesh.n, h, a, at, near);
+  }
 }
 
 // From a face of the top layer that holds the germ down to the leaf that does: a face of the mesh as it

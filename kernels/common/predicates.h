@@ -57,12 +57,17 @@ GCDT_INLINE i64 gcdt_orient2d_finite(Vertex a, Vertex b, Vertex c) {
 // orient2d with at most two symbols; the value's sign is exact. With one symbol it is zero only if the
 // two finite vertices are equal, with two never. Never asked with three. It is affine in each finite
 // argument, which division points use.
-GCDT_INLINE i64 gcdt_orient2d(Vertex a, Vertex b, Vertex c) {
-  if ((a.symbol | b.symbol | c.symbol) == 0) return gcdt_orient2d_finite(a, b, c);
+GCDT_INLINE i64 gcdt_orient2d_any(Vertex a, Vertex b, Vertex c) {
   const u64 bc = (u64)b.x * (u64)c.y - (u64)b.y * (u64)c.x;
   const u64 ca = (u64)c.x * (u64)a.y - (u64)c.y * (u64)a.x;
   const u64 ab = (u64)a.x * (u64)b.y - (u64)a.y * (u64)b.x;
   return (i64)((a.symbol == 0 ? bc : 0) + (b.symbol == 0 ? ca : 0) + (c.symbol == 0 ? ab : 0));
+}
+
+// The same, in fewer steps where all are finite.
+GCDT_INLINE i64 gcdt_orient2d(Vertex a, Vertex b, Vertex c) {
+  if ((a.symbol | b.symbol | c.symbol) == 0) return gcdt_orient2d_finite(a, b, c);
+  return gcdt_orient2d_any(a, b, c);
 }
 
 // Sign of the in-circle determinant: > 0 if d lies strictly inside the circle through the
@@ -119,15 +124,18 @@ GCDT_INLINE int gcdt_must_flip(Vertex a, Vertex b, Vertex c, Vertex d) {
     return (kb < kd ? kb : kd) < (ka < kc ? ka : kc);
   }
   if (bd > ac) return 0;
-  return c.symbol == ac ? gcdt_orient2d(d, a, b) > 0 : gcdt_orient2d(b, c, d) > 0;
+  return gcdt_orient2d_any(b, c.symbol == ac ? d : c, c.symbol == ac ? a : d) > 0;
 }
 
 // Sign of orient2d(a, b, P) for the k-th of n division points P = ((n-k) p + k q) / n of segment pq
 // (paper, equation 1), p and q finite, 0 <= k <= n < 2^31, a and b as for gcdt_orient2d. orient2d is
-// affine in P: n * value = (n-k) orient2d(a,b,p) + k orient2d(a,b,q), below 2^63 * 2^31 * 2 = 2^95.
-GCDT_INLINE int gcdt_orient2d_division(Vertex a, Vertex b, Vertex p, Vertex q, u32 k, u32 n) {
-  const i64 op = gcdt_orient2d(a, b, p), oq = gcdt_orient2d(a, b, q);
+// affine in P: n * value = (n-k) orient2d(a,b,p) + k orient2d(a,b,q), below 2^63 * 2^31 * 2 = 2^95. The first takes
+// these two, op and oq.
+GCDT_INLINE int gcdt_division_sign(i64 op, i64 oq, u32 k, u32 n) {
   return gcdt_sign128(gcdt_add(gcdt_multiply(op, (i64)(n - k)), gcdt_multiply(oq, (i64)k)));
+}
+GCDT_INLINE int gcdt_orient2d_division(Vertex a, Vertex b, Vertex p, Vertex q, u32 k, u32 n) {
+  return gcdt_division_sign(gcdt_orient2d(a, b, p), gcdt_orient2d(a, b, q), k, n);
 }
 
 #ifdef __OPENCL_VERSION__

@@ -11,9 +11,12 @@ static uint germ_beside(Fans fans, Mesh mesh, Germ g, uint v, Vertex at, Vertex 
   const uint face = face_of_fan(fans, mesh.points, mesh.n, v, at, other, steps);
   if (g.k == 0u) return face;
   const uint4 c = mesh.face_data[GCDT_CORNERS(face)];
-  const Vertex x = load_vertex(mesh.points, mesh.n, c.x), y = load_vertex(mesh.points, mesh.n, c.y),
-               z = load_vertex(mesh.points, mesh.n, c.z);
-  return germ_side(g, x, y) >= 0 && germ_side(g, y, z) >= 0 && germ_side(g, z, x) >= 0 ? face : GCDT_NONE;
+#pragma unroll 1
+  for (uint i = 0; i < 3u; ++i)
+    if (germ_side(g, load_vertex(mesh.points, mesh.n, element(c, i)),
+                  load_vertex(mesh.points, mesh.n, element(c, next_corner(i)))) < 0)
+      return GCDT_NONE;
+  return face;
 }
 
 // A face whose closure holds division point k of a-b, moved infinitely little towards b, or GCDT_NONE if that takes too
@@ -28,9 +31,10 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked
   g.q = line_end(line);
   g.k = k;
   g.parts = parts;
-  uint face = germ_beside(walked.fans, mesh, g, a, g.p, g.q, steps);
-  if (face == GCDT_NONE && k > 0u) face = germ_beside(walked.fans, mesh, g, b, g.q, g.p, steps);
-  if (face != GCDT_NONE) return face;
+  for (uint end = 0; end <= (k > 0u ? 1u : 0u); ++end) {
+    const uint face = germ_beside(walked.fans, mesh, g, end ? b : a, end ? g.q : g.p, end ? g.p : g.q, steps);
+    if (face != GCDT_NONE) return face;
+  }
   uint from, zero;
   if (k == 0u) {
     from = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, mesh.n, h, a);

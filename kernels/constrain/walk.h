@@ -126,25 +126,33 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
   const int s0 = side_of(w, mesh, c.x), s1 = side_of(w, mesh, c.y), s2 = side_of(w, mesh, c.z);
   const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
-  if (zeros == 0) {
-    const uint k = (s1 < 0 && s2 > 0) ? 0u : (s2 < 0 && s0 > 0) ? 1u : (s0 < 0 && s1 > 0) ? 2u : 3u;
-    if (k == 3u) return WALK_FAILED;
-    return come_to_first_edge(w, mesh, k, rotate_to(c, k), sides, k == 0u ? s0 : k == 1u ? s1 : s2);
-  }
-  if (zeros == 1) {
-    const uint k = s0 == 0 ? 0u : s1 == 0 ? 1u : 2u;
-    const uint4 r = rotate_to(c, k);
-    const int right = k == 0u ? s1 : k == 1u ? s2 : s0, left = k == 0u ? s2 : k == 1u ? s0 : s1;
-    if (right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, 0);
-    if (right > 0 && left < 0) return come_to_vertex(w, mesh, r.x, GCDT_NONE);
-    return WALK_FAILED;
-  }
-  if (zeros == 2) {
-    const uint k = s0 != 0 ? 0u : s1 != 0 ? 1u : 2u;
-    const uint4 r = rotate_to(c, k);
-    return come_to_vertex(w, mesh, (s0 + s1 + s2) > 0 ? r.z : r.y, element(sides, k));
-  }
-  return WALK_FAILED;
+  // The corner that decides: across from the exit; the one on the line; the one that is not.
+  const uint k = zeros == 0   ? ((s1 < 0 && s2 > 0)   ? 0u
+                                 : (s2 < 0 && s0 > 0) ? 1u
+                                 : (s0 < 0 && s1 > 0) ? 2u
+                                                      : 3u)
+                 : zeros == 1 ? (s0 == 0   ? 0u
+                                 : s1 == 0 ? 1u
+                                           : 2u)
+                 : zeros == 2 ? (s0 != 0   ? 0u
+                                 : s1 != 0 ? 1u
+                                           : 2u)
+                              : 3u;
+  if (k == 3u) return WALK_FAILED;
+  const uint4 r = rotate_to(c, k);
+  const int behind = k == 0u   ? s0
+                     : k == 1u ? s1
+                               : s2,
+            right = k == 0u   ? s1
+                    : k == 1u ? s2
+                              : s0,
+            left = k == 0u   ? s2
+                   : k == 1u ? s0
+                             : s1;
+  // Each call stands once, since its text is compiled as often as it stands.
+  if (zeros < 2 && right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, behind);
+  if (zeros == 1 && !(right > 0 && left < 0)) return WALK_FAILED;
+  return come_to_vertex(w, mesh, zeros == 1 ? r.x : behind > 0 ? r.z : r.y, zeros == 1 ? GCDT_NONE : element(sides, k));
 }
 
 // Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
@@ -209,8 +217,9 @@ static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* step
     const uint4 r = rotate_to(c, k);
     const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);
     if (right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, 0);
-    if (right == 0 && left > 0) return come_to_vertex(w, mesh, r.y, element(sides, previous_corner(k)));
-    if (right < 0 && left == 0) return come_to_vertex(w, mesh, r.z, element(sides, next_corner(k)));
+    if ((right == 0 && left > 0) || (right < 0 && left == 0))
+      return come_to_vertex(w, mesh, right == 0 ? r.y : r.z,
+                            element(sides, right == 0 ? previous_corner(k) : next_corner(k)));
     const uint ref = mesh.edge_faces[element(sides, next_corner(k)) ^ 1u];
     if (ref == GCDT_NONE) return WALK_FAILED;
     w->face = GCDT_REF_FACE(ref);
