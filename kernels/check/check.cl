@@ -46,10 +46,13 @@ GCDT_INLINE int noted(global const CheckReport* report, uint last) {
   return 0;
 }
 
-// The corner of triangle u across from its edge from b to a; 3 if it has no such edge.
+// The corner of triangle u across from its edge from b to a; 3 if it has no such edge. Its corners differ, so at most
+// one of the three is it; a branch could not be foretold.
 GCDT_INLINE uint corner_across(global const uint* corners, uint u, uint a, uint b) {
   const uint3 c = vload3(u, corners);
-  return c.y == b && c.z == a ? 0u : c.z == b && c.x == a ? 1u : c.x == b && c.y == a ? 2u : 3u;
+  const uint first = (uint)((c.y == b) & (c.z == a)), second = (uint)((c.z == b) & (c.x == a)),
+             third = (uint)((c.x == b) & (c.y == a));
+  return 3u - 3u * first - 2u * second - third;
 }
 
 static void check_corners_of(uint t, uint n, global const int2* points, global const uint* corners,

@@ -14,12 +14,19 @@ static inline uint4 with_element(uint4 a, uint k, uint value) {
   return (uint4)(k == 0u ? value : a.x, k == 1u ? value : a.y, k == 2u ? value : a.z, a.w);
 }
 
-// (a[k], a[k+1], a[k+2]); w stays.
-static inline uint4 rotate_to(uint4 a, uint k) { return k == 0u ? a : k == 1u ? a.yzxw : a.zxyw; }
+// (a[k], a[k+1], a[k+2]); w stays. On threads without branches, which nobody could foretell.
+static inline uint4 rotate_to(uint4 a, uint k) {
+#ifdef GCDT_CONTIGUOUS
+  const uint4 second = (uint4)(0u - (uint)(k == 1u)), third = (uint4)(0u - (uint)(k == 2u));
+  return select(select(a, a.yzxw, second), a.zxyw, third);
+#else
+  return k == 0u ? a : k == 1u ? a.yzxw : a.zxyw;
+#endif
+}
 
-// The corner with the least of three distinct ranks.
+// The corner with the least of three distinct ranks. Without branches, which nobody could foretell.
 static inline uint least_corner(uint r0, uint r1, uint r2) {
-  return r0 < r1 ? (r0 < r2 ? 0u : 2u) : (r1 < r2 ? 1u : 2u);
+  return (uint)((r1 < r0) & (r1 < r2)) | (uint)((r2 < r0) & (r2 < r1)) << 1;
 }
 
 #endif

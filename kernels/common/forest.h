@@ -27,8 +27,12 @@ static inline uint root_count(global const int2* points, uint n) {
 static inline uint problem_of(global const int2* points, uint n, uint v) {
   return forest_words(points, n)[gcdt_problem_word(v)];
 }
+// Of each problem, and behind the last.
+static inline global const uint* first_ranks(global const int2* points, uint n) {
+  return forest_words(points, n) + gcdt_first_rank_word(n, 0u);
+}
 static inline uint first_rank(global const int2* points, uint n, uint problem) {
-  return forest_words(points, n)[gcdt_first_rank_word(n, problem)];
+  return first_ranks(points, n)[problem];
 }
 static inline uint root_of(global const int2* points, uint n, uint v) { return problem_of(points, n, v); }
 // Which of the three directions symbolic vertex v >= n stands for.

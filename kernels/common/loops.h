@@ -36,16 +36,31 @@ static inline uint share_begin(uint count, uint share, uint shares) {
 
 #endif
 
-// Items whose weights fall, dealt like cards, so that every work-item gets some of each. If there are fewer than
-// work-items (launches may be wider than they need to be: Runtime::enqueue), those that get one stand evenly among the
-// others: a driver may give each thread many neighbouring work-items at once.
-static inline uint dealt_first(uint count) {
-  const uint id = (uint)get_global_id(0), size = (uint)get_global_size(0);
-  if (count >= size) return id;
-  const uint first = share_begin(count, id, size);
-  return first < share_begin(count, id + 1u, size) ? first : count;
+// Where the share begins of items that have weights: item i weighs firsts[i + 1] - firsts[i] words, and what it takes
+// to begin with it, as much as GCDT_ITEM_WEIGHT of them. The weights before an item ascend strictly, so share 0 begins
+// with the first item, share `shares` behind the last. Ends: the range halves.
+#define GCDT_ITEM_WEIGHT 4u
+static inline uint share_by_weight(global const uint* firsts, uint count, uint share, uint shares) {
+  const uint begin = firsts[0];
+  const ulong all = (ulong)(firsts[count] - begin) + (ulong)GCDT_ITEM_WEIGHT * count;
+  const ulong before = all * share / shares;
+  uint low = 0, high = count;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if ((ulong)(firsts[middle] - begin) + (ulong)GCDT_ITEM_WEIGHT * middle < before)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return low;
 }
-#define FOR_EACH_DEALT(i, count) for (uint i = dealt_first(count); i < (count); i += (uint)get_global_size(0))
+
+// Problems of a batch, each with words of its own that stand one problem after the other, from firsts[p] on: shares
+// are contiguous, so that what a work-item reads next comes next in memory, and weigh about the same.
+#define FOR_EACH_PROBLEM(p, problems, firsts)                                                                       \
+  for (uint p = share_by_weight((firsts), (problems), (uint)get_global_id(0), (uint)get_global_size(0)),            \
+            p##_end = share_by_weight((firsts), (problems), (uint)get_global_id(0) + 1u, (uint)get_global_size(0)); \
+       p < p##_end; ++p)
 
 // Items x, x + z and so on, below y.
 typedef uint3 Items;

@@ -28,6 +28,14 @@ static inline Vertex load_vertex(global const int2* points, uint n, uint v) {
   return vertex_at(points, v);
 }
 
+// Corner k of face t, and the side across from it: one load, where picking it from all three would take branches.
+static inline uint face_corner(Mesh mesh, uint t, uint k) {
+  return ((global const uint*)(mesh.face_data + GCDT_CORNERS(t)))[k];
+}
+static inline uint face_side(Mesh mesh, uint t, uint k) {
+  return ((global const uint*)(mesh.face_data + GCDT_SIDES(t)))[k];
+}
+
 // The faces and edges that vertex v brings: two and three.
 static inline uint new_face(Mesh mesh, uint v, uint i) { return gcdt_forest_faces(v, mesh.roots) + i; }
 static inline uint new_edge(Mesh mesh, uint v, uint j) { return gcdt_forest_edges(v, mesh.roots) + j; }

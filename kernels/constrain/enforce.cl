@@ -184,36 +184,59 @@ static uint cross(private Problem* p, uint a, uint b, uint t, uint k, bool part)
   return end;
 }
 
+// Where a walk around a vertex is: a face of its star, and the corner at the vertex.
+typedef struct Place {
+  u32 face, corner;
+} Place;
+
+static inline Place place_at(Mesh mesh, uint face, uint a) {
+  Place at;
+  at.face = face;
+  at.corner = (uint)(face_corner(mesh, face, 1u) == a) | (uint)(face_corner(mesh, face, 2u) == a) << 1;
+  return at;
+}
+
+// The next face counter-clockwise: the star is closed.
+static inline Place next_around(Mesh mesh, Place at) {
+  const uint ref = mesh.edge_faces[face_side(mesh, at.face, next_corner(at.corner)) ^ 1u];
+  at.face = GCDT_REF_FACE(ref);
+  at.corner = next_corner(GCDT_REF_CORNER(ref));
+  return at;
+}
+
+// The edge from the vertex to the face's next corner.
+static inline uint edge_at(Mesh mesh, Place at) {
+  return GCDT_SIDE_EDGE(face_side(mesh, at.face, previous_corner(at.corner)));
+}
+
 // Makes the constraint from a towards b edges up to the first vertex on it, but only if that is b, unless `part`.
 // Returns that vertex, or what went wrong; or ENFORCE_TURN, if a has more than `most` faces and b is not among the
 // first. Ends: it goes once around a, twice at most, whose star is closed.
 static uint enforce_piece(private Problem* p, uint a, uint b, uint most, bool part) {
   const Mesh mesh = p->mesh;
   const uint begin = p->vertex_face[a];
-  uint t = begin, faces = 0;
+  Place at = place_at(mesh, begin, a);
+  uint faces = 0;
   do {  // most constraints are edges already
     if (faces++ == most) return ENFORCE_TURN;
-    const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
-    const uint k = c.x == a ? 0u : c.y == a ? 1u : 2u;
-    if (element(c, next_corner(k)) == b) {
-      mark_existing(p, GCDT_SIDE_EDGE(element(s, previous_corner(k))));
+    if (face_corner(mesh, at.face, next_corner(at.corner)) == b) {
+      mark_existing(p, edge_at(mesh, at));
       return b;
     }
-    t = GCDT_REF_FACE(mesh.edge_faces[element(s, next_corner(k)) ^ 1u]);
-  } while (t != begin);
+    at = next_around(mesh, at);
+  } while (at.face != begin);
   const Vertex va = vertex_of(p, a), vb = vertex_of(p, b);
   do {  // the edge a-x, or between x and y
-    const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
-    const uint k = c.x == a ? 0u : c.y == a ? 1u : 2u;
-    const uint x = element(c, next_corner(k));
+    const uint x = face_corner(mesh, at.face, next_corner(at.corner)),
+               y = face_corner(mesh, at.face, previous_corner(at.corner));
     const i64 right = gcdt_orient2d(va, vb, vertex_of(p, x));
-    if (right <= 0 && gcdt_orient2d(va, vb, vertex_of(p, element(c, previous_corner(k)))) > 0) {
-      if (right < 0) return cross(p, a, b, t, k, part);
-      if (part) mark_existing(p, GCDT_SIDE_EDGE(element(s, previous_corner(k))));
+    if (right <= 0 && gcdt_orient2d(va, vb, vertex_of(p, y)) > 0) {
+      if (right < 0) return cross(p, a, b, at.face, at.corner, part);
+      if (part) mark_existing(p, edge_at(mesh, at));
       return x;
     }
-    t = GCDT_REF_FACE(mesh.edge_faces[element(s, next_corner(k)) ^ 1u]);
-  } while (t != begin);
+    at = next_around(mesh, at);
+  } while (at.face != begin);
   return ENFORCE_FAILED;
 }
 
@@ -269,7 +292,7 @@ kernel void enforce_problems(uint problems, uint all, GCDT_MESH_PARAMETERS, glob
   p.vertex_face = vertex_face;
   p.zero_length = p.hits = p.existing = p.owned = p.pairs = p.flips = 0u;
   uint failed = 0;
-  FOR_EACH_DEALT(i, problems) {
+  FOR_EACH_PROBLEM(i, problems, first_ranks(points, n)) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     // Faces: two of each vertex, and the root.
     p.crossed = crossed + gcdt_forest_faces(begin, i);
@@ -305,15 +328,15 @@ kernel void enforce_problems(uint problems, uint all, GCDT_MESH_PARAMETERS, glob
 static uint next_on(Mesh mesh, global const uint* vertex_face, uint a, uint b) {
   const Vertex va = load_vertex(mesh.points, mesh.n, a), vb = load_vertex(mesh.points, mesh.n, b);
   const uint begin = vertex_face[a];
-  uint t = begin;
+  Place at = place_at(mesh, begin, a);
   do {
-    const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
-    const uint k = c.x == a ? 0u : c.y == a ? 1u : 2u, x = element(c, next_corner(k));
+    const uint x = face_corner(mesh, at.face, next_corner(at.corner)),
+               y = face_corner(mesh, at.face, previous_corner(at.corner));
     if (gcdt_orient2d(va, vb, load_vertex(mesh.points, mesh.n, x)) == 0 &&
-        gcdt_orient2d(va, vb, load_vertex(mesh.points, mesh.n, element(c, previous_corner(k)))) > 0)
+        gcdt_orient2d(va, vb, load_vertex(mesh.points, mesh.n, y)) > 0)
       return x;
-    t = GCDT_REF_FACE(mesh.edge_faces[element(s, next_corner(k)) ^ 1u]);
-  } while (t != begin);
+    at = next_around(mesh, at);
+  } while (at.face != begin);
   return b;
 }
 
@@ -327,7 +350,7 @@ kernel void enforce_pieces(uint problems, GCDT_MESH_PARAMETERS, global const uin
                            global ulong* unsorted_keys, global uint* unsorted_sources, global ulong* keys,
                            global uint* sources) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_DEALT(i, problems) {
+  FOR_EACH_PROBLEM(i, problems, first_ranks(points, n)) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     const uint first = offsets[first_constraint[i]], last = offsets[first_constraint[i + 1u]];
     for (uint v = begin; v < end; ++v) places[v] = 0u;

@@ -28,21 +28,25 @@ typedef struct Part {
 } Part;
 
 // Labels all that is joined to triangle t, the least without a label; 0 if a neighbour is of another problem, which no
-// checked mesh has. Ends, and the queue has room: each triangle is put there once, when it gets its label.
+// checked mesh has. Ends, and the queue has room: each triangle is put there once, when it gets its label. What may or
+// may not be put there is always written, to the place behind the last, since no branch tells these apart: a processor
+// would guess each second one wrongly. The place is there: t itself is never put there again.
 static inline uint flood(const Part* part, uint t, uint label) {
   global uint* queue = part->queue;
   uint count = 1;
   part->region[t] = label;
   queue[0] = t;
   while (count > 0u) {
-    const uint from = queue[--count];
+    const uint from = queue[--count], flags = part->constrained[from];
     for (uint k = 0; k < 3u; ++k) {
       const int across = part->neighbours[3u * from + k];
-      if (across < 0) continue;
-      if ((uint)across < part->first || (uint)across >= part->last) return 0u;
-      if (((part->constrained[from] >> k) & 1u) || part->region[across] != GCDT_NONE) continue;
-      part->region[across] = label;
-      queue[count++] = (uint)across;
+      const uint to = across < 0 ? from : (uint)across;
+      if (to < part->first || to >= part->last) return 0u;
+      const uint had = part->region[to];
+      const bool open = (((flags >> k) & 1u) == 0u) & (had == GCDT_NONE);
+      part->region[to] = open ? label : had;
+      queue[count] = to;
+      count += open ? 1u : 0u;
     }
   }
   return 1u;
@@ -104,12 +108,13 @@ static inline uint list_part(const Part* part, uint nodes) {
     const uint region = part->region[t], flags = part->constrained[t];
     for (uint k = 0; k < 3u; ++k) {
       const int across = part->neighbours[3u * t + k];
-      if ((flags >> k) & 1u) {
-        if (across < 0 || part->region[across] != region) {
-          part->all_arcs[count++] = 3u * t + k;
-          ++part->begins[across < 0 ? 0u : region + 1u];
-        }
-      } else if (across < 0 && part->depth[region + 1u] != 0u) {
+      const uint flagged = (flags >> k) & 1u, beyond = across < 0 ? GCDT_NONE : part->region[across];
+      // As in flood(): there is a place for each half edge.
+      const uint is_arc = flagged & (beyond != region ? 1u : 0u);
+      part->all_arcs[count] = 3u * t + k;
+      count += is_arc;
+      part->begins[across < 0 ? 0u : region + 1u] += is_arc;
+      if (across < 0 && !flagged && part->depth[region + 1u] != 0u) {
         part->depth[region + 1u] = 0u;
         part->queue[outside++] = region + 1u;
       }
@@ -160,7 +165,7 @@ kernel void domain_each(uint problems, uint rule, global const uint* first_trian
                         global uint* all_arcs, global uint* arcs, global uint* begins, global uint* depth,
                         global int* winding, global uint* entry, global int* kept, global uint* kept_count,
                         volatile global DomainReport* report) {
-  FOR_EACH_DEALT(p, problems) {
+  FOR_EACH_PROBLEM(p, problems, first_triangle) {
     const uint first = first_triangle[p], last = first_triangle[p + 1u], by_node = gcdt_first_node(first, p);
     kept_count[p] = 0u;
     if (first == last) continue;
@@ -210,7 +215,7 @@ kernel void domain_each_keep(uint problems, uint rule, global const uint* first_
                              global const int* winding, global uint* out_corners, global int* out_neighbours,
                              global uchar* out_constrained, global uint* out_region, global uint* out_depth,
                              global int* out_winding) {
-  FOR_EACH_DEALT(p, problems) {
+  FOR_EACH_PROBLEM(p, problems, first_triangle) {
     const uint first = first_triangle[p], by_node = gcdt_first_node(first, p);
     const int begin = (int)first_kept[p];
     for (uint t = first; t < first_triangle[p + 1u]; ++t) {

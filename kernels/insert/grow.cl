@@ -19,15 +19,17 @@ typedef struct Owner {
   volatile global uint* marks;
   global uint* queue;  // edges to be tested later, each once
   volatile global uint* queued;
+  bool walked;  // others walk through its faces
 } Owner;
 
 static inline Owner make_owner(uint stamp, uint bits, global uint* edge_marks, global uint* queue,
-                               volatile global uint* queued) {
+                               volatile global uint* queued, bool walked) {
   const Owner o = {.claim = make_claim(stamp, bits),
                    .ticket = (stamp << bits) | (uint)get_global_id(0),
                    .marks = edge_marks,
                    .queue = queue,
-                   .queued = queued};
+                   .queued = queued,
+                   .walked = walked};
   return o;
 }
 
@@ -60,7 +62,7 @@ typedef struct Grown {
 // else changes it the mesh is Delaunay, and the walk visits no face twice (L5).
 static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, private uint* steps, private uint* zero) {
   for (uint step = 0; step < limit; ++step) {
-    const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
+    const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
     const Vertex x = load_vertex(mesh.points, mesh.n, c.x), y = load_vertex(mesh.points, mesh.n, c.y),
                  z = load_vertex(mesh.points, mesh.n, c.z);
     ++*steps;
@@ -69,7 +71,7 @@ static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, priva
       *zero = ox == 0 ? 0u : oy == 0 ? 1u : oz == 0 ? 2u : 3u;
       return own(mesh, o, t, c.w) ? t : GCDT_NONE;
     }
-    const uint ref = mesh.edge_faces[(ox < 0 ? s.x : oy < 0 ? s.y : s.z) ^ 1u];
+    const uint ref = mesh.edge_faces[face_side(mesh, t, ox < 0 ? 0u : oy < 0 ? 1u : 2u) ^ 1u];
     if (ref == GCDT_NONE) return GCDT_NONE;
     t = GCDT_REF_FACE(ref);
   }
@@ -83,36 +85,28 @@ static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, priva
 // each pass flips, which happens finitely often (L4), or goes on to the next face of the star.
 static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
   const Vertex vv = load_vertex(mesh.points, mesh.n, v);
-  uint k = 0, flips = 0;
-  uint4 c = mesh.face_data[GCDT_CORNERS(t)];
-  const uint first = c.y;
-  uint xn = c.y, yn = c.z;
-  Vertex x = load_vertex(mesh.points, mesh.n, xn), y = load_vertex(mesh.points, mesh.n, yn);
+  const uint first = face_corner(mesh, t, 1u);
+  uint k = 0, flips = 0, yn = face_corner(mesh, t, 2u);
+  Vertex x = load_vertex(mesh.points, mesh.n, first), y = load_vertex(mesh.points, mesh.n, yn);
   for (;;) {
-    const uint4 s = mesh.face_data[GCDT_SIDES(t)];
-    const uint code = element(s, k), far = mesh.edge_faces[code ^ 1u];
+    const uint code = face_side(mesh, t, k), far = mesh.edge_faces[code ^ 1u];
     bool flipped = false;
     if (far != GCDT_NONE) {
       const uint u = GCDT_REF_FACE(far);
-      const uint4 cu = mesh.face_data[GCDT_CORNERS(u)];
-      if (!own(mesh, o, u, cu.w)) {
+      if (!own(mesh, o, u, *claim_word(mesh.face_data, u))) {
         leave_edge(o, GCDT_SIDE_EDGE(code));
       } else {
-        const uint dn = element(cu, GCDT_REF_CORNER(far));
+        const uint dn = face_corner(mesh, u, GCDT_REF_CORNER(far));
         const Vertex d = load_vertex(mesh.points, mesh.n, dn);
         if (gcdt_must_flip(y, vv, x, d)) {
-          const uint near = GCDT_FACE_REF(t, k), e = GCDT_SIDE_EDGE(code);
+          const uint near = GCDT_FACE_REF(t, k);
+          const bool second = code & 1u;
+          const uint2 refs = second ? (uint2)(far, near) : (uint2)(near, far);
           uint around[4];
-          c.w = o.ticket;
-          uint4 owned = cu;
-          owned.w = o.ticket;
-          if (code & 1u)
-            flip_edge(mesh, e, (uint2)(far, near), owned, c, around);
-          else
-            flip_edge(mesh, e, (uint2)(near, far), c, owned, around);
+          flip_edge(mesh, GCDT_SIDE_EDGE(code), refs, mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
+                    mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))], around);
           ++flips;
           // t is now (v, x, d), v still at corner k.
-          c = with_element(c, previous_corner(k), dn);
           yn = dn;
           y = d;
           flipped = true;
@@ -121,13 +115,11 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
     }
     if (flipped) continue;
     if (yn == first) return flips;
-    const uint ref = mesh.edge_faces[element(s, next_corner(k)) ^ 1u];
+    const uint ref = mesh.edge_faces[face_side(mesh, t, next_corner(k)) ^ 1u];
     t = GCDT_REF_FACE(ref);
     k = next_corner(GCDT_REF_CORNER(ref));
-    c = mesh.face_data[GCDT_CORNERS(t)];
-    xn = yn;
     x = y;
-    yn = element(c, previous_corner(k));
+    yn = face_corner(mesh, t, previous_corner(k));
     y = load_vertex(mesh.points, mesh.n, yn);
   }
 }
@@ -141,14 +133,14 @@ static inline void clear_marks(Mesh mesh, Owner o, uint v) {
 static uint split_at(Mesh mesh, Owner o, uint v, uint t, uint zero) {
   if (zero == 3u) {
     clear_marks(mesh, o, v);
-    split_face(mesh, v, t, o.ticket);
+    split_face(mesh, v, t, o.ticket, o.walked);
     return t;
   }
   const uint code = element(mesh.face_data[GCDT_SIDES(t)], zero), far = mesh.edge_faces[code ^ 1u];
   const uint u = GCDT_REF_FACE(far);
   if (!own(mesh, o, u, *claim_word(mesh.face_data, u))) return GCDT_NONE;
   clear_marks(mesh, o, v);
-  split_edge(mesh, v, GCDT_SIDE_EDGE(code), o.ticket);
+  split_edge(mesh, v, GCDT_SIDE_EDGE(code), o.ticket, o.walked);
   return t;
 }
 
@@ -190,7 +182,7 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
                         global uint* edge_marks, global uint* left, global uint* left_of, global uint* queue,
                         volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
   Grown grown = {0u, 0u, 0u};
   uint left_count = 0;
   FOR_EACH(share, (segments + step - 1u) / step) {
@@ -231,9 +223,9 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
                           GCDT_MESH_PARAMETERS, global uint* edge_marks, global uint* queue,
                           volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], false);
   Grown grown = {0u, 0u, 0u};
-  FOR_EACH_DEALT(p, problems) {
+  FOR_EACH_PROBLEM(p, problems, first_ranks(points, n)) {
     const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
     uint last = p, stride = 1u;
     plant(mesh, o, p);
@@ -295,7 +287,7 @@ static uint settle(Mesh mesh, Owner o, private uint* around) {
 kernel void grow_flip(uint edges, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                       global uint* queue, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0]);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
   uint flips = 0;
   FOR_EACH(e, edges) {
     if (edge_marks[e] & GCDT_MARK_CONSTRAINED) continue;

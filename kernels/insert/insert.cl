@@ -131,7 +131,7 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
 // Splits face t at v, and hangs v's node below its leaf.
 static void insert_in_face(Mesh mesh, History h, Round r, uint v, uint t) {
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
-  split_face(mesh, v, t, 0u);
+  split_face(mesh, v, t, 0u, false);
   h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
                                  HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF), 0u);
   h.shape[v - h.begin] = (r.number << 8) | SHAPE_FACE;
@@ -143,7 +143,7 @@ static void insert_on_edge(Mesh mesh, History h, Round r, uint v, uint e) {
   const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
   hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
   hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
-  split_edge(mesh, v, e, 0u);
+  split_edge(mesh, v, e, 0u, false);
   h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
                                  HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF));
   h.shape[v - h.begin] = (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;

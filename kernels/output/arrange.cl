@@ -25,7 +25,7 @@
 // After this kernel the keys of each problem ascend.
 kernel void arrange_keys(uint problems, global const uint* first_input, global ulong* keys, global uint* values,
                          global ulong* other_keys, global uint* other_values) {
-  FOR_EACH_DEALT(p, problems) {
+  FOR_EACH_PROBLEM(p, problems, first_input) {
     const uint begin = first_input[p], end = first_input[p + 1u];
     if (end - begin <= ARRANGE_FEW) {
       sort_run(keys, values, begin, end);
@@ -37,52 +37,54 @@ kernel void arrange_keys(uint problems, global const uint* first_input, global u
 
 // ---- Triangles --------------------------------------------------------------------------------------
 
-// The reference of a face at its least corner, GCDT_NONE if a corner is symbolic; its corners from there on.
-static inline uint ref_of_face(Mesh mesh, uint t, private uint4* corners) {
-  const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
-  if (max(max(c.x, c.y), c.z) >= mesh.n) return GCDT_NONE;
-  const uint k = least_corner(c.x, c.y, c.z);
-  *corners = rotate_to(c, k);
-  return GCDT_FACE_REF(t, k);
-}
-
 // Face i of a problem with vertices from `begin` on: its root, then what they bring.
 static inline uint face_of_problem(Mesh mesh, uint problem, uint begin, uint i) {
   return i == 0u ? problem : new_face(mesh, begin, i - 1u);
 }
 
-// One work-item per problem. Writes how many triangles have each of its vertices as least corner, and as the one after
-// that, and how many it has.
-kernel void arrange_count(uint problems, GCDT_MESH_PARAMETERS, global uint* least, global uint* second,
-                          global uint* triangles) {
+// One work-item per problem. Writes how many triangles it has.
+kernel void arrange_count(uint problems, GCDT_MESH_PARAMETERS, global uint* triangles) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_DEALT(p, problems) {
+  FOR_EACH_PROBLEM(p, problems, first_ranks(points, n)) {
     const uint begin = first_rank(points, n, p), end = first_rank(points, n, p + 1u);
     const uint faces = gcdt_forest_faces(end - begin, 1u);
-    for (uint v = begin; v < end; ++v) least[v] = second[v] = 0u;
     uint count = 0;
     for (uint i = 0; i < faces; ++i) {
-      uint4 c;
-      if (ref_of_face(mesh, face_of_problem(mesh, p, begin, i), &c) == GCDT_NONE) continue;
-      ++least[c.x];
-      ++second[c.y];
-      ++count;
+      const uint4 c = mesh.face_data[GCDT_CORNERS(face_of_problem(mesh, p, begin, i))];
+      count += max(max(c.x, c.y), c.z) < n ? 1u : 0u;
     }
     triangles[p] = count;
   }
 }
 
-// One work-item per problem. Reads the scan of what arrange_count has written of triangles. Writes positions[t] of each
-// face, -1 for those with symbolic corners, and the triangles as gather_triangles of output.cl does; `least`, `second`
-// and refs are void afterwards.
+// One work-item per problem. Reads the scan of what arrange_count has written. Writes positions[t] of each face, -1 for
+// those with symbolic corners, and the triangles as gather_triangles of output.cl does; least, second and refs are void
+// afterwards.
 kernel void arrange_problems(uint problems, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
                              global const uint* first_triangle, global uint* least, global uint* second,
                              global uint* refs, global uint* ordered, global int* positions, global uint* out_corners,
                              global int* out_neighbours, global uchar* out_constrained) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_DEALT(p, problems) {
+  FOR_EACH_PROBLEM(p, problems, first_ranks(points, n)) {
     const uint begin = first_rank(points, n, p), end = first_rank(points, n, p + 1u);
     const uint faces = gcdt_forest_faces(end - begin, 1u), first = first_triangle[p], last = first_triangle[p + 1u];
+    for (uint v = begin; v < end; ++v) least[v] = second[v] = 0u;
+    // Triangles as they come, and how many have each vertex as least corner, and as the one after that. One face in
+    // four has a symbolic corner here or there, and no branch foretells which: it is written, too, where the next
+    // triangle will be, and counts nothing. Its least corner is a vertex, as only a problem's root has none.
+    uint i = 0;
+    for (uint at = first; at < last; ++i) {
+      const uint t = face_of_problem(mesh, p, begin, i);
+      const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
+      const uint k = least_corner(c.x, c.y, c.z), x = element(c, k);
+      const uint counts = max(max(c.x, c.y), c.z) < n ? 1u : 0u;
+      positions[t] = -1;
+      ordered[at] = GCDT_FACE_REF(t, k);
+      at += counts;
+      least[x] += counts;
+      second[counts ? element(c, next_corner(k)) : x] += counts;
+    }
+    for (; i < faces; ++i) positions[face_of_problem(mesh, p, begin, i)] = -1;
     for (uint v = begin, l = first, s = first; v < end; ++v) {
       const uint with_least = least[v], with_second = second[v];
       least[v] = l;
@@ -90,13 +92,9 @@ kernel void arrange_problems(uint problems, GCDT_MESH_PARAMETERS, global const u
       l += with_least;
       s += with_second;
     }
-    for (uint i = 0; i < faces; ++i) {
-      uint4 c;
-      const uint t = face_of_problem(mesh, p, begin, i), ref = ref_of_face(mesh, t, &c);
-      if (ref == GCDT_NONE)
-        positions[t] = -1;
-      else
-        refs[second[c.y]++] = ref;
+    for (uint i = first; i < last; ++i) {
+      const uint ref = ordered[i];
+      refs[second[element(face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))], next_corner(GCDT_REF_CORNER(ref)))]++] = ref;
     }
     for (uint i = first; i < last; ++i) {
       const uint t = GCDT_REF_FACE(refs[i]);

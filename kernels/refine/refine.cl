@@ -179,7 +179,7 @@ static inline void make_subsegment(Insertion in, uint code, uint piece) {
 // v in face t.
 static void insert_in_face(Insertion in, uint v, uint t, uint claim) {
   const uint4 s = in.mesh.face_data[GCDT_SIDES(t)];
-  split_face(in.mesh, v, t, claim);
+  split_face(in.mesh, v, t, claim, false);
   set_label(in.mesh, t, s.w);
   for (uint i = 0; i < 2u; ++i) set_label(in.mesh, new_face(in.mesh, v, i), s.w);
   for (uint k = 0; k < 3u; ++k) queue_side(in, element(s, k));
@@ -197,7 +197,7 @@ static void insert_on_edge(Insertion in, uint v, uint e, uint claim) {
     outer[2u * side] = element(s, next_corner(GCDT_REF_CORNER(ref)));
     outer[2u * side + 1u] = element(s, previous_corner(GCDT_REF_CORNER(ref)));
   }
-  split_edge(in.mesh, v, e, claim);
+  split_edge(in.mesh, v, e, claim, false);
   for (uint side = 0; side < 2u; ++side) {
     set_label(in.mesh, face[side], label[side]);
     set_label(in.mesh, new_face(in.mesh, v, side), label[side]);

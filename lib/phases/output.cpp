@@ -108,12 +108,12 @@ ArrangedForest arrange_problems(Runtime& runtime, Primitives& primitives, const 
   Step gathering(runtime, "gather");
   ArrangedForest result;
   result.first_triangle = runtime.allocate<cl_uint>("first triangles", std::size_t{problems} + 1);
-  auto least = runtime.allocate<cl_uint>("triangles by least corner", mesh.n);
-  auto second = runtime.allocate<cl_uint>("triangles by second corner", mesh.n);
   runtime.launch("arrange", "arrange_count", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
-                 mesh.edge_faces, least, second, result.first_triangle);
+                 mesh.edge_faces, result.first_triangle);
   const cl_uint count = primitives.scan_total(result.first_triangle, problems);
   OrderedMesh& ordered = result.mesh = make_ordered(runtime, count);
+  auto least = runtime.allocate<cl_uint>("triangles by least corner", mesh.n);
+  auto second = runtime.allocate<cl_uint>("triangles by second corner", mesh.n);
   auto refs = runtime.allocate<cl_uint>("output faces", count);
   auto in_order = runtime.allocate<cl_uint>("output faces in order", count);
   auto positions = runtime.allocate<cl_int>("output positions", mesh.faces());
