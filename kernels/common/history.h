@@ -66,7 +66,7 @@ typedef struct Germ {
 // plain vertex does).
 static inline int germ_side(Germ g, Vertex a, Vertex b) {
   const i64 p = gcdt_orient2d(a, b, g.p);
-  if (g.k == 0u && (p != 0 || g.parts == 1u)) return gcdt_sign64(p);
+  if (g.k == 0u && p != 0) return gcdt_sign64(p);
   const i64 q = gcdt_orient2d(a, b, g.q);
   const int s = gcdt_division_sign(p, q, g.k, g.parts);
   return s != 0 ? s : gcdt_sign64(q);
