@@ -127,6 +127,12 @@ void store(const std::string& entry, const std::string& content) {
   if (!file || failed) fs::remove(temporary, ignored);
 }
 
+bool has(const std::string& entry) {
+  std::error_code ignored;
+  const fs::path place = folder();
+  return !place.empty() && fs::is_regular_file(place / entry, ignored);
+}
+
 void remove(const std::string& entry) {
   std::error_code ignored;
   fs::remove(folder() / entry, ignored);

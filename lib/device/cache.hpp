@@ -22,6 +22,9 @@ std::filesystem::path folder();
 /// A file name for what `parts` determine. Other parts give another name, but for equal digests.
 std::string entry(const char* kind, const std::vector<std::string>& parts);
 
+/// Whether there is something under `entry`, whole or not.
+bool has(const std::string& entry);
+
 /// The content stored under `entry`, if it is there and whole. A damaged file is deleted.
 std::optional<std::string> load(const std::string& entry);
 

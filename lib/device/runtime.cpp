@@ -8,6 +8,7 @@
 #include <cstring>
 #include <thread>
 
+#include "device/cache.hpp"
 #include "device/download.hpp"
 #include "device/step.hpp"
 #include "device/told.hpp"
@@ -74,7 +75,7 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
       context_(context),
       log_(std::move(log)),
       tracer_(std::move(trace), info_.name),
-      programs_(sibling ? sibling->programs_ : std::make_shared<Programs>()) {
+      programs_(sibling ? sibling->programs_ : std::make_shared<BuiltPrograms>()) {
   if (!context_())
     call("clCreateContext", info_.name.c_str(), [&] {
       cl_int code;
@@ -135,19 +136,31 @@ void Runtime::fail(const char* name, const char* detail, cl_int code) const {
       {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))}, 0, code);
 }
 
-// Siblings that need it as well wait for it.
 const cl::Program& Runtime::find_program(const char* program) {
   const auto start = std::chrono::steady_clock::now();
-  const std::lock_guard<std::mutex> lock(programs_->mutex);
-  const auto key = std::make_pair(std::string(program), meshes_of(program));
-  auto found = programs_->built.find(key);
-  if (found == programs_->built.end()) {
-    found = programs_->built.emplace(key, build_program(*this, program)).first;
+  const bool waits = !programs_->has(key_of(program));
+  const cl::Program& found =
+      programs_->get(key_of(program), most_builds(), [&] { return build_program(*this, program); });
+  if (waits)
     log(GCDT_LOG_INFORMATION,
         "built " + std::string(program) + " in " + std::to_string(milliseconds_since(start)) + " ms");
-  }
   build_ms_ += milliseconds_since(start);
-  return found->second;
+  return found;
+}
+
+void Runtime::build(const char* program) {
+  programs_->get(key_of(program), most_builds(), [&] { return build_program(*this, program); });
+}
+
+bool Runtime::would_compile(const char* program) const {
+  return !programs_->has(key_of(program)) && keeps_programs() &&
+         !cache::has(cache::entry("program", cache_parts(program)));
+}
+
+unsigned Runtime::most_builds() const {
+  // Hooks are the test's own, which is in one thread.
+  if (hook_.before || hook_.edit || !keeps_programs()) return 1;
+  return tuning().builds_at_once.value_or(kind_ == DeviceKind::gpu ? Tuning::builds_of_gpu : 1);
 }
 
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {

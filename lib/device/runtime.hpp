@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -18,7 +17,7 @@
 #include <gcdt/types.hpp>
 
 #include "device/buffer_pool.hpp"
-#include "device/programs.hpp"
+#include "device/built_programs.hpp"
 #include "device/trace.hpp"
 #include "device/tuning.hpp"
 
@@ -105,12 +104,6 @@ struct CallHook {
 using Log = std::function<void(int level, const char* message)>;
 
 class TransferChunks;
-
-/// What has been built in a context for a device, by name and kind of mesh.
-struct Programs {
-  std::mutex mutex;
-  std::map<std::pair<std::string, Meshes>, cl::Program> built;
-};
 
 class Runtime {
  public:
@@ -293,6 +286,13 @@ class Runtime {
 
   /// The text of the embedded program. Throws device_failed if there is none of that name.
   std::string source(const char* program) const;
+  /// Builds a program, if nobody has, for launches to come: from any thread, as long as neither use_programs() nor the
+  /// destructor is called. Throws as a launch does.
+  void build(const char* program);
+  /// Whether building the program now would compile it: it is not built, nor kept in the cache.
+  bool would_compile(const char* program) const;
+  /// Programs that may be built at once.
+  unsigned most_builds() const;
   /// What a built program depends on: its source, the options, device, driver and library version.
   std::vector<std::string> cache_parts(const char* program) const;
 
@@ -330,6 +330,7 @@ class Runtime {
   bool transfers_for_many() const { return shares_context_ && !alone_; }
   TransferChunks* chunks_for(std::size_t bytes);
   Kernel& find_kernel(const char* program, const char* kernel);
+  BuiltPrograms::Key key_of(const char* program) const { return {program, meshes_of(program)}; }
   const cl::Program& find_program(const char* program);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
   void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
@@ -361,7 +362,7 @@ class Runtime {
   std::size_t widest_ = 0;  ///< groups that launches have where the driver needs them to be of one width; 0: nowhere
   std::shared_ptr<void> present_;                      ///< among the runtimes that need it
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
-  std::shared_ptr<Programs> programs_;
+  std::shared_ptr<BuiltPrograms> programs_;
   std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;

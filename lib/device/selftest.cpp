@@ -110,7 +110,7 @@ void Runtime::self_test() {
   if (wrong == mul_hi) {
     log(GCDT_LOG_WARNING, info_.name + " computes mul_hi wrongly: emulated");
     emulate_mul_hi_ = true;
-    programs_->built.clear();
+    programs_->clear();
     kernels_.clear();
     wrong = first_wrong_word(*this);
   }

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs that threads build while a call is under way (device/built_programs.hpp): on PoCL, treated as a GPU whose
+// driver compiles programs when they are built.
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "api/state.hpp"
+#include "device_list.hpp"
+#include "pool_cases.hpp"
+#include "solve/programs.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+const std::vector<cl::Device> all_of_them = every_device();
+
+cl::Device pocl() {
+  for (const cl::Device& device : all_of_them)
+    if (runtime::kind_of(runtime::describe(device), {}) == DeviceKind::threads) return device;
+  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd");
+}
+
+runtime::CallHook compiles_programs(std::uint32_t at_once) {
+  runtime::CallHook hook;
+  hook.tuning.kind = DeviceKind::gpu;
+  hook.tuning.builds_at_once = at_once;
+  hook.keep_programs = true;
+  return hook;
+}
+
+std::string in_order(const std::vector<const char*>& names) {
+  std::string all;
+  for (const std::string& name : std::set<std::string>(names.begin(), names.end())) all += name + " ";
+  return all;
+}
+
+// What a call builds itself.
+std::string built_by(const Workload& input) {
+  std::set<std::string> built;
+  const runtime::Log listen = [&](int, const char* message) {
+    const std::string text = message;
+    if (text.rfind("built ", 0) == 0) built.insert(text.substr(6, text.find(' ', 6) - 6));
+  };
+  auto handle = std::make_unique<gcdt_solver>();
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listen, Trace(), compiles_programs(1));
+  Solver solver(handle.release());
+  built.clear();  // the self-test's
+  solver.triangulate(input.points, input.constraints);
+  std::string all;
+  for (const std::string& name : built) all += name + " ";
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("the programs that a call is said to need are those that it builds") {
+  CHECK(built_by(workload("uniform", 20000)) == in_order(programs_of_call(false)));
+  CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2)) == in_order(programs_of_call(true)));
+}
+
+TEST_CASE("a call whose programs are built by threads gives the same, and leaves none to be built") {
+  const Workload input = workload("random_pslg", 4000);
+  const Triangulation expected = solver().triangulate(input.points, input.constraints);
+  for (int run = 0; run < 3; ++run) {
+    auto handle = std::make_unique<gcdt_solver>();
+    handle->state = std::make_shared<api::State>(cl::Context(), pocl(), runtime::Log(), Trace(), compiles_programs(4));
+    runtime::Runtime& runtime = handle->state->runtime;
+    Solver gpu(handle.release());
+    REQUIRE(runtime.most_builds() == 4);
+    CHECK(difference(gpu.triangulate(input.points, input.constraints), expected) == "");
+    for (const char* program : programs_of_call(true)) CHECK(!runtime.would_compile(program));
+  }
+}
+
+TEST_CASE("threads share what they build, at most so many at once, and one that fails is tried again") {
+  runtime::BuiltPrograms programs;
+  std::atomic<int> made{0}, under_way{0}, most{0};
+  const auto build = [&] {
+    const int now = ++under_way;
+    for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ++made, --under_way;
+    return cl::Program();
+  };
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 8; ++t)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 10; ++i) programs.get({"program " + std::to_string(i), runtime::Meshes::one}, 3, build);
+    });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(made == 10);
+  CHECK(most <= 3);
+  const runtime::BuiltPrograms::Key bad = {"bad", runtime::Meshes::one};
+  CHECK_THROWS_AS(
+      programs.get(bad, 1, []() -> cl::Program { throw Error(Status::device_failed, "it does not compile"); }), Error);
+  CHECK(!programs.has(bad));
+  programs.get(bad, 1, build);
+  CHECK(programs.has(bad));
+  CHECK(made == 11);
+}
+
+TEST_CASE("a program that does not compile is told by the call, and threads end with it") {
+  runtime::CallHook hook = compiles_programs(4);
+  hook.options = "-DFOR_EACH=this does not compile";
+  const runtime::Log silent;
+  CHECK_THROWS_AS(runtime::Runtime(cl::Context(), pocl(), hook, silent), Error);
+}
