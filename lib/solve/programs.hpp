@@ -11,4 +11,7 @@ namespace gcdt {
 /// built when they come to it.
 std::vector<const char*> programs_of_call(bool constrained);
 
+/// The same of a run of many problems of a batch.
+std::vector<const char*> programs_of_batch(bool constrained);
+
 }  // namespace gcdt

@@ -7,6 +7,7 @@
 
 #include "api/state.hpp"
 #include "device_list.hpp"
+#include "faulty_device.hpp"
 #include "pool_cases.hpp"
 #include "solve/programs.hpp"
 
@@ -37,21 +38,41 @@ std::string in_order(const std::vector<const char*>& names) {
   return all;
 }
 
-// What a call builds itself.
-std::string built_by(const Workload& input) {
+/// What is built while it lives, of a log.
+struct Listener {
   std::set<std::string> built;
-  const runtime::Log listen = [&](int, const char* message) {
-    const std::string text = message;
-    if (text.rfind("built ", 0) == 0) built.insert(text.substr(6, text.find(' ', 6) - 6));
-  };
+  runtime::Log log() {
+    return [this](int, const char* message) {
+      const std::string text = message;
+      if (text.rfind("built ", 0) == 0) built.insert(text.substr(6, text.find(' ', 6) - 6));
+    };
+  }
+  std::string in_order() const {
+    std::string all;
+    for (const std::string& name : built) all += name + " ";
+    return all;
+  }
+};
+
+// What a call builds itself, but for the self-test's.
+std::string built_by(const Workload& input) {
+  Listener listener;
   auto handle = std::make_unique<gcdt_solver>();
-  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listen, Trace(), compiles_programs(1));
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), compiles_programs(1));
   Solver solver(handle.release());
-  built.clear();  // the self-test's
+  listener.built.clear();
   solver.triangulate(input.points, input.constraints);
-  std::string all;
-  for (const std::string& name : built) all += name + " ";
-  return all;
+  return listener.in_order();
+}
+
+std::string built_by(const std::vector<Workload>& problems) {
+  Listener listener;
+  runtime::CallHook hook = compiles_programs(1);
+  hook.tuning.workers = 1;
+  Pool pool(hooked_pool({hook}, listener.log()).release());
+  pool.triangulate(batch_of(problems));
+  listener.built.erase("selftest");
+  return listener.in_order();
 }
 
 }  // namespace
@@ -59,6 +80,13 @@ std::string built_by(const Workload& input) {
 TEST_CASE("the programs that a call is said to need are those that it builds") {
   CHECK(built_by(workload("uniform", 20000)) == in_order(programs_of_call(false)));
   CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2)) == in_order(programs_of_call(true)));
+  std::vector<Workload> points, graphs;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    points.push_back(uniform(100, seed));
+    graphs.push_back(random_pslg(100, 1 << 10, 30, seed));
+  }
+  CHECK(built_by(points) == in_order(programs_of_batch(false)));
+  CHECK(built_by(graphs) == in_order(programs_of_batch(true)));
 }
 
 TEST_CASE("a call whose programs are built by threads gives the same, and leaves none to be built") {
