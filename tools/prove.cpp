@@ -18,7 +18,11 @@ MeshView view_of(const Triangulation& mesh) {
 Verification prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
   const MeshView view = view_of(mesh);
   const Grid& grid = mesh.statistics.grid;
-  if (options.refine) return verify_refined_but(uncovered(mesh.statistics), input, view, grid, options);
+  if (options.refine) {
+    const RefinedVerification found = verify_refined_but(uncovered(mesh.statistics), input, view, grid, options);
+    if (found.refinements > 1) return {false, "added vertices are not in order"};
+    return found;
+  }
   if (!options.regions && options.domain == Domain::hull)
     return gcdt::verify(input.vertices, input.constraints, view, grid, options.crossing);
   const RegionView said = {mesh.region.data(), mesh.depth.data(), mesh.winding.data()};

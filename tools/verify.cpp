@@ -87,11 +87,12 @@ void verify_refined(const VerifyArguments& arguments, const io::Input& input, co
   if (arguments.quiet) return;
   const std::uint64_t excused = found.input_angle + found.beside_angle + found.short_side + found.call;
   print(fmt::format(
-      "valid: {} vertices, {} added, {} of these on constraints, which moved by {} at most; {} constraints, "
+      "valid: {} vertices, {} added{}, {} of these on constraints, which moved by {} at most; {} constraints, "
       "{} triangles{} on the {} grid with cell {}; {} triangles are excused\n{}",
-      input.vertices.size(), view.added.size(), found.on_constraints, found.move, input.constraints.size(),
-      view.triangles.size(), view.neighbours ? " and their neighbours" : "", io::kind_name(grid.kind), grid.cell(),
-      excused, named(view, found.excuses, input.first)));
+      input.vertices.size(), view.added.size(),
+      found.refinements > 1 ? fmt::format(" by {} refinements", found.refinements) : "", found.on_constraints,
+      found.move, input.constraints.size(), view.triangles.size(), view.neighbours ? " and their neighbours" : "",
+      io::kind_name(grid.kind), grid.cell(), excused, named(view, found.excuses, input.first)));
   if (arguments.refine.size) print("not proved: the lengths of --size, which --verify of gcdt triangulate proves\n");
 }
 

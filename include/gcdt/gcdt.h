@@ -356,7 +356,7 @@ enum {
   /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
   GCDT_DROPPED = 7,
   /* One element per added vertex, which are numbered on from the input's: those of GCDT_CROSSING_SPLIT in order of
-   * (x, y), then those of gcdt_options.refine in such an order.
+   * (x, y), then those of gcdt_options.refine in such an order, then those of each gcdt_result_refine.
    * A x 2 int32: where they are on the grid; gcdt_grid_coordinates makes numbers of that. */
   GCDT_ADDED = 8,
   /* A x 2 uint32: the least pair of input constraints that cross in the vertex's pixel, the lesser one first; of
@@ -505,12 +505,15 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
 /* ---- Refinement of a result -------------------------------------------------------------------------------- */
 
 /* Refines `result`, without its input: *refined is, to the byte, the result of the call that made `result` with
- * `refine` among its options. Of `options` (may be null) check, canonical and progress are read; the result has the
- * rest, which must be 0. `result` stays as it is, whatever happens, and may be refined again, to other bounds; the two
- * share nothing, and may be released in any order. The statistics are those of `result` with the refinement's added;
- * times, launches and bytes are of this call, which takes as much device memory beside `result` as that other call
- * (gcdt_required_bytes_refined). GCDT_ERROR_INVALID_ARGUMENT: what a call refuses; region_areas, if `result` has no
- * regions; a `result` of gcdt_adopt, or one that is refined already. Blocks. */
+ * `refine` among its options. One that is refined already is refined further: its vertices stay, those that are added
+ * now have the last numbers, and nothing is added to what is as wanted. Of one of gcdt_adopt the domain is what its
+ * triangles cover; edges that are neither constraints nor around it are made Delaunay. Of `options` (may be null)
+ * check, canonical and progress are read; the result has the rest, which must be 0. `result` stays as it is, whatever
+ * happens, and may be refined again, to other bounds; the two share nothing, and may be released in any order. The
+ * statistics are those of `result` with the refinement's added; refine_added and the counts beside it, times, launches
+ * and bytes are of this call, which takes as much device memory beside `result` as that other call
+ * (gcdt_required_bytes_refined; vertices that were added before are of its n). GCDT_ERROR_INVALID_ARGUMENT: what a call
+ * refuses; region_areas, if `result` has no regions. Blocks. */
 GCDT_API int32_t gcdt_result_refine(gcdt_result* result, const gcdt_refinement* refine, const gcdt_options* options,
                                     gcdt_result** refined);
 
@@ -627,6 +630,7 @@ typedef struct gcdt_refined_report {
   uint64_t on_constraints, far; /* added vertices on constraints and edges of the hull; more than half a cell off */
   double move;                  /* the largest distance of one from there, in units of the input */
   uint64_t encroached;          /* if conforming: sides on those with the corner across in the circle over them */
+  uint64_t refinements; /* one after the other (gcdt_result_refine): rows of added vertices, each in order of (x, y) */
 } gcdt_refined_report;
 
 /* Proves that `mesh` is the domain of `input` refined as `options` say, of which refine, crossing (not

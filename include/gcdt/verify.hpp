@@ -74,6 +74,7 @@ struct RefinedVerification : Verification {
   std::uint64_t on_constraints = 0, far = 0;                                  ///< added vertices
   double move = 0;
   std::uint64_t encroached = 0;       ///< if conforming: sides on constraints with a corner in the circle over them
+  std::uint64_t refinements = 0;      ///< one after the other; 0 if nothing was added
   std::vector<std::uint8_t> excuses;  ///< one a triangle: GCDT_EXCUSE_...
 };
 
@@ -96,7 +97,7 @@ inline RefinedVerification verify_refined(Points points, Constraints constraints
   found.input_angle = c.input_angle, found.beside_angle = c.beside_angle;
   found.short_side = c.short_side, found.call = c.call;
   found.on_constraints = c.on_constraints, found.far = c.far, found.move = c.move;
-  found.encroached = c.encroached;
+  found.encroached = c.encroached, found.refinements = c.refinements;
   return found;
 }
 

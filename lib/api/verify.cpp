@@ -171,7 +171,7 @@ int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, cons
       c.input_angle = count(Excuse::input_angle), c.beside_angle = count(Excuse::beside_angle);
       c.short_side = count(Excuse::short_side), c.call = count(Excuse::by_call);
       c.on_constraints = proved.on_chains, c.far = proved.far, c.move = proved.move * at.cell();
-      c.encroached = proved.encroached;
+      c.encroached = proved.encroached, c.refinements = proved.refinements;
       write_struct(c, report, "gcdt_refined_report");
     }
     return Verification{true, {}};

@@ -71,9 +71,12 @@ class Proof {
     for (std::uint32_t v = inputs_; v < all_->at.size(); ++v) {
       if (!all_->is_representative(v))
         return say("added vertex ", v, " is at the place of vertex ", all_->representative[v]);
-      if (v > inputs_ && !before(all_->at[v - 1], all_->at[v]))
-        return say("added vertices are not in order from vertex ", v - 1, " on");
+      // A refined mesh that was refined again has those of each in order.
+      if (v == inputs_ || !before(all_->at[v - 1], all_->at[v])) rows_.push_back(v);
     }
+    proof_.refinements = rows_.size();
+    rows_.push_back(static_cast<std::uint32_t>(all_->at.size()));
+    if (reason = order_rows(); !reason.empty()) return reason;
     std::vector<char> used(all_->at.size(), 0);
     for (const auto& corners : view_.triangles)
       for (const std::uint32_t v : corners) {
@@ -82,6 +85,18 @@ class Proof {
       }
     for (std::uint32_t v = inputs_; v < used.size(); ++v)
       if (!used[v]) return say("added vertex ", v, " is in no triangle");
+    return {};
+  }
+
+  /// What a vertex was put on was there: no vertex of a later row.
+  std::string order_rows() const {
+    if (view_.added_origin.size() != view_.added.size()) return {};
+    for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
+      for (std::uint32_t v = rows_[row]; v < rows_[row + 1]; ++v)
+        for (std::size_t k = 0; k < 3; ++k)
+          if (const std::uint32_t on = view_.added_origin[v - inputs_][k]; on >= rows_[row + 1] && on < rows_.back())
+            return say("added vertices are not in order from vertex ", rows_[row + 1] - 1, " on: vertex ", v,
+                       " was put on vertex ", on);
     return {};
   }
 
@@ -295,6 +310,7 @@ class Proof {
   std::uint64_t steps_ = 0;
   std::uint32_t inputs_ = 0;
   std::optional<Sites> plain_, all_;
+  std::vector<std::uint32_t> rows_;  // where the added vertices of each refinement begin, and the end
   std::vector<Piece> pieces_;
   std::vector<Link> links_;
   std::vector<std::uint32_t> piece_of_;  // by vertex: the piece that an added one is on, or none

@@ -18,6 +18,7 @@ struct RefinedProof {
   std::vector<Excuse> excuses;               ///< by triangle; empty after a failure
   std::uint64_t excused[excuse_kinds] = {};  ///< triangles
   std::uint64_t encroached = 0;              ///< if conforming: sides on chains with the corner across in their circle
+  std::uint64_t refinements = 0;             ///< rows of added vertices in order of (x, y)
   std::uint64_t on_chains = 0, far = 0;      ///< added vertices on pieces, of these more than half a cell off
   double move = 0;                           ///< the largest distance of one, in cells
 };

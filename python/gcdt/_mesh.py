@@ -161,8 +161,9 @@ class Mesh:
     ) -> Mesh:
         """The mesh that the call which made this would have made with `refine`, without its input being gone through.
 
-        This mesh stays as it is, and may be refined again, to other bounds; not so a mesh that is refined or was
-        adopted. `refine`: a `gcdt.Refinement`, or the least angle in degrees.
+        This mesh stays as it is, and may be refined again, to other bounds. One that is refined is refined further:
+        its vertices keep their numbers. Of one that was adopted the domain is what its triangles cover, and edges that
+        are no constraints are made Delaunay. `refine`: a `gcdt.Refinement`, or the least angle in degrees.
         """
         from ._options import options
         from ._refinement import refinement
