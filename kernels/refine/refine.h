@@ -35,14 +35,15 @@ typedef struct RefineRules {
   u32 by_label;       // regions have largest areas of their own
 } RefineRules;
 
-// Why a kept triangle that is worse than wanted was left.
+// Why a kept triangle that is worse than wanted was left: GCDT_EXCUSE_... less 1.
 #define GCDT_LEFT_INPUT_ANGLE 0u   // its least angle is between two subsegments
 #define GCDT_LEFT_BESIDE_ANGLE 1u  // its shortest side joins two constraints that meet at such an angle
-#define GCDT_LEFT_GRID 2u     // its shortest side is shorter than the least length, or its target too near a vertex
-#define GCDT_LEFT_FIXED 3u    // a subsegment that may not be split is in the way
-#define GCDT_LEFT_REFUSED 4u  // a subsegment that has no place to be split at is in the way
-#define GCDT_LEFT_LIMIT 5u    // nothing but the limit of vertices
-#define GCDT_LEFT_KINDS 6u
+#define GCDT_LEFT_GRID 2u          // its shortest side is shorter than the least length
+#define GCDT_LEFT_LIMIT 3u         // nothing but the limit of vertices
+#define GCDT_LEFT_TARGET 4u        // its target is too near a vertex
+#define GCDT_LEFT_FIXED 5u         // a subsegment that may not be split is in the way
+#define GCDT_LEFT_REFUSED 6u       // subsegments that have no place to be split at are in the way
+#define GCDT_LEFT_KINDS 7u
 
 // Zeroed at the start of a round, but for the sums over all rounds.
 typedef struct RefineReport {

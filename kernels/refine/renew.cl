@@ -301,6 +301,14 @@ kernel void refine_labels(uint count, global const uint* refs, global const int*
   }
 }
 
+// One work-item per triangle of the result's hull. Writes what was said of its face, if it is kept. No race.
+kernel void refine_excuses(uint count, global const uint* refs, global const int* places, global const uint* reasons,
+                           global uchar* excuses) {
+  FOR_EACH(i, count) {
+    if (places[i] >= 0) excuses[places[i]] = (uchar)reasons[GCDT_REF_FACE(refs[i])];
+  }
+}
+
 // One work-item per element. Writes from[index[i]]. No race.
 kernel void refine_gather(uint count, global const uint* index, global const uint* from, global uint* to) {
   FOR_EACH(i, count) to[i] = from[index[i]];

@@ -248,9 +248,9 @@ RefineResult Refiner::run(Ticker& ticker) {
 
 void Refiner::explain() {
   const cl_uint faces = mesh_.faces(count());
-  runtime_.launch("judge", "refine_explain", over(faces), faces, cl_uint(!result_.complete), mesh_.n, vertices_.points,
-                  mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, origins_begin_, origins_, pieces_,
-                  sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_);
+  runtime_.launch("judge", "refine_explain", over(faces), faces, mesh_.n, vertices_.points, mesh_.face_data,
+                  mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_,
+                  capacity(), asked_, keys_, numbers_, candidates_, report_, edge_pieces_, sharp_, urgency_);
   const device::RefineReport report = read_report();
   if (report.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
   result_.added = added_;
@@ -279,8 +279,7 @@ double Refiner::farthest() {
 
 RefinedMesh Refiner::finish() {
   lists_ = {};
-  for (auto* list : {&bad_, &bad_before_, &aiming_, &urgency_, &cavities_, &asked_, &numbers_, &ranks_, &won_})
-    *list = {};
+  for (auto* list : {&bad_, &bad_before_, &aiming_, &cavities_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
   ways_ = {};
   keys_ = {};
   candidates_ = {};
@@ -323,6 +322,7 @@ RefinedMesh Refiner::finish() {
   runtime_.launch("renew", "refine_rename_ends", over(subsegments_), subsegments_, input_numbers,
                   refined.vertices.input_vertex, pieces_, refined.piece_ends);
   refined.sharp = std::move(sharp_);
+  refined.reasons = std::move(urgency_);
   return refined;
 }
 

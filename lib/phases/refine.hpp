@@ -37,6 +37,7 @@ struct RefinedMesh {
   runtime::Buffer<cl_uint4> added_origins;
   runtime::Buffer<cl_uint> edge_pieces;  ///< by edge: its piece as it was; edges of the hull come after those
   std::uint32_t piece_count = 0;         ///< of all these
+  runtime::Buffer<cl_uint> reasons;      ///< by face: 1 + GCDT_LEFT_... of one that is worse than wanted, else 0
   runtime::Buffer<cl_uint2> piece_ends;  ///< by piece as it was, as vertices are numbered now
   runtime::Buffer<cl_uint> sharp;        ///< by piece: Subsegments::sharp
 };
@@ -99,8 +100,8 @@ class Refiner {
   runtime::Buffer<cl_uint> edge_pieces_;
   runtime::Buffer<cl_uint4> origins_;  ///< by vertex, from origins_begin_ on
   runtime::Buffer<cl_uint> bad_, bad_before_, aiming_, asked_, numbers_, ranks_;
-  runtime::Buffer<cl_uint> urgency_;   ///< by face: wait.h
-  runtime::Buffer<cl_uchar> ways_;     ///< the same
+  runtime::Buffer<cl_uint> urgency_;   ///< by face: wait.h; after the last round RefinedMesh::reasons
+  runtime::Buffer<cl_uchar> ways_;     ///< by face: wait.h
   runtime::Buffer<cl_uint> cavities_;  ///< of candidates: candidates.h
   runtime::Buffer<cl_ulong> keys_;
   runtime::Buffer<cl_uint4> candidates_;

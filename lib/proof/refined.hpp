@@ -5,13 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "proof/grid.hpp"
+#include "proof/mending.hpp"
 
 namespace gcdt::proof {
-
-/// Why a triangle may be worse than wanted (GCDT_EXCUSE_...); `as_wanted`: it is not.
-enum class Excuse : std::uint8_t { as_wanted, input_angle, beside_angle, short_side, by_call };
-constexpr std::size_t excuse_kinds = 5;
 
 struct RefinedProof {
   std::string reason;                        ///< the first failure, or empty

@@ -109,7 +109,8 @@ void tell(Run& run, const RefineResult& done) {
   r.move = done.move * run.vertices.grid.cell();
   r.encroached = done.encroached;
   r.left_input_angle = done.left[GCDT_LEFT_INPUT_ANGLE], r.left_beside_angle = done.left[GCDT_LEFT_BESIDE_ANGLE];
-  r.left_grid = done.left[GCDT_LEFT_GRID], r.left_fixed = done.left[GCDT_LEFT_FIXED];
+  r.left_grid = done.left[GCDT_LEFT_GRID] + done.left[GCDT_LEFT_TARGET], r.left_target = done.left[GCDT_LEFT_TARGET];
+  r.left_fixed = done.left[GCDT_LEFT_FIXED];
   r.left_refused = done.left[GCDT_LEFT_REFUSED], r.left_limit = done.left[GCDT_LEFT_LIMIT];
   if (!done.complete) s.notes.push_back(limit_note + std::to_string(done.all_left()) + " triangles are not as wanted");
 }
@@ -155,6 +156,8 @@ OrderedMesh select(Run& run, const RefinedMesh& refined, OrderedMesh hull, const
   OrderedMesh kept = make_ordered(runtime, count);
   runtime.launch("domain", "gather_kept", over(all), all, places, hull.corners, hull.neighbours, hull.constrained,
                  kept.corners, kept.neighbours, kept.constrained);
+  run.result.excuses = runtime.allocate<cl_uchar>("excuses of triangles", count);
+  runtime.launch("renew", "refine_excuses", over(all), all, refs, places, refined.reasons, run.result.excuses);
   Regions& r = run.result.regions;
   if (r.region.allocated()) {
     auto labels = runtime.allocate<cl_uint>("labels of triangles", count);

@@ -42,6 +42,8 @@ class Mesh:
     `depth`           (T,) uint32         the least number of constrained edges between it and the outside,
     `winding`         (T,) int32          how often constraints wind around it counter-clockwise,
     `region_seed`     (T,) int32          and the row of `regions` that is in it, or -1
+    `excuse`          (T,) uint8          with refine (else empty): 0, or why the triangle is worse than wanted:
+                                          `gcdt.EXCUSES[excuse]`
     ================  ==================  ===========================================================================
 
     `statistics` is a dictionary with counts, times in milliseconds and the grid (docs/statistics.md).
@@ -65,6 +67,7 @@ class Mesh:
     depth: NDArray[np.uint32]
     winding: NDArray[np.int32]
     region_seed: NDArray[np.int32]
+    excuse: NDArray[np.uint8]
     statistics: dict[str, Any]
 
     def __init__(

@@ -11,7 +11,7 @@ from gcdt import Refinement
 SQUARE = np.array([(0, 0), (8, 0), (8, 8), (0, 8), (3, 0), (3, 8)], float)
 WALLS = np.array([(0, 4), (4, 1), (1, 2), (2, 5), (5, 3), (3, 0), (4, 5)])
 ARRAYS = ("triangles", "neighbours", "constrained", "representative", "pieces", "source_offsets", "sources", "added")
-ARRAYS += ("added_on_grid", "added_origin", "region", "depth", "winding", "region_seed")
+ARRAYS += ("added_on_grid", "added_origin", "region", "depth", "winding", "region_seed", "excuse")
 
 
 def same(a, b, but=()):
@@ -58,6 +58,18 @@ def test_a_mesh_is_refined_to_the_bytes_of_one_call(domain, rng_points):
     assert (refined.locate([(1, 1), (9, 9)]) >= 0).tolist() == [True, False]
     with pytest.raises(ValueError, match="released"):
         plain.refine(20)
+
+
+def test_why_triangles_are_left():
+    needle = np.array([(0, 0), (10, 0), (10, 1)], float)
+    mesh = gcdt.triangulate_pslg(needle, [(0, 1), (1, 2), (2, 0)], refine=Refinement(20, most_area=0.2))
+    left = [gcdt.EXCUSES[excuse] for excuse in mesh.excuse[mesh.excuse > 0]]
+    assert left.count("input angle") == mesh.statistics["refine"]["left_input_angle"] == 1
+    assert left.count("beside angle") == mesh.statistics["refine"]["left_beside_angle"] == len(left) - 1
+    assert 0 in mesh.triangles[gcdt.EXCUSES.index("input angle") == mesh.excuse] and mesh.verify()
+    part = gcdt.triangulate_pslg(SQUARE, WALLS, refine=Refinement(20, most_area=0.1, most_added=9))
+    assert "limit" in {gcdt.EXCUSES[excuse] for excuse in part.excuse}
+    assert len(gcdt.triangulate_pslg(SQUARE, WALLS).excuse) == 0
 
 
 def test_a_refined_mesh_is_refined_further():
