@@ -2,6 +2,7 @@
 #include "peer.hpp"
 
 #include <csignal>
+#include <cstdlib>
 #include <sstream>
 
 #include <poll.h>
@@ -90,13 +91,13 @@ bool Peer::read_line(std::string& line, double seconds) {
 
 PeerTimes Peer::time(const std::string& file, int runs, double seconds) {
   if (process_ < 0) start();  // it may have died of the input before
-  if (process_ < 0) return {"did not start", 0, {}};
+  if (process_ < 0) return {"did not start", 0, {}, 0, 0};
   const std::string request = file + ' ' + std::to_string(runs) + ' ' + std::to_string(seconds) + '\n';
   std::string line;
   if (write(to_, request.data(), request.size()) != static_cast<ssize_t>(request.size()) ||
       !read_line(line, seconds_to_answer)) {
     stop();
-    return {"died or did not answer", 0, {}};
+    return {"died or did not answer", 0, {}, 0, 0};
   }
   std::istringstream words(line);
   std::string outcome;
@@ -108,7 +109,13 @@ PeerTimes Peer::time(const std::string& file, int runs, double seconds) {
     return times;
   }
   words >> times.triangles;
-  for (double ms; words >> ms;) times.ms.push_back(ms);
+  for (std::string word; words >> word;) {
+    if (word == "mesh") {
+      words >> times.vertices >> times.least_angle;
+      break;
+    }
+    times.ms.push_back(std::strtod(word.c_str(), nullptr));
+  }
   if (times.ms.empty()) times.error = "gave no times";
   return times;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A peer in a process of its own. It says "NAME points" or "NAME constraints" (what it can do) on a line, then
 // answers each line "FILE RUNS SECONDS" (a PSLGBIN1 file; at least 3 and at most RUNS runs, no new one after SECONDS)
-// with "ok TRIANGLES MS MS ..." or "error WHAT".
+// with "ok TRIANGLES MS MS ..." or "error WHAT". One that refines adds "mesh VERTICES DEGREES", the least angle.
 #pragma once
 
 #include <string>
@@ -15,6 +15,8 @@ struct PeerTimes {
   std::string error;  ///< why there are no times
   unsigned long long triangles = 0;
   std::vector<double> ms;
+  unsigned long long vertices = 0;  ///< 0: not said
+  double least_angle = 0;
 };
 
 class Peer {

@@ -23,14 +23,16 @@ using namespace gcdt::bench;
 
 constexpr char usage[] =
     "gcdt_bench_refine [--device SPEC] [--runs R] [--only NAME[:N],...] [--most N] [--no-check]\n"
-    "                  [--map FILE.poly]... [--peer COMMAND] [--scratch FOLDER]\n"
+    "                  [--map FILE.poly]... [--peer COMMAND] [--cgal COMMAND]\n"
+    "                  [--scratch FOLDER]\n"
     "  --most N     no input that is made has more vertices or triangles: shows that all works\n"
     "  --no-check   without the device's proof, of the triangulation and of what it is refined to\n"
     "  --peer       such as 'python3 bench/peers/triangle_refine.py'; gets Triangle's switches as its argument\n"
+    "  --cgal       another peer, such as gcdt_bench_cgal_refine, with the same argument\n"
     "  R: timed calls, 11\n";
 
 struct Arguments {
-  std::string device, only, peer, scratch = "/tmp";
+  std::string device, only, peer, cgal, scratch = "/tmp";
   std::vector<std::string> maps;
   std::size_t most = SIZE_MAX;
   int runs = 11;
@@ -73,7 +75,9 @@ std::vector<Task> tasks(const Arguments& arguments) {
   std::vector<Task> all;
   for (const std::size_t triangles : {1000, 10000, 100000, 1000000, 10000000}) all.push_back(square(triangles));
   for (const double angle : {20.0, 30.0})
-    for (const std::size_t n : {10000, 100000}) all.push_back({{"uniform", n, {}}, angle, HUGE_VAL, Domain::hull});
+    for (const std::size_t n : {10000, 20000, 100000})
+      all.push_back({{"uniform", n, {}}, angle, HUGE_VAL, Domain::hull});
+  all.push_back({{"letters", 10000, {}}, 20, HUGE_VAL, Domain::outer});
   for (const std::string& path : arguments.maps) {
     std::string name = path.substr(path.find_last_of('/') + 1);
     name = name.substr(0, name.find_last_of('.'));
@@ -122,6 +126,7 @@ struct Times {
   std::vector<double> call;    ///< that call, on the caller's clock, without building
   std::vector<double> plain;   ///< the call without refinement
   std::vector<double> result;  ///< Result::refine of that call's result
+  double least_angle = 0;
 };
 
 /// `mesh`: of the last call; `again`: triangles of the last result that was refined.
@@ -141,7 +146,7 @@ Times time(Solver& solver, const Workload& work, const Options& options, int run
     const auto refining = std::chrono::steady_clock::now();
     const Result refined = result.refine(*options.refine, own);
     const double result_ms = milliseconds_of(refining);
-    if (i == runs - 1) again = refined.triangles();
+    if (i == runs - 1) again = refined.triangles(), times.least_angle = refined.quality().least_angle;
     if (i < 0) continue;
     times.refine.push_back(mesh.statistics.ms.refine);
     times.call.push_back(call_ms);
@@ -161,13 +166,7 @@ std::string fault(const Workload& work, const Options& options, const Triangulat
   view.neighbours = mesh.neighbours.data();
   view.constrained = mesh.constrained.data();
   view.added = mesh.added_on_grid;
-  // A limit excuses what has no other excuse: that must be what had no place to be split at, or was left by the limit.
-  Options limited = options;
-  limited.refine->most_added = mesh.statistics.refine.added;
-  const RefinedVerification proof = verify_refined(work.points, work.constraints, view, mesh.statistics.grid, limited);
-  const auto& r = mesh.statistics.refine;
-  if (proof.valid && proof.call > r.left_refused + r.left_limit) return "triangles are left that nothing excuses";
-  return proof.valid ? "" : proof.reason;
+  return verify_refined(work.points, work.constraints, view, mesh.statistics.grid, options).reason;
 }
 
 /// Triangle's time for the switches, and its triangles.
@@ -185,6 +184,8 @@ void add_peer(Object& row, const std::string& name, const std::string& command, 
   }
   row.add(name, peer.name()).add(name + "_switches", switches).add(name + "_ms", median(times.ms));
   row.add(name + "_triangles", times.triangles);
+  if (times.vertices == 0) return;
+  row.add(name + "_vertices", times.vertices).add(name + "_least_angle", times.least_angle);
 }
 
 bool run(Solver& solver, const Task& task, const Arguments& arguments) {
@@ -201,6 +202,7 @@ bool run(Solver& solver, const Task& task, const Arguments& arguments) {
   row.add("angle", task.angle);
   if (task.most_area < HUGE_VAL)  // of a square with sides of 1
     row.add("most_area", task.most_area).add("length_ratio", 1 / std::sqrt(task.most_area));
+  row.add("least_angle", times.least_angle);
   row.add("n", count(s.n)).add("m", count(s.m)).add("added", count(s.refine.added));
   row.add("triangles", count(s.triangles)).add("rounds", count(s.refine.rounds)).add("complete", s.refine.complete);
   const auto& r = s.refine;
@@ -211,12 +213,17 @@ bool run(Solver& solver, const Task& task, const Arguments& arguments) {
   row.add("result_ms", median(times.result)).add("call_ms", median(times.call)).add("plain_ms", median(times.plain));
   row.add("launches", count(s.launches)).add("read_backs", count(s.read_backs));
   row.add("peak_device_bytes", count(s.peak_device_bytes)).add("checked", options.check);
-  if (!arguments.peer.empty()) {
+  if (!arguments.peer.empty() || !arguments.cgal.empty()) {
     const std::string file = arguments.scratch + "/gcdt_bench_refine_" + std::to_string(getpid()) + ".pslg";
     write_pslg(work, file);
     const bool constrained = !work.constraints.empty();
-    add_peer(row, "peer", arguments.peer, task.switches(constrained, false), file, arguments.runs);
-    add_peer(row, "plain_peer", arguments.peer, task.switches(constrained, true), file, arguments.runs);
+    const std::string switches = task.switches(constrained, false);
+    if (!arguments.peer.empty()) {
+      add_peer(row, "peer", arguments.peer, switches, file, arguments.runs);
+      add_peer(row, "plain_peer", arguments.peer, task.switches(constrained, true), file, arguments.runs);
+    }
+    if (!arguments.cgal.empty() && task.most_area == HUGE_VAL)  // Mesh_2 has no bound of areas
+      add_peer(row, "cgal", arguments.cgal, switches, file, arguments.runs);
     std::remove(file.c_str());
   }
   row.add("verified_by", mesh.representative.size() > largest_proved ? "device check" : "verify_refined");
@@ -241,6 +248,8 @@ bool parse(int count, char** words, Arguments& a) {
       a.only = value;
     else if (word == "--peer")
       a.peer = value;
+    else if (word == "--cgal")
+      a.cgal = value;
     else if (word == "--scratch")
       a.scratch = value;
     else if (word == "--map")

@@ -93,9 +93,11 @@ case $kind in
     else
       echo "bench.sh: no package triangle: rows have no peer" >&2
     fi
+    [[ ! -x $binaries/gcdt_bench_cgal_refine ]] || peer+=(--cgal "'$binaries/gcdt_bench_cgal_refine'")
     keep "$results/$label-refine.jsonl" \
       "{\"command\": \"$command_line\", \"commit\": \"$commit\", \"date\": \"$(date -u +%F)\", \"host_threads\": $(nproc)}" \
       "$binaries/gcdt_bench_refine" "${maps[@]}" "${peer[@]}" "$@"
+    "$python" "$root/bench/refine_table.py" "$results/$label-refine.jsonl"
     "$python" "$root/bench/plots.py" "$results/$label-refine.jsonl"
     exit ;;
   ablation)

@@ -64,7 +64,6 @@ struct VerifyArguments {
   std::string crossing = "reject", domain = "hull", grid;
   bool quiet = false;
   RefineArguments refine;
-  std::uint64_t left = 0;  ///< triangles that may be worse than wanted without an excuse that the mesh shows
 };
 
 struct BatchArguments {

@@ -218,10 +218,6 @@ void add_verify(CLI::App& gcdt, command::VerifyArguments& arguments) {
   add_crossing(*app, arguments.crossing);
   add_domain(*app, arguments.domain);
   command::add_refinement(*app, arguments.refine);
-  app->add_option("--left", arguments.left,
-                  "Triangles that --refine may have left because a constraint could not be split: left_refused of the "
-                  "statistics")
-      ->type_name("N");
   app->add_option("--grid", arguments.grid, "The grid, where OUTPUT holds none")->type_name("X,Y,CELL");
   app->add_flag("--quiet", arguments.quiet, "Print errors only");
   app->footer(std::string(verify_help) + status_help);

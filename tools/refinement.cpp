@@ -67,21 +67,6 @@ void check_refinement(const RefineArguments& arguments) {
   require(most >= 0, "--max-vertices", "0 or more", most);
 }
 
-// A limit of vertices that is reached excuses what has no other excuse.
-RefinedVerification verify_refined_but(std::uint64_t left, const io::Input& input, const MeshView& view,
-                                       const Grid& grid, const Options& options) {
-  Options limited = options;
-  if (left > 0) limited.refine->most_added = std::min<std::uint64_t>(limited.refine->most_added, view.added.size());
-  RefinedVerification found = gcdt::verify_refined(input.vertices, input.constraints, view, grid, limited);
-  const bool may_be_left = options.refine->most_added != UINT64_MAX || options.refine->splits != Splits::all;
-  if (found.valid && !may_be_left && found.call > left) {
-    found.valid = false;
-    found.reason =
-        fmt::format("{} triangles are worse than wanted and nothing excuses them; {} may be", found.call, left);
-  }
-  return found;
-}
-
 std::optional<Refinement> wanted_by(const RefineArguments& arguments) {
   if (!arguments.angle) return {};
   Refinement r;

@@ -30,17 +30,6 @@ void add_refinement(CLI::App& app, RefineArguments& arguments);
 /// Throws io::Failure (Exit::usage) for values that make no sense.
 void check_refinement(const RefineArguments& arguments);
 
-/// As gcdt::verify_refined(), but up to `left` triangles may be worse than wanted without an excuse that the mesh
-/// itself shows: those that the refinement has counted as such (docs/refinement.md, `refused`).
-RefinedVerification verify_refined_but(std::uint64_t left, const io::Input& input, const MeshView& view,
-                                       const Grid& grid, const Options& options);
-
-/// How many triangles, and sides with a corner in their circle, a refinement has counted whose excuse the mesh does not
-/// show.
-inline std::uint64_t uncovered(const Statistics& s) {
-  return s.refine.left_refused + s.refine.left_fixed + s.refine.left_limit + s.refine.encroached;
-}
-
 /// What the options say by themselves: without the lengths and areas that an input has. Nothing without --refine.
 std::optional<Refinement> wanted_by(const RefineArguments& arguments);
 

@@ -61,9 +61,14 @@ Grid grid_of(const io::MeshFile& mesh, const io::Input& input, const Options& op
 
 /// The first few that are excused, one a line.
 std::string named(const MeshView& view, const std::vector<std::uint8_t>& excuses, std::uint32_t first) {
-  static const char* const why[] = {"", "in an angle between constraints", "beside an angle between constraints",
+  static const char* const why[] = {"",
+                                    "in an angle between constraints",
+                                    "beside an angle between constraints",
                                     "a side as short as may be",
-                                    "what the call forbids, or a constraint that cannot be split"};
+                                    "the limit of added vertices",
+                                    "its centre is too near another vertex on the grid",
+                                    "a constraint that may not be split",
+                                    "a constraint that has no place to be split at"};
   constexpr std::size_t most = 10;
   std::string text;
   std::size_t count = 0;
@@ -82,16 +87,18 @@ void verify_refined(const VerifyArguments& arguments, const io::Input& input, co
   const InputRefinement refinement(arguments.refine, input);
   options.refine = refinement.wanted();
   options.refine->sizes = {};  // those at added vertices depend on what these were put on, which files do not say
-  const RefinedVerification found = verify_refined_but(arguments.left, input, view, grid, options);
+  const RefinedVerification found = gcdt::verify_refined(input.vertices, input.constraints, view, grid, options);
   if (!found.valid) throw Failure(Exit::check, fmt::format("{}: {}", arguments.output, found.reason));
   if (arguments.quiet) return;
-  const std::uint64_t excused = found.input_angle + found.beside_angle + found.short_side + found.call;
+  const std::uint64_t excused = found.input_angle + found.beside_angle + found.short_side + found.limit + found.target +
+                                found.fixed + found.refused;
   print(fmt::format(
-      "valid: {} vertices, {} added, {} of these on constraints, which moved by {} at most; {} constraints, "
+      "valid: {} vertices, {} added{}, {} of these on constraints, which moved by {} at most; {} constraints, "
       "{} triangles{} on the {} grid with cell {}; {} triangles are excused\n{}",
-      input.vertices.size(), view.added.size(), found.on_constraints, found.move, input.constraints.size(),
-      view.triangles.size(), view.neighbours ? " and their neighbours" : "", io::kind_name(grid.kind), grid.cell(),
-      excused, named(view, found.excuses, input.first)));
+      input.vertices.size(), view.added.size(),
+      found.refinements > 1 ? fmt::format(" by {} refinements", found.refinements) : "", found.on_constraints,
+      found.move, input.constraints.size(), view.triangles.size(), view.neighbours ? " and their neighbours" : "",
+      io::kind_name(grid.kind), grid.cell(), excused, named(view, found.excuses, input.first)));
   if (arguments.refine.size) print("not proved: the lengths of --size, which --verify of gcdt triangulate proves\n");
 }
 

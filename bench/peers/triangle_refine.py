@@ -23,6 +23,13 @@ def read(path):
         return given
 
 
+def least_angle(made):
+    corners = made["vertices"][made["triangles"]]
+    u, v = (numpy.roll(corners, -k, axis=1) - corners for k in (1, 2))
+    cross, dot = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0], (u * v).sum(axis=2)
+    return f"{numpy.degrees(numpy.arctan2(cross, dot)).min():.4f}"
+
+
 def main():
     print(f"triangle-{version('triangle')} constraints", flush=True)
     for line in sys.stdin:
@@ -35,7 +42,7 @@ def main():
                 made = triangle.triangulate(given, sys.argv[1])
                 times.append(f"{1000 * (time.perf_counter() - begin):.4f}")
                 triangles = len(made["triangles"])
-            print("ok", triangles, *times, flush=True)
+            print("ok", triangles, *times, "mesh", len(made["vertices"]), least_angle(made), flush=True)
         except Exception as error:  # a peer that fails is a result, not a reason to stop
             print("error", str(error).replace("\n", " ")[:200], flush=True)
 

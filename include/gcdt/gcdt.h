@@ -356,7 +356,7 @@ enum {
   /* uint32: the input constraints dropped under GCDT_CROSSING_DROP, ascending. */
   GCDT_DROPPED = 7,
   /* One element per added vertex, which are numbered on from the input's: those of GCDT_CROSSING_SPLIT in order of
-   * (x, y), then those of gcdt_options.refine in such an order.
+   * (x, y), then those of gcdt_options.refine in such an order, then those of each gcdt_result_refine.
    * A x 2 int32: where they are on the grid; gcdt_grid_coordinates makes numbers of that. */
   GCDT_ADDED = 8,
   /* A x 2 uint32: the least pair of input constraints that cross in the vertex's pixel, the lesser one first; of
@@ -372,6 +372,8 @@ enum {
   GCDT_DEPTHS = 17,       /* uint32: the least number of constrained edges between the region and outside */
   GCDT_WINDINGS = 18,     /* int32 */
   GCDT_REGION_SEEDS = 19, /* int32: the least of gcdt_options.region_seeds in the region, -1 without one */
+  /* T uint8, only with gcdt_options.refine: GCDT_EXCUSE_... of each triangle, why it is worse than wanted. */
+  GCDT_EXCUSES = 20,
   /* Made on the device when first asked for, which blocks and takes device memory; not in gcdt_required_bytes. */
   GCDT_VERTEX_TRIANGLES = 24, /* int32 per input vertex: the least triangle at its grid point, -1 without one */
   GCDT_HULL = 25, /* uint32: vertices on the convex hull, counter-clockwise from the first in Z-order; those inside its
@@ -476,12 +478,13 @@ typedef struct gcdt_statistics {
    * triangles that are constraints, or border, and have the third corner in the lens (docs/refinement.md). Then
    * triangles that are not as wanted, each by the first reason that holds: the angle is between two constraints; the
    * shortest side is beside such an angle; a side is shorter than least_length, or the grid has no place; what must not
-   * be split is in the way; what could not be split is; nothing but most_added. */
+   * be split is in the way; what could not be split is; nothing but most_added. GCDT_EXCUSES says it of each. */
   double ms_refine;
   uint64_t refine_complete, refine_rounds, refine_added, refine_on_subsegments, refine_bent, refine_far;
   double refine_move;
   uint64_t refine_encroached, refine_left_input_angle, refine_left_beside_angle, refine_left_grid, refine_left_fixed,
       refine_left_refused, refine_left_limit;
+  uint64_t refine_left_target; /* of refine_left_grid: GCDT_EXCUSE_TARGET */
 } gcdt_statistics;
 
 GCDT_API int32_t gcdt_result_statistics(const gcdt_result* result, gcdt_statistics* statistics);
@@ -505,12 +508,15 @@ GCDT_API const char* gcdt_result_note(const gcdt_result* result, size_t number);
 /* ---- Refinement of a result -------------------------------------------------------------------------------- */
 
 /* Refines `result`, without its input: *refined is, to the byte, the result of the call that made `result` with
- * `refine` among its options. Of `options` (may be null) check, canonical and progress are read; the result has the
- * rest, which must be 0. `result` stays as it is, whatever happens, and may be refined again, to other bounds; the two
- * share nothing, and may be released in any order. The statistics are those of `result` with the refinement's added;
- * times, launches and bytes are of this call, which takes as much device memory beside `result` as that other call
- * (gcdt_required_bytes_refined). GCDT_ERROR_INVALID_ARGUMENT: what a call refuses; region_areas, if `result` has no
- * regions; a `result` of gcdt_adopt, or one that is refined already. Blocks. */
+ * `refine` among its options. One that is refined already is refined further: its vertices stay, those that are added
+ * now have the last numbers, and nothing is added to what is as wanted. Of one of gcdt_adopt the domain is what its
+ * triangles cover; edges that are neither constraints nor around it are made Delaunay. Of `options` (may be null)
+ * check, canonical and progress are read; the result has the rest, which must be 0. `result` stays as it is, whatever
+ * happens, and may be refined again, to other bounds; the two share nothing, and may be released in any order. The
+ * statistics are those of `result` with the refinement's added; refine_added and the counts beside it, times, launches
+ * and bytes are of this call, which takes as much device memory beside `result` as that other call
+ * (gcdt_required_bytes_refined; vertices that were added before are of its n). GCDT_ERROR_INVALID_ARGUMENT: what a call
+ * refuses; region_areas, if `result` has no regions. Blocks. */
 GCDT_API int32_t gcdt_result_refine(gcdt_result* result, const gcdt_refinement* refine, const gcdt_options* options,
                                     gcdt_result** refined);
 
@@ -619,14 +625,19 @@ enum {
   GCDT_EXCUSE_INPUT_ANGLE = 1,  /* its least angle is between two constraints, or edges of the hull */
   GCDT_EXCUSE_BESIDE_ANGLE = 2, /* its shortest side joins two of them beside their common end, about as far from it */
   GCDT_EXCUSE_SHORT_SIDE = 3,   /* a side is shorter than 8 cells, or than least_length */
-  GCDT_EXCUSE_CALL = 4          /* none of these, but the call had a limit of vertices, or might not split everything */
+  GCDT_EXCUSE_LIMIT = 4,        /* a vertex would mend it, but the call had a limit of vertices, which it has reached */
+  GCDT_EXCUSE_TARGET = 5,       /* the place of that vertex, on the grid, is too near another one */
+  GCDT_EXCUSE_FIXED = 6,        /* a constraint, or edge of the hull, is in its way that may not be split */
+  GCDT_EXCUSE_REFUSED = 7 /* such are in its way, and none has a place on the grid to be split at, or is too short */
 };
 typedef struct gcdt_refined_report {
   size_t struct_size;
-  uint64_t input_angle, beside_angle, short_side, call; /* triangles that are not as wanted, by their excuse */
-  uint64_t on_constraints, far; /* added vertices on constraints and edges of the hull; more than half a cell off */
-  double move;                  /* the largest distance of one from there, in units of the input */
-  uint64_t encroached;          /* if conforming: sides on those with the corner across in the circle over them */
+  uint64_t input_angle, beside_angle, short_side, limit; /* triangles that are not as wanted, by their excuse */
+  uint64_t on_constraints, far;    /* added vertices on constraints and edges of the hull; more than half a cell off */
+  double move;                     /* the largest distance of one from there, in units of the input */
+  uint64_t encroached;             /* if conforming: sides on those with the corner across in the circle over them */
+  uint64_t target, fixed, refused; /* more triangles, by their excuse */
+  uint64_t refinements; /* one after the other (gcdt_result_refine): rows of added vertices, each in order of (x, y) */
 } gcdt_refined_report;
 
 /* Proves that `mesh` is the domain of `input` refined as `options` say, of which refine, crossing (not

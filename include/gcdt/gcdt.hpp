@@ -131,8 +131,9 @@ class Result {
             c.least_area, c.largest_area, c.area,          c.least_doubled,        c.largest_doubled,
             c.doubled};
   }
-  /// What the call that made this would have made with `wanted` as Options::refine; this stays as it is. Of `options`
-  /// check, canonical and progress are read, the rest must be as it is at first. See gcdt_result_refine. Blocks.
+  /// What the call that made this would have made with `wanted` as Options::refine; refined further, if it was refined;
+  /// what was adopted, too. This stays as it is. Of `options` check, canonical and progress are read, the rest must be
+  /// as it is at first. See gcdt_result_refine. Blocks.
   Result refine(const Refinement& wanted, const Options& options = {}) const {
     const gcdt_refinement c = detail::refinement(wanted);
     return Result(detail::made<gcdt_result>(

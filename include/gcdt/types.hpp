@@ -304,7 +304,7 @@ struct Statistics {
     std::uint64_t encroached = 0;
     /// Triangles that are not as wanted, by the reason.
     std::uint64_t left_input_angle = 0, left_beside_angle = 0, left_grid = 0, left_fixed = 0, left_refused = 0,
-                  left_limit = 0;
+                  left_limit = 0, left_target = 0;
   } refine;
   std::vector<std::string> notes;  ///< e.g. that all vertices lie on one line
 };
@@ -338,7 +338,7 @@ using Element = typename ElementOf<T, width>::Type;
 struct Triangulation {
   /// One Array (gcdt/array.hpp) for each of gcdt/arrays.def, which says what is in it: triangles, neighbours,
   /// constrained, representative, pieces, source_offsets, sources, dropped, added_on_grid, added_crossing,
-  /// added_origin, region, depth, winding and region_seed.
+  /// added_origin, region, depth, winding, region_seed and excuse.
 #define GCDT_ARRAY(number, name, type, width, ...) Array<detail::Element<type, width>> name;
 #include <gcdt/arrays.def>
   /// The vertices of added_on_grid, as the doubles nearest to that.

@@ -70,10 +70,12 @@ inline Verification verify_domain(Points points, Constraints constraints, const 
 
 /// Of a refined mesh; see gcdt_refined_report.
 struct RefinedVerification : Verification {
-  std::uint64_t input_angle = 0, beside_angle = 0, short_side = 0, call = 0;  ///< triangles that are excused
-  std::uint64_t on_constraints = 0, far = 0;                                  ///< added vertices
+  std::uint64_t input_angle = 0, beside_angle = 0, short_side = 0, limit = 0;  ///< triangles that are excused
+  std::uint64_t target = 0, fixed = 0, refused = 0;                            ///< more of them
+  std::uint64_t on_constraints = 0, far = 0;                                   ///< added vertices
   double move = 0;
   std::uint64_t encroached = 0;       ///< if conforming: sides on constraints with a corner in the circle over them
+  std::uint64_t refinements = 0;      ///< one after the other; 0 if nothing was added
   std::vector<std::uint8_t> excuses;  ///< one a triangle: GCDT_EXCUSE_...
 };
 
@@ -94,9 +96,10 @@ inline RefinedVerification verify_refined(Points points, Constraints constraints
       detail::verification(gcdt_verify_refined(&input, &view, &at, &given.c, &c, found.excuses.data()));
   if (!found.valid) return found;
   found.input_angle = c.input_angle, found.beside_angle = c.beside_angle;
-  found.short_side = c.short_side, found.call = c.call;
+  found.short_side = c.short_side, found.limit = c.limit;
+  found.target = c.target, found.fixed = c.fixed, found.refused = c.refused;
   found.on_constraints = c.on_constraints, found.far = c.far, found.move = c.move;
-  found.encroached = c.encroached;
+  found.encroached = c.encroached, found.refinements = c.refinements;
   return found;
 }
 

@@ -19,6 +19,8 @@ typedef struct Judge {
   volatile global uint* marks;
   Origins origins;
   global const uint2* pieces;
+  global const uint* edge_pieces;  // this and the next one only for find_place
+  global const uint* sharp;
   global const uint* sizes;   // by vertex, if rules.sized
   global const ulong* areas;  // by label less 1, if rules.by_label: the largest doubled areas
 } Judge;
@@ -31,6 +33,7 @@ typedef struct Judge {
   judge.origins.inputs = inputs;                            \
   judge.origins.of = origins;                               \
   judge.pieces = pieces;                                    \
+  judge.edge_pieces = judge.sharp = 0;                      \
   judge.sizes = sizes;                                      \
   judge.areas = areas
 
@@ -87,6 +90,96 @@ static Judged judge_face(Judge judge, uint face) {
   return j;
 }
 
+// ---- Places on subsegments ------------------------------------------------------------------------------
+
+// Is m in the closed face beyond an unconstrained side, no corner, and on no constrained side? Outside the domain,
+// where faces are as good as any other cover, a vertex may be there, if the side can be flipped then: r and the vertex
+// are on either side of the line on which the side's ends are. So what is beside a border does not hide its places, nor
+// do the rays that bound symbolic faces.
+static bool fits_beyond(Mesh mesh, volatile global const uint* marks, uint code, Vertex m) {
+  if (is_constrained(marks, code)) return false;
+  const uint face = GCDT_REF_FACE(mesh.edge_faces[code ^ 1u]), on = side_under(mesh, face, m);
+  if (on == GCDT_NONE) return false;
+  return on == 3u || !is_constrained(marks, element(mesh.face_data[GCDT_SIDES(face)], on));
+}
+
+// m on the side of directed edge p -> q that face (p, q, r) lies on, strictly: is it in the closed face, no corner, and
+// on no constrained side? `ref` is the face with its corner r.
+static bool fits_face(Mesh mesh, volatile global const uint* marks, uint ref, Vertex m) {
+  const uint face = GCDT_REF_FACE(ref), k = GCDT_REF_CORNER(ref);
+  const uint4 c = mesh.face_data[GCDT_CORNERS(face)], s = mesh.face_data[GCDT_SIDES(face)];
+  const Vertex p = corner_vertex(mesh, c, next_corner(k)), q = corner_vertex(mesh, c, previous_corner(k)),
+               r = corner_vertex(mesh, c, k);
+  const i64 beside_p = gcdt_orient2d(q, r, m), beside_q = gcdt_orient2d(r, p, m);
+  if (s.w == 0u && beside_p < 0 && beside_q > 0)
+    return gcdt_orient2d(p, m, r) > 0 && fits_beyond(mesh, marks, element(s, next_corner(k)), m);
+  if (s.w == 0u && beside_q < 0 && beside_p > 0)
+    return gcdt_orient2d(m, q, r) > 0 && fits_beyond(mesh, marks, element(s, previous_corner(k)), m);
+  if (beside_p < 0 || beside_q < 0 || (beside_p == 0 && beside_q == 0)) return false;
+  // The side across from p ends in q and r.
+  if (beside_p == 0) return !is_constrained(marks, element(s, next_corner(k)));
+  if (beside_q == 0) return !is_constrained(marks, element(s, previous_corner(k)));
+  return true;
+}
+
+// May subsegment pq, the edge e, be split at m? Its near face is that of side 0, on which p -> q runs forward.
+static bool is_valid_place(Mesh mesh, volatile global const uint* marks, uint e, Vertex p, Vertex q, Vertex m) {
+  const i64 side = gcdt_orient2d_finite(p, q, m);
+  if (side == 0) return gcdt_dot(m, p, q) < 0;
+  return fits_face(mesh, marks, mesh.edge_faces[2u * e + (side > 0 ? 0u : 1u)], m);
+}
+
+// The h-th of five attempts around place k: k, k + h, k - h, k + 2h, k - 2h.
+static inline i64 attempt(i64 k, i64 step, uint number) {
+  const i64 away = (number + 1u) / 2u * step;
+  return number % 2u == 1u ? k + away : k - away;
+}
+
+typedef struct Place {
+  bool found, far;  // far: rounded the other way
+  Vertex at;
+  u64 squared;  // the length of the subsegment
+} Place;
+
+// Where subsegment e can be split.
+static Place find_place(Judge judge, uint e) {
+  const Mesh mesh = judge.mesh;
+  const uint ref = mesh.edge_faces[2u * e], number = judge.edge_pieces[e];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
+  const uint vp = element(c, next_corner(GCDT_REF_CORNER(ref))), vq = element(c, previous_corner(GCDT_REF_CORNER(ref)));
+  const Vertex p = vertex_at(mesh.points, vp), q = vertex_at(mesh.points, vq);
+  Place place;
+  place.found = place.far = false;
+  place.at = p;
+  place.squared = gcdt_squared_length(p, q);
+  const uint2 ends = judge.pieces[number];
+  const Piece piece = gcdt_piece(vertex_at(mesh.points, ends.x), vertex_at(mesh.points, ends.y));
+  const i64 kp = gcdt_place_of(piece, p), kq = gcdt_place_of(piece, q), low = min(kp, kq), high = max(kp, kq);
+  const uint sharp_ends = judge.sharp[number];
+  const bool p_sharp = (vp == ends.x && (sharp_ends & 1u)) || (vp == ends.y && (sharp_ends & 2u)),
+             q_sharp = (vq == ends.x && (sharp_ends & 1u)) || (vq == ends.y && (sharp_ends & 2u));
+  i64 k = (low + high) / 2;
+  if (p_sharp != q_sharp) {
+    const i64 shell = gcdt_shell(piece, place.squared);
+    k = (p_sharp ? kp : kq) == 0 ? shell : piece.along - shell;
+  }
+  const i64 step = max((i64)1, (high - low) / 16);
+  const bool border =
+      label_of(mesh, GCDT_REF_FACE(ref)) == 0u || label_of(mesh, GCDT_REF_FACE(mesh.edge_faces[2u * e + 1u])) == 0u;
+  // Not shorter than wanted: refused. Else five places, and beside a border five that are rounded the other way.
+  const uint attempts = place.squared / 4u < judge.rules.least_squared ? 0u : border ? 10u : 5u;
+  for (uint at = 0; at < attempts && !place.found; ++at) {
+    const i64 tried = attempt(k, step, at % 5u);
+    if (tried <= low || tried >= high) continue;
+    place.far = at >= 5u;
+    place.at = gcdt_at_place(piece, tried, place.far);
+    place.found = is_valid_place(mesh, judge.marks, e, p, q, place.at);
+  }
+  return place;
+}
+
+// ---- Aims -----------------------------------------------------------------------------------------------
+
 // What comes of a triangle that is to be mended. With `asks`, subsegments in the way are asked for.
 typedef struct Aim {
   Vertex target;
@@ -94,16 +187,21 @@ typedef struct Aim {
   bool wanted;  // a candidate
   bool failed;
   uint in_way;  // subsegments that must be split first
+  uint open;    // of these, without `asks`, that have a place to be split at
   uint fixed;   // that may not be split
 } Aim;
 
+// A subsegment is in the way: it is asked for, or looked at.
 static void meet(Judge judge, uint code, Aim* aim, bool asks, Lists lists) {
   if (!may_split(judge.mesh, judge.rules, code)) {
     ++aim->fixed;
     return;
   }
   ++aim->in_way;
-  if (asks) ask(lists, GCDT_SIDE_EDGE(code));
+  if (asks)
+    ask(lists, GCDT_SIDE_EDGE(code));
+  else if (find_place(judge, GCDT_SIDE_EDGE(code)).found)
+    ++aim->open;
 }
 
 // The target of a triangle, by a walk to it and a tour of its cavity. A subsegment that stops the walk, or has the
@@ -114,7 +212,7 @@ static Aim aim_from(Judge judge, uint face, Judged j, bool asks, Lists lists, Ca
   const Mesh mesh = judge.mesh;
   const uint k = j.shape.corner;
   aim.wanted = aim.failed = false;
-  aim.in_way = aim.fixed = 0u;
+  aim.in_way = aim.open = aim.fixed = 0u;
   aim.target =
       gcdt_aim(corner_vertex(mesh, j.corners, next_corner(k)), corner_vertex(mesh, j.corners, previous_corner(k)),
                corner_vertex(mesh, j.corners, k), j.shape, judge.rules);
@@ -245,14 +343,47 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
   }
 }
 
-// One work-item per face. Counts why kept faces are worse than wanted, and subsegments with the corner of a kept face
-// in their lens, once a side. `limited`: the refinement has ended by its limit. Reads the mesh. Writes the report by
-// atomics.
-kernel void refine_explain(uint faces, uint limited, JUDGE_PARAMETERS, LIST_PARAMETERS) {
+// One work-item per subsegment of the list `asked`. Finds a place for its vertex, which becomes a candidate. `sharp`:
+// bit 0 and 1 tell of the first and second end of each piece that another subsegment meets it there at less than 60
+// degrees over kept faces. Reads the mesh; writes as refine_judge.
+kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* edge_pieces, global const uint* sharp) {
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
+  judge.edge_pieces = edge_pieces;
+  judge.sharp = sharp;
+  const uint count = report->asked;
+  FOR_EACH(i, count) {
+    const Place place = find_place(judge, asked[i]);
+    if (place.found)
+      add_candidate(lists, gcdt_candidate_key(1u, place.squared, 0u, place.at), place.at, asked[i],
+                    place.far ? GCDT_ON_SUBSEGMENT | GCDT_FAR : GCDT_ON_SUBSEGMENT);
+    else
+      atomic_inc(&report->refused);
+  }
+}
+
+// Why a kept face is worse than wanted, of GCDT_LEFT_...; VERDICT_FINE if it is not.
+static uint reason_of(Judge judge, uint face, Lists lists) {
+  const Judged j = judge_face(judge, face);
+  if (j.verdict <= VERDICT_FINE) return j.verdict;
+  const Aim aim = aim_from(judge, face, j, false, lists, 0);
+  if (aim.failed) atomic_or(&lists.report->failed, 1u);
+  if (aim.fixed > 0u) return GCDT_LEFT_FIXED;
+  if (aim.wanted || aim.open > 0u) return GCDT_LEFT_LIMIT;
+  return aim.in_way > 0u ? GCDT_LEFT_REFUSED : GCDT_LEFT_TARGET;
+}
+
+// One work-item per face. Counts why kept faces are worse than wanted, and subsegments with the corner of a kept face
+// in their lens, once a side. Reads the mesh. Writes the report by atomics, and of each face 1 + the reason, or 0.
+kernel void refine_explain(uint faces, JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* edge_pieces,
+                           global const uint* sharp, global uint* reasons) {
+  MAKE_JUDGE(judge);
+  MAKE_LISTS(lists);
+  judge.edge_pieces = edge_pieces;
+  judge.sharp = sharp;
   FOR_EACH(t, faces) {
     const uint4 s = face_data[GCDT_SIDES(t)];
+    reasons[t] = 0u;
     if (s.w == 0u) continue;
     const uint4 c = face_data[GCDT_CORNERS(t)];
     for (uint k = 0; k < 3u; ++k)
@@ -260,107 +391,9 @@ kernel void refine_explain(uint faces, uint limited, JUDGE_PARAMETERS, LIST_PARA
           gcdt_in_lens(judge.rules, corner_vertex(judge.mesh, c, next_corner(k)),
                        corner_vertex(judge.mesh, c, previous_corner(k)), corner_vertex(judge.mesh, c, k)))
         atomic_inc(&report->encroached);
-    const Judged j = judge_face(judge, t);
-    uint reason = j.verdict;
+    const uint reason = reason_of(judge, t, lists);
     if (reason == VERDICT_FINE) continue;
-    if (reason >= VERDICT_FINE) {
-      const Aim aim = aim_from(judge, t, j, false, lists, 0);
-      if (aim.failed) atomic_or(&report->failed, 1u);
-      reason = aim.fixed > 0u    ? GCDT_LEFT_FIXED
-               : aim.wanted      ? GCDT_LEFT_LIMIT
-               : aim.in_way > 0u ? (limited ? GCDT_LEFT_LIMIT : GCDT_LEFT_REFUSED)
-                                 : GCDT_LEFT_GRID;
-    }
     atomic_inc(&report->left[reason]);
-  }
-}
-
-// ---- Places on subsegments ------------------------------------------------------------------------------
-
-// Is m in the closed face beyond an unconstrained side, no corner, and on no constrained side? Outside the domain,
-// where faces are as good as any other cover, a vertex may be there, if the side can be flipped then: r and the vertex
-// are on either side of the line on which the side's ends are. So what is beside a border does not hide its places, nor
-// do the rays that bound symbolic faces.
-static bool fits_beyond(Mesh mesh, volatile global const uint* marks, uint code, Vertex m) {
-  if (is_constrained(marks, code)) return false;
-  const uint face = GCDT_REF_FACE(mesh.edge_faces[code ^ 1u]), on = side_under(mesh, face, m);
-  if (on == GCDT_NONE) return false;
-  return on == 3u || !is_constrained(marks, element(mesh.face_data[GCDT_SIDES(face)], on));
-}
-
-// m on the side of directed edge p -> q that face (p, q, r) lies on, strictly: is it in the closed face, no corner, and
-// on no constrained side? `ref` is the face with its corner r.
-static bool fits_face(Mesh mesh, volatile global const uint* marks, uint ref, Vertex m) {
-  const uint face = GCDT_REF_FACE(ref), k = GCDT_REF_CORNER(ref);
-  const uint4 c = mesh.face_data[GCDT_CORNERS(face)], s = mesh.face_data[GCDT_SIDES(face)];
-  const Vertex p = corner_vertex(mesh, c, next_corner(k)), q = corner_vertex(mesh, c, previous_corner(k)),
-               r = corner_vertex(mesh, c, k);
-  const i64 beside_p = gcdt_orient2d(q, r, m), beside_q = gcdt_orient2d(r, p, m);
-  if (s.w == 0u && beside_p < 0 && beside_q > 0)
-    return gcdt_orient2d(p, m, r) > 0 && fits_beyond(mesh, marks, element(s, next_corner(k)), m);
-  if (s.w == 0u && beside_q < 0 && beside_p > 0)
-    return gcdt_orient2d(m, q, r) > 0 && fits_beyond(mesh, marks, element(s, previous_corner(k)), m);
-  if (beside_p < 0 || beside_q < 0 || (beside_p == 0 && beside_q == 0)) return false;
-  // The side across from p ends in q and r.
-  if (beside_p == 0) return !is_constrained(marks, element(s, next_corner(k)));
-  if (beside_q == 0) return !is_constrained(marks, element(s, previous_corner(k)));
-  return true;
-}
-
-// May subsegment pq, the edge e, be split at m? Its near face is that of side 0, on which p -> q runs forward.
-static bool is_valid_place(Mesh mesh, volatile global const uint* marks, uint e, Vertex p, Vertex q, Vertex m) {
-  const i64 side = gcdt_orient2d_finite(p, q, m);
-  if (side == 0) return gcdt_dot(m, p, q) < 0;
-  return fits_face(mesh, marks, mesh.edge_faces[2u * e + (side > 0 ? 0u : 1u)], m);
-}
-
-// The h-th of five attempts around place k: k, k + h, k - h, k + 2h, k - 2h.
-static inline i64 attempt(i64 k, i64 step, uint number) {
-  const i64 away = (number + 1u) / 2u * step;
-  return number % 2u == 1u ? k + away : k - away;
-}
-
-// One work-item per subsegment of the list `asked`. Finds a place for its vertex, which becomes a candidate. `sharp`:
-// bit 0 and 1 tell of the first and second end of each piece that another subsegment meets it there at less than 60
-// degrees over kept faces. Reads the mesh; writes as refine_judge.
-kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* edge_pieces, global const uint* sharp) {
-  MAKE_JUDGE(judge);
-  MAKE_LISTS(lists);
-  const Mesh mesh = judge.mesh;
-  const uint count = report->asked;
-  FOR_EACH(i, count) {
-    const uint e = asked[i], ref = edge_faces[2u * e], number = edge_pieces[e];
-    const uint4 c = face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
-    const uint vp = element(c, next_corner(GCDT_REF_CORNER(ref))),
-               vq = element(c, previous_corner(GCDT_REF_CORNER(ref)));
-    const Vertex p = vertex_at(points, vp), q = vertex_at(points, vq);
-    const u64 squared = gcdt_squared_length(p, q);
-    const uint2 ends = pieces[number];
-    const Piece piece = gcdt_piece(vertex_at(points, ends.x), vertex_at(points, ends.y));
-    const i64 kp = gcdt_place_of(piece, p), kq = gcdt_place_of(piece, q), low = min(kp, kq), high = max(kp, kq);
-    const uint sharp_ends = sharp[number];
-    const bool p_sharp = (vp == ends.x && (sharp_ends & 1u)) || (vp == ends.y && (sharp_ends & 2u)),
-               q_sharp = (vq == ends.x && (sharp_ends & 1u)) || (vq == ends.y && (sharp_ends & 2u));
-    i64 k = (low + high) / 2;
-    if (p_sharp != q_sharp) {
-      const i64 shell = gcdt_shell(piece, squared);
-      k = (p_sharp ? kp : kq) == 0 ? shell : piece.along - shell;
-    }
-    const i64 step = max((i64)1, (high - low) / 16);
-    const bool border =
-        label_of(mesh, GCDT_REF_FACE(ref)) == 0u || label_of(mesh, GCDT_REF_FACE(edge_faces[2u * e + 1u])) == 0u;
-    bool found = false;
-    // Not shorter than wanted: refused. Else five places, and beside a border five that are rounded the other way.
-    const uint attempts = squared / 4u < judge.rules.least_squared ? 0u : border ? 10u : 5u;
-    for (uint at = 0; at < attempts && !found; ++at) {
-      const i64 place = attempt(k, step, at % 5u);
-      if (place <= low || place >= high) continue;
-      const Vertex m = gcdt_at_place(piece, place, at >= 5u);
-      if (!is_valid_place(mesh, edge_marks, e, p, q, m)) continue;
-      found = true;
-      add_candidate(lists, gcdt_candidate_key(1u, squared, 0u, m), m, e,
-                    at >= 5u ? GCDT_ON_SUBSEGMENT | GCDT_FAR : GCDT_ON_SUBSEGMENT);
-    }
-    if (!found) atomic_inc(&report->refused);
+    reasons[t] = reason + 1u;
   }
 }

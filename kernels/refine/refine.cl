@@ -260,19 +260,6 @@ static void insert_for_subsegment(Insertion in, uint v, uint e, Vertex x, uint c
   make_subsegment(in, element(sides, previous_corner(at)), piece);
 }
 
-// floor(sum of weights times values / whole), the quotient below 2^33; weights below 2^63, `whole` their sum. Bit by
-// bit.
-static uint mean(i64 a, i64 b, i64 c, uint va, uint vb, uint vc, i64 whole) {
-  const Int128 sum =
-      gcdt_add(gcdt_add(gcdt_multiply(a, (i64)va), gcdt_multiply(b, (i64)vb)), gcdt_multiply(c, (i64)vc));
-  u64 quotient = 0;
-  for (int bit = 32; bit >= 0; --bit) {
-    const u64 more = quotient | ((u64)1 << bit);
-    if (gcdt_sign128(gcdt_add(sum, gcdt_multiply(-whole, (i64)more))) >= 0) quotient = more;
-  }
-  return (uint)quotient;
-}
-
 // What a new vertex is put on: the corners of its face, counter-clockwise from the least in (x, y), or the ends of its
 // edge in that order, so that it is the same whatever corner the face begins with, and whatever face the walk came
 // from; and the piece.
@@ -292,16 +279,12 @@ static uint4 origin_of(Mesh mesh, uint4 candidate, global const uint* edge_piece
   return (uint4)(first ? p : q, first ? q : p, GCDT_NONE, on_edge ? GCDT_NONE : edge_pieces[candidate.z]);
 }
 
-// The wanted length at a new vertex, linear on what it was put on. A bent vertex is projected on its subsegment.
+// The wanted length at a new vertex.
 static uint wanted_at(Mesh mesh, uint4 origin, Vertex x, global const uint* sizes) {
   const Vertex a = vertex_at(mesh.points, origin.x), b = vertex_at(mesh.points, origin.y);
-  if (origin.z != GCDT_NONE) {
-    const Vertex c = vertex_at(mesh.points, origin.z);
-    return mean(gcdt_orient2d_finite(b, c, x), gcdt_orient2d_finite(c, a, x), gcdt_orient2d_finite(a, b, x),
-                sizes[origin.x], sizes[origin.y], sizes[origin.z], gcdt_orient2d_finite(a, b, c));
-  }
-  const i64 whole = (i64)gcdt_squared_length(a, b), along = clamp(gcdt_dot(a, b, x), (i64)0, whole);
-  return mean(whole - along, along, 0, sizes[origin.x], sizes[origin.y], 0u, whole);
+  if (origin.z == GCDT_NONE) return gcdt_length_on_edge(a, b, x, sizes[origin.x], sizes[origin.y]);
+  return gcdt_length_on_face(a, b, vertex_at(mesh.points, origin.z), x, sizes[origin.x], sizes[origin.y],
+                             sizes[origin.z]);
 }
 
 // One work-item per candidate; `before` is the scan of the winners by number. Inserts them, and numbers their vertices

@@ -35,14 +35,15 @@ typedef struct RefineRules {
   u32 by_label;       // regions have largest areas of their own
 } RefineRules;
 
-// Why a kept triangle that is worse than wanted was left.
+// Why a kept triangle that is worse than wanted was left: GCDT_EXCUSE_... less 1.
 #define GCDT_LEFT_INPUT_ANGLE 0u   // its least angle is between two subsegments
 #define GCDT_LEFT_BESIDE_ANGLE 1u  // its shortest side joins two constraints that meet at such an angle
-#define GCDT_LEFT_GRID 2u     // its shortest side is shorter than the least length, or its target too near a vertex
-#define GCDT_LEFT_FIXED 3u    // a subsegment that may not be split is in the way
-#define GCDT_LEFT_REFUSED 4u  // a subsegment that has no place to be split at is in the way
-#define GCDT_LEFT_LIMIT 5u    // nothing but the limit of vertices
-#define GCDT_LEFT_KINDS 6u
+#define GCDT_LEFT_GRID 2u          // its shortest side is shorter than the least length
+#define GCDT_LEFT_LIMIT 3u         // nothing but the limit of vertices
+#define GCDT_LEFT_TARGET 4u        // its target is too near a vertex
+#define GCDT_LEFT_FIXED 5u         // a subsegment that may not be split is in the way
+#define GCDT_LEFT_REFUSED 6u       // subsegments that have no place to be split at are in the way
+#define GCDT_LEFT_KINDS 7u
 
 // Zeroed at the start of a round, but for the sums over all rounds.
 typedef struct RefineReport {
@@ -186,6 +187,34 @@ GCDT_INLINE int gcdt_orient2d_target(Vertex a, Vertex b, Vertex p) {
 }
 
 GCDT_INLINE int gcdt_on_grid(Vertex p) { return p.x >= 0 && p.y >= 0 && p.x >> 31 == 0 && p.y >> 31 == 0; }
+
+// ---- Lengths at vertices ------------------------------------------------------------------------------
+
+// floor(sum of weights times values / whole), the quotient below 2^33; weights below 2^63, `whole` their sum. Bit by
+// bit.
+GCDT_INLINE u32 gcdt_mean(i64 a, i64 b, i64 c, u32 va, u32 vb, u32 vc, i64 whole) {
+  const Int128 sum =
+      gcdt_add(gcdt_add(gcdt_multiply(a, (i64)va), gcdt_multiply(b, (i64)vb)), gcdt_multiply(c, (i64)vc));
+  u64 quotient = 0;
+  for (int bit = 32; bit >= 0; --bit) {
+    const u64 more = quotient | ((u64)1 << bit);
+    if (gcdt_sign128(gcdt_add(sum, gcdt_multiply(-whole, (i64)more))) >= 0) quotient = more;
+  }
+  return (u32)quotient;
+}
+
+// The length wanted at x in the closed triangle abc, linear between those of its corners.
+GCDT_INLINE u32 gcdt_length_on_face(Vertex a, Vertex b, Vertex c, Vertex x, u32 la, u32 lb, u32 lc) {
+  return gcdt_mean(gcdt_orient2d_finite(b, c, x), gcdt_orient2d_finite(c, a, x), gcdt_orient2d_finite(a, b, x), la, lb,
+                   lc, gcdt_orient2d_finite(a, b, c));
+}
+
+// The same at x on ab. A bent vertex is projected on it.
+GCDT_INLINE u32 gcdt_length_on_edge(Vertex a, Vertex b, Vertex x, u32 la, u32 lb) {
+  const i64 whole = (i64)gcdt_squared_length(a, b), dot = gcdt_dot(a, b, x);
+  const i64 along = dot < 0 ? 0 : dot > whole ? whole : dot;
+  return gcdt_mean(whole - along, along, 0, la, lb, 0, whole);
+}
 
 // ---- Keys -------------------------------------------------------------------------------------------
 // 63: a subsegment's candidate; 56 .. 62: 127 - log2 of its shortest side squared; 47 .. 55: 511 less 2^8 tangents of

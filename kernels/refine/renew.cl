@@ -28,36 +28,88 @@ kernel void refine_label(uint count, uint all, global const uint* refs, global c
   }
 }
 
+// The ends of an edge that has a finite face; returns how many of its faces are finite, and in `kept` how many have a
+// label.
+static inline uint finite_faces(Mesh mesh, uint e, uint2* ends, uint* kept) {
+  uint finite = 0;
+  *kept = 0u;
+  for (uint side = 0; side < 2u; ++side) {
+    const uint ref = mesh.edge_faces[2u * e + side];
+    if (ref == GCDT_NONE) continue;
+    const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
+    if (max(max(c.x, c.y), c.z) >= mesh.n) continue;
+    ++finite;
+    if (label_of(mesh, GCDT_REF_FACE(ref)) != 0u) ++*kept;
+    *ends = (uint2)(element(c, next_corner(GCDT_REF_CORNER(ref))), element(c, previous_corner(GCDT_REF_CORNER(ref))));
+  }
+  return finite;
+}
+
+// What kernels that find subsegments count.
+#define SUBSEGMENTS_OWN 0u     // edges that are pieces of their own
+#define SUBSEGMENTS_FAILED 1u  // constrained edges that are no piece
+
 // One work-item per edge. Writes its piece; an edge of the hull that is on none becomes one of its own, from place
-// `count` on. Counts those in `hull`, and edges that are constrained, but no piece, in report->failed. No race: its own
-// words, and places that an atomic gives; which edge has which place does not matter.
-kernel void refine_subsegments(uint edges, uint count, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
+// `count` on. With `adopted` so does an edge between a kept face and another, and marks are made anew: of the edges
+// that are on a piece. No race: its own words, and places that an atomic gives; which edge has which place does not
+// matter.
+kernel void refine_subsegments(uint edges, uint count, uint adopted, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                                global uint* edge_marks, global uint2* pieces, global uint* edge_pieces,
-                               volatile global uint* hull, volatile global RefineReport* report) {
+                               volatile global uint* counts) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(e, edges) {
-    uint finite = 0, piece = GCDT_NONE;
     uint2 ends = (uint2)(0u, 0u);
-    for (uint side = 0; side < 2u; ++side) {
-      const uint ref = edge_faces[2u * e + side];
-      if (ref == GCDT_NONE) continue;
-      const uint4 c = face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
-      if (max(max(c.x, c.y), c.z) >= n) continue;
-      ++finite;
-      ends = (uint2)(element(c, next_corner(GCDT_REF_CORNER(ref))), element(c, previous_corner(GCDT_REF_CORNER(ref))));
-    }
-    if (edge_marks[e] & GCDT_MARK_CONSTRAINED) {
-      piece = finite > 0u ? find_piece(levels, count, pieces, ends.x, ends.y) : GCDT_NONE;
-      if (piece == GCDT_NONE) atomic_or(&report->failed, 2u);
-    } else if (finite == 1u) {
-      piece = count + atomic_inc(hull);
+    uint kept, piece = GCDT_NONE;
+    const uint finite = finite_faces(mesh, e, &ends, &kept);
+    const bool marked = (edge_marks[e] & GCDT_MARK_CONSTRAINED) != 0u;
+    if (finite > 0u && (marked || adopted)) piece = find_piece(levels, count, pieces, ends.x, ends.y);
+    if (marked && !adopted) {
+      if (piece == GCDT_NONE) atomic_inc(counts + SUBSEGMENTS_FAILED);
+    } else if (piece == GCDT_NONE && (finite == 1u || (adopted && finite == 2u && kept == 1u))) {
+      piece = count + atomic_inc(counts + SUBSEGMENTS_OWN);
       pieces[piece] = ends;
-      edge_marks[e] |= GCDT_MARK_CONSTRAINED;
     }
+    if (adopted) edge_marks[e] &= ~GCDT_MARK_CONSTRAINED;
+    if (piece != GCDT_NONE) edge_marks[e] |= GCDT_MARK_CONSTRAINED;
     edge_pieces[e] = piece;
   }
 }
 
-static inline uint end_bit(uint2 ends, uint v) { return ends.x == v ? 1u : 2u; }
+// One work-item per edge of a mesh that was refined before. Writes the piece of the link that it is, of `count` ones,
+// and constrains it if there is one. No race: its own words.
+kernel void refine_links(uint edges, uint count, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
+                         global uint* edge_marks, global const uint2* links, global const uint* link_pieces,
+                         global uint* edge_pieces, volatile global uint* counts) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(e, edges) {
+    uint2 ends = (uint2)(0u, 0u);
+    uint kept;
+    const uint link =
+        finite_faces(mesh, e, &ends, &kept) > 0u ? find_piece(levels, count, links, ends.x, ends.y) : GCDT_NONE;
+    if (link != GCDT_NONE)
+      edge_marks[e] |= GCDT_MARK_CONSTRAINED;
+    else if (edge_marks[e] & GCDT_MARK_CONSTRAINED)
+      atomic_inc(counts + SUBSEGMENTS_FAILED);
+    edge_pieces[e] = link != GCDT_NONE ? link_pieces[link] : GCDT_NONE;
+  }
+}
+
+// One work-item per link. Writes the piece of that end which is farther along it, if that is not the piece's own end:
+// to origins[v].w. No race: places on a piece ascend along its links, so each vertex on it is the farther end of one.
+kernel void refine_standing(uint count, global const int2* points, global const uint2* links,
+                            global const uint* link_pieces, global const uint2* pieces, global uint4* origins) {
+  FOR_EACH(i, count) {
+    const uint2 link = links[i], ends = pieces[link_pieces[i]];
+    const Piece piece = gcdt_piece(vertex_at(points, ends.x), vertex_at(points, ends.y));
+    const i64 kx = gcdt_place_of(piece, vertex_at(points, link.x)),
+              ky = gcdt_place_of(piece, vertex_at(points, link.y));
+    const uint v = kx > ky ? link.x : link.y;
+    if (v != ends.x && v != ends.y) origins[v].w = link_pieces[i];
+  }
+}
+
+// 0 where a vertex was put on the piece.
+static inline uint end_bit(uint2 ends, uint v) { return ends.x == v ? 1u : ends.y == v ? 2u : 0u; }
 
 // One work-item per edge. From a subsegment, at the first end as either face has it, turns counter-clockwise over kept
 // faces to the next one. If that is at less than 60 degrees, both pieces get the bit of that end in `sharp` by
@@ -99,16 +151,16 @@ kernel void refine_areas(uint count, global const int* seeds, global const ulong
 
 // ---- After ------------------------------------------------------------------------------------------------
 
-// One work-item per added vertex, from `inputs` on. Of one on a piece, but beside the line through its ends, writes the
-// cross product and the squared length of which the distance is made. No race: places that an atomic gives; nothing
-// depends on their order.
-kernel void refine_moves(uint added, uint inputs, global const int2* points, global const uint4* origins,
+// One work-item per vertex with an origin, from `first` on. Of one on a piece, but beside the line through its ends,
+// writes the cross product and the squared length of which the distance is made. No race: places that an atomic gives;
+// nothing depends on their order.
+kernel void refine_moves(uint count_of_origins, uint first, global const int2* points, global const uint4* origins,
                          global const uint2* pieces, volatile global uint* count, global ulong2* moves) {
-  FOR_EACH(i, added) {
+  FOR_EACH(i, count_of_origins) {
     if (origins[i].w == GCDT_NONE) continue;
     const uint2 ends = pieces[origins[i].w];
     const Vertex a = vertex_at(points, ends.x), b = vertex_at(points, ends.y);
-    const i64 cross = gcdt_orient2d_finite(a, b, vertex_at(points, inputs + i));
+    const i64 cross = gcdt_orient2d_finite(a, b, vertex_at(points, first + i));
     if (cross != 0) moves[atomic_inc(count)] = (ulong2)(abs(cross), gcdt_squared_length(a, b));
   }
 }
@@ -160,12 +212,19 @@ kernel void refine_rename(uint faces, uint from, uint to, global const uint* inp
   }
 }
 
-// One work-item per added vertex. Writes at its place what it was put on, in input numbers: three corners, or two ends
-// and GCDT_NONE; and the piece, as it was numbered before. No race.
-kernel void refine_origins(uint count, global const uint4* origins, global const uint* places,
+// One work-item per piece. Writes its ends as vertices are numbered now. No race: its own words.
+kernel void refine_rename_ends(uint count, global const uint* input_numbers, global const uint* input_vertex,
+                               global const uint2* pieces, global uint2* renamed_ends) {
+  FOR_EACH(i, count)
+  renamed_ends[i] = (uint2)(input_vertex[input_numbers[pieces[i].x]], input_vertex[input_numbers[pieces[i].y]]);
+}
+
+// One work-item per added vertex, of which the origins begin at place `first`. Writes at its place what it was put on,
+// in input numbers: three corners, or two ends and GCDT_NONE; and the piece, as it was numbered before. No race.
+kernel void refine_origins(uint count, uint first, global const uint4* origins, global const uint* places,
                            global const uint* input_numbers, global uint4* named) {
   FOR_EACH(i, count) {
-    const uint4 o = origins[i];
+    const uint4 o = origins[first + i];
     named[places[i]] =
         (uint4)(input_numbers[o.x], input_numbers[o.y], o.z == GCDT_NONE ? GCDT_NONE : input_numbers[o.z], o.w);
   }
@@ -195,17 +254,17 @@ kernel void refine_piece_keys(uint count, uint bits, GCDT_LEVELS_POINTER levels,
   }
 }
 
-// One work-item per subsegment in order. Writes its ends, and how many sources it has: those of its piece, of which the
-// first `count` have any. No race.
+// One work-item per subsegment in order. Writes its ends, its piece, and how many sources it has: those of its piece,
+// of which the first `count` have any. No race.
 kernel void refine_pieces(uint subsegments, uint bits, uint count, GCDT_LEVELS_POINTER levels, global const ulong* keys,
                           global const uint* edges, global const uint* edge_pieces, global const uint* offsets,
-                          global uint2* ends, global uint* lengths) {
+                          global uint2* ends, global uint* numbers, global uint* lengths) {
   const uint last = levels->count - 1u;
   FOR_EACH(i, subsegments) {
     const ulong key = keys[i];
     ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> bits)),
                       gcdt_vertex_of_rank(levels, last, (uint)(key & (((ulong)1 << bits) - 1u))));
-    const uint piece = edge_pieces[edges[i]];
+    const uint piece = numbers[i] = edge_pieces[edges[i]];
     lengths[i] = piece < count ? offsets[piece + 1u] - offsets[piece] : 0u;
   }
 }
@@ -239,6 +298,14 @@ kernel void refine_labels(uint count, global const uint* refs, global const int*
                           global uint* labels) {
   FOR_EACH(i, count) {
     if (places[i] >= 0) labels[places[i]] = face_data[GCDT_SIDES(GCDT_REF_FACE(refs[i]))].w - 1u;
+  }
+}
+
+// One work-item per triangle of the result's hull. Writes what was said of its face, if it is kept. No race.
+kernel void refine_excuses(uint count, global const uint* refs, global const int* places, global const uint* reasons,
+                           global uchar* excuses) {
+  FOR_EACH(i, count) {
+    if (places[i] >= 0) excuses[places[i]] = (uchar)reasons[GCDT_REF_FACE(refs[i])];
   }
 }
 

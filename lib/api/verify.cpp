@@ -169,9 +169,10 @@ int32_t gcdt_verify_refined(const gcdt_input* input, const gcdt_mesh* mesh, cons
       const auto count = [&](Excuse excuse) { return proved.excused[static_cast<std::size_t>(excuse)]; };
       gcdt_refined_report c = {};
       c.input_angle = count(Excuse::input_angle), c.beside_angle = count(Excuse::beside_angle);
-      c.short_side = count(Excuse::short_side), c.call = count(Excuse::by_call);
+      c.short_side = count(Excuse::short_side), c.limit = count(Excuse::limit);
+      c.target = count(Excuse::target), c.fixed = count(Excuse::fixed), c.refused = count(Excuse::refused);
       c.on_constraints = proved.on_chains, c.far = proved.far, c.move = proved.move * at.cell();
-      c.encroached = proved.encroached;
+      c.encroached = proved.encroached, c.refinements = proved.refinements;
       write_struct(c, report, "gcdt_refined_report");
     }
     return Verification{true, {}};

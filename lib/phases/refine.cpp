@@ -37,7 +37,7 @@ void enlarge(runtime::Runtime& runtime, Buffer<T>& buffer, const char* name, std
 }  // namespace
 
 Refiner::Refiner(runtime::Runtime& runtime, Primitives& primitives, const device::RefineRules& rules,
-                 std::uint64_t most_added, Vertices vertices, Mesh mesh, const Pieces& pieces, Buffer<cl_uint> sizes,
+                 std::uint64_t most_added, Vertices vertices, Mesh mesh, Subsegments subsegments, Buffer<cl_uint> sizes,
                  Buffer<cl_ulong> areas)
     : runtime_(runtime),
       primitives_(primitives),
@@ -48,29 +48,22 @@ Refiner::Refiner(runtime::Runtime& runtime, Primitives& primitives, const device
       plan_(make_plan(runtime, vertices_)),
       counters_(runtime),
       inputs_(vertices_.n()),
+      origins_begin_(subsegments.origins.allocated() ? 0 : inputs_),
+      knows_sharp_(subsegments.sharp.allocated()),
+      subsegments_(subsegments.count),
       rules_buffer_(runtime.upload_one("rules of refinement", rules)),
       sizes_(std::move(sizes)),
       areas_(std::move(areas)),
       no_places_(runtime.allocate<cl_int>("places", 0)),
+      pieces_(std::move(subsegments.pieces)),
+      sharp_(std::move(subsegments.sharp)),
+      edge_pieces_(std::move(subsegments.edge_pieces)),
+      origins_(std::move(subsegments.origins)),
       report_(runtime.filled<cl_uint>("report of refinement", words_of_report, 0)) {
   if (!areas_.allocated()) areas_ = runtime.allocate<cl_ulong>("areas of labels", 0);
   if (!sizes_.allocated()) sizes_ = runtime.allocate<cl_uint>("wanted lengths", 0);
-  make_subsegments(pieces);
+  if (!knows_sharp_) sharp_ = runtime_.filled<cl_uint>("sharp ends of pieces", subsegments_, 0);
   make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_, inputs_ / 2 + least_room)));
-}
-
-// The hull has at most as many edges as there are vertices.
-void Refiner::make_subsegments(const Pieces& pieces) {
-  pieces_ = runtime_.allocate<cl_uint2>("pieces and hull", std::size_t{pieces.count} + inputs_);
-  if (pieces.count > 0) runtime_.copy(pieces.ends, pieces_, pieces.count);
-  edge_pieces_ = runtime_.allocate<cl_uint>("pieces of edges", mesh_.edges());
-  const auto hull = runtime_.filled<cl_uint>("edges of the hull", 1, 0);
-  runtime_.launch("renew", "refine_subsegments", over(mesh_.edges()), mesh_.edges(), cl_uint{pieces.count},
-                  vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
-                  mesh_.edge_marks, pieces_, edge_pieces_, hull, report_);
-  subsegments_ = pieces.count + runtime_.read_one(hull);
-  if (read_report().failed) throw Error(Status::check_failed, "refine: a constrained edge is no piece");
-  sharp_ = runtime_.filled<cl_uint>("sharp ends of pieces", subsegments_, 0);
 }
 
 // Everything that grows with the vertices: `more` of them can be added from now on.
@@ -82,7 +75,7 @@ void Refiner::make_room(std::uint32_t more) {
   aiming_ = {};
   asked_ = {};
   enlarge(runtime_, vertices_.points, "points", all, vertices);
-  enlarge(runtime_, origins_, "origins of vertices", all - inputs_, added_);
+  enlarge(runtime_, origins_, "origins of vertices", all - origins_begin_, count() - origins_begin_);
   if (rules_.sized) enlarge(runtime_, sizes_, "wanted lengths", all, vertices);
   mesh_.n = all;
   enlarge(runtime_, mesh_.face_data, "faces", 2 * std::size_t{mesh_.faces()}, 2 * faces);
@@ -110,6 +103,7 @@ void Refiner::keep(const Buffer<cl_uint>& refs, const Buffer<cl_int>& kept, cl_u
   labelled_ = true;
   runtime_.launch("renew", "refine_label", over(count), count, cl_uint(!kept.allocated()), refs,
                   kept.allocated() ? kept : no_places_, mesh_.face_data);
+  if (knows_sharp_) return;
   runtime_.launch("renew", "refine_sharp", over(2 * std::size_t{mesh_.edges(inputs_)}), mesh_.edges(inputs_), mesh_.n,
                   vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, pieces_, edge_pieces_, sharp_);
 }
@@ -125,7 +119,7 @@ device::RefineReport Refiner::read_report() {
 template <class... Last>
 void Refiner::launch_judge(const char* kernel, runtime::Range range, const Last&... last) {
   runtime_.launch("judge", kernel, range, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_,
-                  mesh_.edge_marks, inputs_, origins_, pieces_, sizes_, areas_, last...);
+                  mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_, last...);
 }
 
 // Finds the candidates, in order of precedence, the last first of all. Ends: the second time there is room for all of
@@ -146,7 +140,7 @@ void Refiner::find_candidates() {
   claims_when_judged_ = mesh_.claims_below;
   cleared_when_judged_ = mesh_.claims_cleared;
   runtime_.launch("judge", "refine_judge", over(were_bad + faces), faces, threshold, were_bad, judged_, mesh_.n,
-                  vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, inputs_,
+                  vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, origins_begin_,
                   origins_, pieces_, sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_,
                   bad_before_, bad_, urgency_);
   judged_ = count();
@@ -216,8 +210,8 @@ void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
   counters_.zero();
   runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, count(), stamp_, bits_,
                   rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
-                  edge_pieces_, ranks_, candidates_, won_, vertices_.points, inputs_, origins_, sizes_, lists_.first,
-                  counters_.buffer(), report_);
+                  edge_pieces_, ranks_, candidates_, won_, vertices_.points, origins_begin_, origins_, sizes_,
+                  lists_.first, counters_.buffer(), report_);
   added_ += more;
   counters_.read();
 }
@@ -254,9 +248,9 @@ RefineResult Refiner::run(Ticker& ticker) {
 
 void Refiner::explain() {
   const cl_uint faces = mesh_.faces(count());
-  runtime_.launch("judge", "refine_explain", over(faces), faces, cl_uint(!result_.complete), mesh_.n, vertices_.points,
-                  mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, inputs_, origins_, pieces_,
-                  sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_);
+  runtime_.launch("judge", "refine_explain", over(faces), faces, mesh_.n, vertices_.points, mesh_.face_data,
+                  mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_,
+                  capacity(), asked_, keys_, numbers_, candidates_, report_, edge_pieces_, sharp_, urgency_);
   const device::RefineReport report = read_report();
   if (report.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
   result_.added = added_;
@@ -266,14 +260,16 @@ void Refiner::explain() {
   result_.encroached = report.encroached;
   std::copy(std::begin(report.left), std::end(report.left), result_.left);
   // What is on its subsegment may be on one whose ends are not on the piece; but then one of these is bent.
-  if (report.bent > 0) result_.move = farthest();
+  if (report.bent > 0 || origins_begin_ == 0) result_.move = farthest();
 }
 
 double Refiner::farthest() {
   const auto count = runtime_.filled<cl_uint>("vertices beside their pieces", 1, 0);
-  const auto moves = runtime_.allocate<cl_ulong2>("distances to pieces", result_.on_subsegments);
-  runtime_.launch("renew", "refine_moves", over(added_), added_, inputs_, vertices_.points, origins_, pieces_, count,
-                  moves);
+  const cl_uint origins = this->count() - origins_begin_;
+  const auto moves =
+      runtime_.allocate<cl_ulong2>("distances to pieces", result_.on_subsegments + (inputs_ - origins_begin_));
+  runtime_.launch("renew", "refine_moves", over(origins), origins, origins_begin_, vertices_.points, origins_, pieces_,
+                  count, moves);
   std::vector<cl_ulong2> all(runtime_.read_one(count));
   runtime_.read(moves, all.data(), all.size());
   double most = 0;
@@ -283,8 +279,7 @@ double Refiner::farthest() {
 
 RefinedMesh Refiner::finish() {
   lists_ = {};
-  for (auto* list : {&bad_, &bad_before_, &aiming_, &urgency_, &cavities_, &asked_, &numbers_, &ranks_, &won_})
-    *list = {};
+  for (auto* list : {&bad_, &bad_before_, &aiming_, &cavities_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
   ways_ = {};
   keys_ = {};
   candidates_ = {};
@@ -314,47 +309,55 @@ RefinedMesh Refiner::finish() {
   refined.vertices.decimals = vertices_.decimals;
   refined.added_origins = runtime_.allocate<cl_uint4>("origins of added vertices", added_);
   if (added_ > 0)
-    runtime_.launch("renew", "refine_origins", over(added_), added_, origins_, places, input_numbers,
-                    refined.added_origins);
+    runtime_.launch("renew", "refine_origins", over(added_), added_, inputs_ - origins_begin_, origins_, places,
+                    input_numbers, refined.added_origins);
   const cl_uint faces = mesh_.faces(count()), n = count();
   runtime_.launch("renew", "refine_rename", over(faces), faces, mesh_.n, n, input_numbers,
                   refined.vertices.input_vertex, mesh_.face_data);
   mesh_.n = n;
   refined.mesh = std::move(mesh_);
   refined.edge_pieces = std::move(edge_pieces_);
+  refined.piece_count = subsegments_;
+  refined.piece_ends = runtime_.allocate<cl_uint2>("pieces as they were", subsegments_);
+  runtime_.launch("renew", "refine_rename_ends", over(subsegments_), subsegments_, input_numbers,
+                  refined.vertices.input_vertex, pieces_, refined.piece_ends);
+  refined.sharp = std::move(sharp_);
+  refined.reasons = std::move(urgency_);
   return refined;
 }
 
-Pieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
-                      const Pieces& pieces, bool hull) {
+RefinedPieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
+                             const Pieces& pieces, bool hull) {
   const Mesh& mesh = refined.mesh;
   const cl_uint edges = mesh.edges(), bits = std::max(1u, bit_width(mesh.n));
   auto before = runtime.allocate<cl_uint>("subsegments before", std::size_t{edges} + 1);
   runtime.launch("renew", "refine_select", over(edges), edges, hull ? GCDT_NONE : cl_uint{pieces.count},
                  refined.edge_pieces, mesh.edge_marks, before);
-  Pieces made;
+  RefinedPieces all;
+  Pieces& made = all.pieces;
   made.count = primitives.scan_total(before, edges);
   auto list = runtime.allocate<cl_uint>("subsegments", made.count);
   primitives.compact_indices(before, list, edges);
   auto keys = runtime.allocate<cl_ulong>("keys of subsegments", made.count);
   made.ends = runtime.allocate<cl_uint2>("pieces", made.count);
   made.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t{made.count} + 1);
+  all.before = runtime.allocate<cl_uint>("pieces of subsegments", made.count);
   if (made.count == 0) {
     made.sources = runtime.allocate<cl_uint>("sources of pieces", 0);
-    return made;
+    return all;
   }
   runtime.launch("renew", "refine_piece_keys", over(made.count), made.count, bits, refined.vertices.levels_buffer,
                  mesh.face_data, mesh.edge_faces, list, keys);
   primitives.sort(keys, list, made.count, 2 * bits);
   runtime.launch("renew", "refine_pieces", over(made.count), made.count, bits, cl_uint{pieces.count},
                  refined.vertices.levels_buffer, keys, list, refined.edge_pieces, pieces.source_offsets, made.ends,
-                 made.source_offsets);
+                 all.before, made.source_offsets);
   made.source_count = primitives.scan_total(made.source_offsets, made.count);
   made.sources = runtime.allocate<cl_uint>("sources of pieces", made.source_count);
   if (made.source_count > 0)
     runtime.launch("renew", "refine_sources", over(made.count), made.count, list, refined.edge_pieces,
                    pieces.source_offsets, pieces.sources, made.source_offsets, made.sources);
-  return made;
+  return all;
 }
 
 }  // namespace gcdt

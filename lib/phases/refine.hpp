@@ -8,6 +8,7 @@
 #include "phases/order.hpp"
 #include "phases/output.hpp"
 #include "phases/refine_rules.hpp"
+#include "phases/subsegments.hpp"
 
 namespace gcdt {
 
@@ -16,7 +17,7 @@ struct RefineResult {
   std::uint64_t rounds = 0;
   std::uint64_t added = 0;                              ///< vertices
   std::uint64_t on_subsegments = 0, bent = 0, far = 0;  ///< of these; beside their subsegments; rounded the other way
-  double move = 0;  ///< how far one of those on subsegments is from its piece at most, in cells
+  double move = 0;  ///< how far one that this or an earlier refinement put on a piece is from it at most, in cells
   std::uint64_t flips = 0, flip_rounds = 0;
   std::uint64_t encroached = 0;              ///< sides of kept triangles that are subsegments with a corner in the lens
   std::uint64_t left[GCDT_LEFT_KINDS] = {};  ///< triangles worse than wanted, by reason
@@ -35,16 +36,20 @@ struct RefinedMesh {
   /// GCDT_NONE.
   runtime::Buffer<cl_uint4> added_origins;
   runtime::Buffer<cl_uint> edge_pieces;  ///< by edge: its piece as it was; edges of the hull come after those
+  std::uint32_t piece_count = 0;         ///< of all these
+  runtime::Buffer<cl_uint> reasons;      ///< by face: 1 + GCDT_LEFT_... of one that is worse than wanted, else 0
+  runtime::Buffer<cl_uint2> piece_ends;  ///< by piece as it was, as vertices are numbered now
+  runtime::Buffer<cl_uint> sharp;        ///< by piece: Subsegments::sharp
 };
 
 /// Refines one mesh.
 class Refiner {
  public:
-  /// `mesh` is the CDT of all `vertices` under `pieces`, with at least one finite triangle; what it is refined to comes
-  /// back from finish(). At most `most_added` vertices are added. `sizes`: with rules.sized, the wanted length at each
-  /// vertex, in cells. `areas`: with rules.by_label, the largest doubled area of each label, in cells.
+  /// `mesh` is the CDT of all `vertices` under `subsegments`, with at least one finite triangle; what it is refined to
+  /// comes back from finish(). At most `most_added` vertices are added. `sizes`: with rules.sized, the wanted length at
+  /// each vertex, in cells. `areas`: with rules.by_label, the largest doubled area of each label, in cells.
   Refiner(runtime::Runtime& runtime, Primitives& primitives, const device::RefineRules& rules, std::uint64_t most_added,
-          Vertices vertices, Mesh mesh, const Pieces& pieces, runtime::Buffer<cl_uint> sizes,
+          Vertices vertices, Mesh mesh, Subsegments subsegments, runtime::Buffer<cl_uint> sizes,
           runtime::Buffer<cl_ulong> areas);
 
   /// Keeps the finite faces refs[i] (of all `count` of them) with kept[i] >= 0; all if `kept` is not allocated. Others
@@ -58,7 +63,6 @@ class Refiner {
   RefinedMesh finish();
 
  private:
-  void make_subsegments(const Pieces& pieces);
   void make_room(std::uint32_t capacity);
   void find_candidates();
   std::uint32_t choose_winners();
@@ -82,8 +86,11 @@ class Refiner {
   Plan plan_;
   WorkLists lists_;
   PhaseCounters counters_;
-  const std::uint32_t inputs_;  ///< vertices before the refinement
-  std::uint32_t added_ = 0, subsegments_ = 0;
+  const std::uint32_t inputs_;         ///< vertices before the refinement
+  const std::uint32_t origins_begin_;  ///< the first vertex that has a word in origins_
+  const bool knows_sharp_;
+  std::uint32_t added_ = 0;
+  const std::uint32_t subsegments_;
   runtime::Buffer<device::RefineRules> rules_buffer_;
   runtime::Buffer<cl_uint> sizes_;   ///< by vertex
   runtime::Buffer<cl_ulong> areas_;  ///< by label
@@ -91,10 +98,10 @@ class Refiner {
   runtime::Buffer<cl_uint2> pieces_;  ///< the pieces, then edges of the hull that are on none
   runtime::Buffer<cl_uint> sharp_;    ///< by piece
   runtime::Buffer<cl_uint> edge_pieces_;
-  runtime::Buffer<cl_uint4> origins_;  ///< by added vertex
+  runtime::Buffer<cl_uint4> origins_;  ///< by vertex, from origins_begin_ on
   runtime::Buffer<cl_uint> bad_, bad_before_, aiming_, asked_, numbers_, ranks_;
-  runtime::Buffer<cl_uint> urgency_;   ///< by face: wait.h
-  runtime::Buffer<cl_uchar> ways_;     ///< the same
+  runtime::Buffer<cl_uint> urgency_;   ///< by face: wait.h; after the last round RefinedMesh::reasons
+  runtime::Buffer<cl_uchar> ways_;     ///< by face: wait.h
   runtime::Buffer<cl_uint> cavities_;  ///< of candidates: candidates.h
   runtime::Buffer<cl_ulong> keys_;
   runtime::Buffer<cl_uint4> candidates_;
@@ -111,9 +118,14 @@ class Refiner {
   RefineResult result_;
 };
 
+struct RefinedPieces {
+  Pieces pieces;
+  runtime::Buffer<cl_uint> before;  ///< by piece: that of which it is part
+};
+
 /// The subsegments of a refined mesh as pieces. `pieces` are those that were given to the refinement. With `hull` edges
 /// of the hull are among them, which have no source; without, these are unconstrained from then on.
-Pieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
-                      const Pieces& pieces, bool hull);
+RefinedPieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
+                             const Pieces& pieces, bool hull);
 
 }  // namespace gcdt

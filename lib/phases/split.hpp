@@ -10,6 +10,7 @@ namespace gcdt {
 /// The vertices that splitting adds, in order of (x, y) on the grid; then those that refinement adds, in such an order.
 struct AddedVertices {
   std::uint32_t count = 0;
+  std::uint32_t crossings = 0;      ///< the first of them; the rest is of refinement
   runtime::Buffer<cl_int2> points;  ///< on the grid
   /// The least pair of constraints that cross in the vertex's pixel; of refinement GCDT_NONE twice.
   runtime::Buffer<cl_uint2> crossing;

@@ -55,7 +55,9 @@ struct DeviceTriangulation {
   AddedVertices added;
   runtime::Buffer<cl_uint> routed;  ///< of splitting: 1 for each constraint that was replaced by its route
   RefineResult refined;
-  bool adopted = false;  ///< `mesh` was there before: the hull has all its edges as constraints
+  runtime::Buffer<cl_uchar> excuses;  ///< of refinement: GCDT_EXCUSE_... by triangle
+  Chains chains;                      ///< of refinement: what another one goes on from
+  bool adopted = false;               ///< `mesh` was there before: the hull has all its edges as constraints
   Statistics statistics;
 };
 

@@ -18,6 +18,7 @@ struct Piece {
 
   bool split() const { return chain.size() > 2; }
   std::vector<std::uint32_t> chain = {};  ///< vertices from a to b
+  bool sharp_a = false, sharp_b = false;  ///< find_sharp_ends (mending.hpp)
 };
 
 /// Places along a piece: steps on its longer axis, from a on. What is off it is measured on the other axis.

@@ -17,13 +17,16 @@ namespace gcdt::proof {
 
 namespace {
 
-/// The edges of the mesh that was refined. `seed_of`: by triangle.
+/// The edges of the mesh that was refined. `seed_of`: by triangle. Sets `piece_of` by half-edge.
 std::vector<Piece> pieces_of(const Sites& sites, const Completion& mesh, const std::vector<char>& keep,
-                             const std::vector<std::uint32_t>& seed_of) {
+                             const std::vector<std::uint32_t>& seed_of, std::vector<std::uint32_t>& piece_of) {
   std::vector<Piece> pieces;
+  piece_of.assign(3 * keep.size(), none);
   for (std::uint32_t h = 0; h < 3 * keep.size(); ++h) {
     const std::uint32_t twin = mesh.twin(h);
     if ((!mesh.constrained(h) && twin != none) || twin < h) continue;
+    piece_of[h] = static_cast<std::uint32_t>(pieces.size());
+    if (twin != none) piece_of[twin] = piece_of[h];
     const auto& corners = mesh.triangles()[h / 3];
     const std::uint32_t from = corners[(h % 3 + 1) % 3], to = corners[(h % 3 + 2) % 3];
     const bool left = keep[h / 3], right = twin != none && keep[twin / 3];
@@ -71,9 +74,12 @@ class Proof {
     for (std::uint32_t v = inputs_; v < all_->at.size(); ++v) {
       if (!all_->is_representative(v))
         return say("added vertex ", v, " is at the place of vertex ", all_->representative[v]);
-      if (v > inputs_ && !before(all_->at[v - 1], all_->at[v]))
-        return say("added vertices are not in order from vertex ", v - 1, " on");
+      // A refined mesh that was refined again has those of each in order.
+      if (v == inputs_ || !before(all_->at[v - 1], all_->at[v])) rows_.push_back(v);
     }
+    proof_.refinements = rows_.size();
+    rows_.push_back(static_cast<std::uint32_t>(all_->at.size()));
+    if (reason = order_rows(); !reason.empty()) return reason;
     std::vector<char> used(all_->at.size(), 0);
     for (const auto& corners : view_.triangles)
       for (const std::uint32_t v : corners) {
@@ -82,6 +88,18 @@ class Proof {
       }
     for (std::uint32_t v = inputs_; v < used.size(); ++v)
       if (!used[v]) return say("added vertex ", v, " is in no triangle");
+    return {};
+  }
+
+  /// What a vertex was put on was there: no vertex of a later row.
+  std::string order_rows() const {
+    if (view_.added_origin.size() != view_.added.size()) return {};
+    for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
+      for (std::uint32_t v = rows_[row]; v < rows_[row + 1]; ++v)
+        for (std::size_t k = 0; k < 3; ++k)
+          if (const std::uint32_t on = view_.added_origin[v - inputs_][k]; on >= rows_[row + 1] && on < rows_.back())
+            return say("added vertices are not in order from vertex ", rows_[row + 1] - 1, " on: vertex ", v,
+                       " was put on vertex ", on);
     return {};
   }
 
@@ -100,7 +118,10 @@ class Proof {
     std::vector<std::uint32_t> seed_of;
     const auto of_region = seeded(*plain_, mesh, flood, grid_, options_.region_seeds, steps_);
     for (const std::uint32_t region : flood.region) seed_of.push_back(of_region[region]);
-    pieces_ = pieces_of(*plain_, mesh, chosen(*plain_, mesh, flood, grid_, options_, steps_), seed_of);
+    const std::vector<char> keep = chosen(*plain_, mesh, flood, grid_, options_, steps_);
+    std::vector<std::uint32_t> piece_of;
+    pieces_ = pieces_of(*plain_, mesh, keep, seed_of, piece_of);
+    find_sharp_ends(*plain_, mesh, keep, piece_of, pieces_);
     return {};
   }
 
@@ -174,6 +195,7 @@ class Proof {
     keep_.assign(triangles, unknown);
     seed_.assign(triangles, none);
     flags_.assign(3 * triangles, 0);
+    link_of_.assign(3 * triangles, none);
     std::vector<std::uint32_t> stack;
     std::string reason;
     const auto mark = [&](std::uint32_t t, bool kept, std::uint32_t seed) {
@@ -191,6 +213,7 @@ class Proof {
         const auto found = std::lower_bound(by_ends.begin(), by_ends.end(), std::make_pair(wanted, 0u));
         if (found == by_ends.end() || found->first != wanted) continue;  // on the hull, or a vertex is on it
         flags_[found->second] |= char(piece.constrained);
+        link_of_[found->second] = link.piece;
         mark(found->second / 3, back ? piece.keeps_right : piece.keeps_left, back ? piece.seed_right : piece.seed_left);
       }
     }
@@ -215,36 +238,34 @@ class Proof {
   std::string judge() {
     Wanted wanted(*options_.refine, grid_);
     if (auto reason = wanted.find_lengths(*all_, inputs_, view_.added_origin); !reason.empty()) return reason;
+    const Mending mending({*all_, *whole_, keep_, pieces_, link_of_}, wanted, *options_.refine);
     for (std::uint32_t g = 0; g < view_.triangles.size(); ++g) {
       const std::uint32_t t = comparison_->right_of()[g];
       const auto& corners = whole_->triangles()[t];
       const Shape s = shape_of(*all_, corners);
       const bool sharp = wanted.is_sharp(s), large = wanted.is_large(s, corners, seed_[t]);
-      Excuse excuse = Excuse::as_wanted;
-      if (sharp || large) {
-        const Excuse of_angle = sharp ? excuse_of_angle(t, s) : Excuse::as_wanted;
-        excuse = sharp && !large && of_angle != Excuse::as_wanted ? of_angle
-                 : wanted.is_short(s.shortest)                    ? Excuse::short_side
-                                                                  : Excuse::by_call;
-        if (excuse == Excuse::by_call && !call_may_leave())
-          return say(comparison_->name(g), " has ",
-                     sharp ? "an angle below the least one" : "more than the largest area", ", and nothing excuses it");
-      }
+      const Excuse of_angle = sharp ? excuse_of_angle(t, s) : Excuse::as_wanted;
+      const bool excused = of_angle != Excuse::as_wanted;
+      const Excuse excuse = excused && !large             ? of_angle
+                            : !sharp && !large            ? Excuse::as_wanted
+                            : wanted.is_short(s.shortest) ? Excuse::short_side
+                                                          : mending.excuse(t, s, sharp && !excused);
+      if (excuse == Excuse::limit && !may_be_limited())
+        return say(comparison_->name(g), " has ", sharp ? "an angle below the least one" : "more than the largest area",
+                   ", and nothing excuses it");
       proof_.excuses.push_back(excuse);
       ++proof_.excused[static_cast<std::size_t>(excuse)];
       if (!options_.refine->conforming) continue;
-      if (auto reason = judge_borders(t, g, wanted); !reason.empty()) return reason;
+      if (auto reason = judge_borders(t, g, wanted, mending); !reason.empty()) return reason;
     }
     return {};
   }
 
-  bool call_may_leave() const {
-    return options_.refine->most_added != UINT64_MAX || options_.refine->splits != Splits::all;
-  }
+  bool may_be_limited() const { return options_.refine->most_added <= view_.added.size(); }
 
   /// Edges beside constraints are Delaunay if no corner is in the circle over one: unless its halves would be too
-  /// short.
-  std::string judge_borders(std::uint32_t t, std::uint32_t given, const Wanted& wanted) {
+  /// short, or it cannot be split.
+  std::string judge_borders(std::uint32_t t, std::uint32_t given, const Wanted& wanted, const Mending& mending) {
     const auto& c = whole_->triangles()[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       if (!whole_->constrained(3 * t + k)) continue;
@@ -253,7 +274,8 @@ class Proof {
           side(all_->at[from], all_->at[to]);
       if (u.x * v.x + u.y * v.y >= 0) continue;
       ++proof_.encroached;
-      if (!call_may_leave() && !wanted.is_short(side.x * side.x + side.y * side.y, 2))
+      if (!may_be_limited() && !wanted.is_short(side.x * side.x + side.y * side.y, 2) &&
+          mending.excuse_of_side(3 * t + k) == Excuse::limit)
         return say(comparison_->name(given), " has a corner in the circle over its side from vertex ", from, " to ", to,
                    ", which is a constraint or of the hull, and nothing excuses it");
     }
@@ -295,12 +317,14 @@ class Proof {
   std::uint64_t steps_ = 0;
   std::uint32_t inputs_ = 0;
   std::optional<Sites> plain_, all_;
+  std::vector<std::uint32_t> rows_;  // where the added vertices of each refinement begin, and the end
   std::vector<Piece> pieces_;
   std::vector<Link> links_;
   std::vector<std::uint32_t> piece_of_;  // by vertex: the piece that an added one is on, or none
   std::optional<Completion> whole_;
-  std::vector<char> keep_, flags_;   // of it: by triangle, by half-edge
-  std::vector<std::uint32_t> seed_;  // of it: by triangle, the region's seed, or none
+  std::vector<char> keep_, flags_;      // of it: by triangle, by half-edge
+  std::vector<std::uint32_t> link_of_;  // of it: by half-edge, the piece along it, or none
+  std::vector<std::uint32_t> seed_;     // of it: by triangle, the region's seed, or none
   std::optional<Comparison> comparison_;
   RefinedProof proof_;
 };

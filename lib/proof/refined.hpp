@@ -5,19 +5,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "proof/grid.hpp"
+#include "proof/mending.hpp"
 
 namespace gcdt::proof {
-
-/// Why a triangle may be worse than wanted (GCDT_EXCUSE_...); `as_wanted`: it is not.
-enum class Excuse : std::uint8_t { as_wanted, input_angle, beside_angle, short_side, by_call };
-constexpr std::size_t excuse_kinds = 5;
 
 struct RefinedProof {
   std::string reason;                        ///< the first failure, or empty
   std::vector<Excuse> excuses;               ///< by triangle; empty after a failure
   std::uint64_t excused[excuse_kinds] = {};  ///< triangles
   std::uint64_t encroached = 0;              ///< if conforming: sides on chains with the corner across in their circle
+  std::uint64_t refinements = 0;             ///< rows of added vertices in order of (x, y)
   std::uint64_t on_chains = 0, far = 0;      ///< added vertices on pieces, of these more than half a cell off
   double move = 0;                           ///< the largest distance of one, in cells
 };

@@ -44,6 +44,7 @@ void split(Run& run) {
   }
   splitter->name_sources(run.pieces);
   run.result.added = std::move(splitter->added());
+  run.result.added.crossings = run.result.added.count;
   s.vertices_added = run.result.added.count;
   s.constraints_split = splitter->marked();
   run.result.routed = splitter->take_marks();

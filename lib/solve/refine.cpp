@@ -8,6 +8,7 @@
 
 #include "phases/check.hpp"
 #include "phases/refine.hpp"
+#include "phases/refine_lengths.hpp"
 
 namespace gcdt {
 
@@ -42,6 +43,10 @@ std::uint64_t in_cells(double value, double unit, std::uint64_t most) {
   const double cells = std::floor(value / unit);
   return cells < static_cast<double>(most) ? static_cast<std::uint64_t>(cells) : most;
 }
+
+// How notes of a refinement begin.
+const std::string limit_note = "the limit of added vertices ended the refinement: ",
+                  grid_note = "the grid is too coarse for triangles with sides of about ";
 
 constexpr std::uint64_t longest = 0x7FFFFFFF, no_limit = ~std::uint64_t{0};
 
@@ -83,6 +88,7 @@ Buffer<cl_uint> sizes_in_cells(Run& run, const Refinement& wanted) {
   std::vector<cl_uint> cells(wanted.sizes.size());
   for (std::size_t i = 0; i < cells.size(); ++i)
     cells[i] = std::max(cl_uint{1}, static_cast<cl_uint>(in_cells(wanted.sizes[i], cell, longest)));
+  if (run.result.added.count > 0) extend_lengths(run.runtime, run.vertices, run.result.added.origins, cells);
   const auto given = run.runtime.upload("wanted lengths of inputs", cells);
   const cl_uint n = run.vertices.n();
   auto sizes = run.runtime.allocate<cl_uint>("wanted lengths", n);
@@ -103,11 +109,10 @@ void tell(Run& run, const RefineResult& done) {
   r.move = done.move * run.vertices.grid.cell();
   r.encroached = done.encroached;
   r.left_input_angle = done.left[GCDT_LEFT_INPUT_ANGLE], r.left_beside_angle = done.left[GCDT_LEFT_BESIDE_ANGLE];
-  r.left_grid = done.left[GCDT_LEFT_GRID], r.left_fixed = done.left[GCDT_LEFT_FIXED];
+  r.left_grid = done.left[GCDT_LEFT_GRID] + done.left[GCDT_LEFT_TARGET], r.left_target = done.left[GCDT_LEFT_TARGET];
+  r.left_fixed = done.left[GCDT_LEFT_FIXED];
   r.left_refused = done.left[GCDT_LEFT_REFUSED], r.left_limit = done.left[GCDT_LEFT_LIMIT];
-  if (!done.complete)
-    s.notes.push_back("the limit of added vertices ended the refinement: " + std::to_string(done.all_left()) +
-                      " triangles are not as wanted");
+  if (!done.complete) s.notes.push_back(limit_note + std::to_string(done.all_left()) + " triangles are not as wanted");
 }
 
 // The shortest of the sides that triangles as large as wanted have, if they are equilateral, or of the wanted lengths.
@@ -118,18 +123,19 @@ double shortest_wanted(const Refinement& wanted) {
   return std::min(length, 2 * std::sqrt(area / std::sqrt(3.0)));
 }
 
-// Behind the vertices that crossings have added.
+// Behind the vertices that crossings and earlier refinements have added.
 void append_added(Run& run, const RefinedMesh& refined) {
   runtime::Runtime& runtime = run.runtime;
   AddedVertices& added = run.result.added;
-  const cl_uint crossings = added.count, all = crossings + refined.added;
+  const cl_uint before = added.count, all = before + refined.added;
   auto points = runtime.allocate<cl_int2>("added vertices", all);
   auto crossing = runtime.filled<cl_uint2>("constraints of added vertices", all, {{GCDT_NONE, GCDT_NONE}});
   auto origins = runtime.allocate<cl_uint4>("origins of added vertices", all);
-  runtime.launch("renew", "refine_append", over(all), crossings, cl_uint{refined.added}, cl_uint{run.pieces.count},
-                 run.pieces.source_offsets, run.pieces.sources, crossings > 0 ? added.points : points,
+  runtime.launch("renew", "refine_append", over(all), before, cl_uint{refined.added}, cl_uint{run.pieces.count},
+                 run.pieces.source_offsets, run.pieces.sources, before > 0 ? added.points : points,
                  refined.added_points, refined.added_origins, points, origins);
-  if (crossings > 0) runtime.copy(added.crossing, crossing, crossings);
+  if (before > 0) runtime.copy(added.crossing, crossing, before);
+  if (before > 0 && added.origins.allocated()) runtime.copy(added.origins, origins, before);
   added.count = all;
   added.points = std::move(points);
   added.crossing = std::move(crossing);
@@ -150,6 +156,8 @@ OrderedMesh select(Run& run, const RefinedMesh& refined, OrderedMesh hull, const
   OrderedMesh kept = make_ordered(runtime, count);
   runtime.launch("domain", "gather_kept", over(all), all, places, hull.corners, hull.neighbours, hull.constrained,
                  kept.corners, kept.neighbours, kept.constrained);
+  run.result.excuses = runtime.allocate<cl_uchar>("excuses of triangles", count);
+  runtime.launch("renew", "refine_excuses", over(all), all, refs, places, refined.reasons, run.result.excuses);
   Regions& r = run.result.regions;
   if (r.region.allocated()) {
     auto labels = runtime.allocate<cl_uint>("labels of triangles", count);
@@ -198,21 +206,30 @@ void tell_coarse_grid(Run& run) {
   const double cell = run.vertices.grid.cell(), least = least_refined_side * cell,
                side = shortest_wanted(*run.options.refine);
   if (side >= 2 * least || run.vertices.n() < 3) return;
-  const std::string said = "the grid is too coarse for triangles with sides of about " + text_of(side) +
-                           ": those with a side below " + std::to_string(least_refined_side) + " cells, " +
-                           text_of(least) + ", are left as they are";
+  const std::string said = grid_note + text_of(side) + ": those with a side below " +
+                           std::to_string(least_refined_side) + " cells, " + text_of(least) + ", are left as they are";
   run.runtime.log(GCDT_LOG_WARNING, "refine: " + said);
   run.statistics.notes.push_back(said);
 }
 
-OrderedMesh refine(Run& run, TriangleCounts counts, Buffer<cl_uint> refs) {
+void forget_notes(Statistics& statistics) {
+  auto& notes = statistics.notes;
+  notes.erase(std::remove_if(notes.begin(), notes.end(),
+                             [](const std::string& note) {
+                               return note.rfind(limit_note, 0) == 0 || note.rfind(grid_note, 0) == 0;
+                             }),
+              notes.end());
+}
+
+OrderedMesh refine(Run& run, TriangleCounts counts, Buffer<cl_uint> refs, Subsegments subsegments) {
   const Refinement& wanted = *run.options.refine;
   runtime::Runtime& runtime = run.runtime;
   run.result.hull = {};
   Buffer<cl_uint> sizes = sizes_in_cells(run, wanted);
   Buffer<cl_ulong> areas = areas_of_labels(run, wanted, counts.kept);
   Refiner refiner(runtime, run.primitives, rules_of(wanted, run.vertices.grid.cell()), wanted.most_added,
-                  std::move(run.vertices), std::move(run.mesh), run.pieces, std::move(sizes), std::move(areas));
+                  std::move(run.vertices), std::move(run.mesh), std::move(subsegments), std::move(sizes),
+                  std::move(areas));
   refiner.keep(refs, run.result.kept, counts.hull);
   run.result.kept = {};
   tell(run, refiner.run(run.ticker));
@@ -220,12 +237,16 @@ OrderedMesh refine(Run& run, TriangleCounts counts, Buffer<cl_uint> refs) {
   run.plan = make_plan(runtime, refined.vertices);
   Plan plan = run.plan;
   plan.output = Plan::By::all;
-  const Pieces subsegments = refined_pieces(runtime, run.primitives, refined, run.pieces, true);
+  RefinedPieces links = refined_pieces(runtime, run.primitives, refined, run.pieces, true);
   OrderedMesh all =
       order_triangles(runtime, run.primitives, plan, refined.mesh, refined.vertices, run.options.canonical, &refs);
-  if (run.options.check) check(runtime, run.plan, all, refined.vertices, subsegments);
+  if (run.options.check) check(runtime, run.plan, all, refined.vertices, links.pieces);
   append_added(run, refined);
-  run.pieces = refined_pieces(runtime, run.primitives, refined, run.pieces, false);
+  Pieces pieces = refined_pieces(runtime, run.primitives, refined, run.pieces, false).pieces;
+  std::swap(run.pieces, pieces);
+  pieces.ends = std::move(refined.piece_ends);
+  run.result.chains = {std::move(pieces), refined.piece_count, std::move(refined.sharp), std::move(links.pieces.ends),
+                       std::move(links.before)};
   OrderedMesh kept = select(run, refined, std::move(all), refs);
   run.vertices = std::move(refined.vertices);
   return kept;

@@ -18,9 +18,13 @@ struct TriangleCounts {
   std::uint32_t hull = 0;
 };
 
+/// Takes the notes of a refinement away.
+void forget_notes(Statistics& statistics);
+
 /// Refines the triangles of the domain, which the run's mesh has among others: run.result.kept, if that is allocated,
-/// has the place of each triangle of the hull among them. `refs`: the face of each triangle of the hull. Changes all
-/// that the run has of mesh, vertices, pieces and domain. Returns the triangles of the domain.
-OrderedMesh refine(Run& run, TriangleCounts counts, runtime::Buffer<cl_uint> refs);
+/// has the place of each triangle of the hull among them. `refs`: the face of each triangle of the hull. The run's
+/// pieces are those of `subsegments` that have sources. Changes all that the run has of mesh, vertices, pieces and
+/// domain. Returns the triangles of the domain.
+OrderedMesh refine(Run& run, TriangleCounts counts, runtime::Buffer<cl_uint> refs, Subsegments subsegments);
 
 }  // namespace gcdt

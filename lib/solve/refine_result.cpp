@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solve/refine_result.hpp"
 
+#include "phases/flip.hpp"
 #include "phases/relink.hpp"
 #include "query/derived.hpp"
 #include "solve/refine.hpp"
@@ -31,11 +32,11 @@ Vertices copy_of(Runtime& runtime, const Vertices& from) {
   return made;
 }
 
-/// Their ends as vertices again.
-Pieces copy_of(Runtime& runtime, const Vertices& vertices, const Pieces& from) {
+/// With other ends.
+Pieces copy_of(Runtime& runtime, const Pieces& from, Buffer<cl_uint2> ends) {
   Pieces made;
   made.count = from.count, made.source_count = from.source_count;
-  made.ends = ends_as_vertices(runtime, vertices, from);
+  made.ends = std::move(ends);
   made.source_offsets = copy_of(runtime, "source offsets", from.source_offsets);
   made.sources = copy_of(runtime, "sources of pieces", from.sources);
   return made;
@@ -66,8 +67,12 @@ void take_over(Run& run, const DeviceTriangulation& made) {
   Runtime& runtime = run.runtime;
   run.statistics = made.statistics;
   run.statistics.ms = {};
+  forget_notes(run.statistics);
   run.vertices = copy_of(runtime, made.vertices);
-  run.pieces = copy_of(runtime, made.vertices, made.pieces);
+  // Of a result that was refined the pieces as they were, of which the ends are in its chains.
+  run.pieces = made.chains.there()
+                   ? copy_of(runtime, made.chains.pieces, {})
+                   : copy_of(runtime, made.pieces, ends_as_vertices(runtime, made.vertices, made.pieces));
   DeviceTriangulation& result = run.result;
   result.dropped = copy_of(runtime, "dropped constraints", made.dropped);
   result.routed = copy_of(runtime, "constraints that were routed", made.routed);
@@ -76,13 +81,35 @@ void take_over(Run& run, const DeviceTriangulation& made) {
   result.added.count = made.added.count;
   result.added.points = copy_of(runtime, "added vertices", made.added.points);
   result.added.crossing = copy_of(runtime, "constraints of added vertices", made.added.crossing);
+  result.added.crossings = made.added.crossings;
+  result.added.origins = copy_of(runtime, "origins of added vertices", made.added.origins);
+}
+
+/// Edges of an adopted mesh that are neither constraints nor around it may be flipped, and are, where they are not
+/// Delaunay. Faces stay on their side of its border.
+Subsegments release_adopted(Run& run, const DeviceTriangulation& made, const Buffer<cl_uint>& refs) {
+  Runtime& runtime = run.runtime;
+  Subsegments found = find_adopted_subsegments(runtime, run.vertices, run.mesh, run.pieces, refs, made.kept);
+  const WorkLists lists = make_work_lists(runtime, run.vertices.n());
+  const FlipResult flipped =
+      flip(runtime, run.plan, run.vertices, run.mesh, lists, run.counters, run.vertices.n(), run.ticker);
+  run.statistics.flips += flipped.flips;
+  run.statistics.rounds.flip += flipped.rounds;
+  return found;
+}
+
+Subsegments subsegments_of(Run& run, const DeviceTriangulation& made, const Buffer<cl_uint>& refs) {
+  if (made.adopted) return release_adopted(run, made, refs);
+  return made.chains.there() ? find_subsegments(run.runtime, run.vertices, run.mesh, made.chains)
+                             : find_subsegments(run.runtime, run.vertices, run.mesh, run.pieces);
 }
 
 OrderedMesh relink_and_refine(Run& run, const DeviceTriangulation& made) {
   const OrderedMesh& hull = hull_mesh(made);
   RelinkedMesh relinked = relink(run.runtime, run.primitives, run.vertices, hull);
   run.mesh = std::move(relinked.mesh);
-  return refine(run, {made.mesh.triangles, hull.triangles}, std::move(relinked.refs));
+  Subsegments subsegments = subsegments_of(run, made, relinked.refs);
+  return refine(run, {made.mesh.triangles, hull.triangles}, std::move(relinked.refs), std::move(subsegments));
 }
 
 DeviceTriangulation refine_steps(Run& run, const DeviceTriangulation& made) {
@@ -109,14 +136,12 @@ Options options_of(const DeviceTriangulation& made, const Options& options) {
   own.refine = options.refine;
   own.regions = made.regions.seeds.has_value();
   own.region_seeds.resize(made.regions.seeds.value_or(0));
-  if (made.added.count > 0) own.crossing = Crossing::split;
+  if (made.added.crossings > 0) own.crossing = Crossing::split;
   return own;
 }
 
 void check_made(const DeviceTriangulation& made, const Refinement& wanted) {
   const auto refuse = [](const char* why) { throw Error(Status::invalid_argument, why); };
-  if (made.adopted) refuse("a mesh that was adopted is not refined: triangulate its vertices and constraints");
-  if (made.added.origins.allocated()) refuse("the result is refined already: refine the one that it was made of");
   if (!wanted.region_areas.empty() && !made.regions.seeds)
     refuse("refine.region_areas: the result has no regions, which are an option of the call that made it");
 }

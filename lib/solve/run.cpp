@@ -147,9 +147,12 @@ void Run::number(OrderedMesh ordered) {
     added.points = runtime.allocate<cl_int2>("added vertices", 0);
     added.crossing = runtime.allocate<cl_uint2>("constraints of added vertices", 0);
   }
-  if (options.refine && !added.origins.allocated())  // nothing was there to be refined
-    added.origins = runtime.filled<cl_uint4>("origins of added vertices", added.count,
-                                             {{GCDT_NONE, GCDT_NONE, GCDT_NONE, GCDT_NONE}});
+  if (options.refine && !result.excuses.allocated()) {  // nothing was there to be refined
+    result.excuses = runtime.allocate<cl_uchar>("excuses of triangles", 0);
+    if (!added.origins.allocated())
+      added.origins = runtime.filled<cl_uint4>("origins of added vertices", added.count,
+                                               {{GCDT_NONE, GCDT_NONE, GCDT_NONE, GCDT_NONE}});
+  }
   result.mesh = std::move(ordered);
 }
 

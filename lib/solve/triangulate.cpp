@@ -76,7 +76,8 @@ OrderedMesh refine_domain(Run& run, OrderedMesh ordered, runtime::Buffer<cl_uint
   const TriangleCounts counts = {ordered.triangles,
                                  run.result.kept.allocated() ? run.result.hull.triangles : ordered.triangles};
   ordered = {};
-  return refine(run, counts, std::move(refs));
+  Subsegments subsegments = find_subsegments(run.runtime, run.vertices, run.mesh, run.pieces);
+  return refine(run, counts, std::move(refs), std::move(subsegments));
 }
 
 // Fewer than three vertices, or all on one line.

@@ -29,7 +29,7 @@ from ._mesh import Mesh
 from ._polygons import PolygonTriangles, from_shapely, ring_constraints, triangulate_geometries, triangulate_polygons
 from ._pool import Batch, Pool, Problem
 from ._pslg import Verification, adopt, triangulate_pslg, verify
-from ._refinement import Refinement
+from ._refinement import EXCUSES, Refinement
 from ._solver import DeviceInfo, Solver, default_solver, devices
 from ._triangle import triangulate
 
@@ -44,6 +44,7 @@ __all__ = [
     "Delaunay",
     "DeviceError",
     "DeviceInfo",
+    "EXCUSES",
     "Error",
     "IndexOutOfRange",
     "InputError",

@@ -42,6 +42,8 @@ class Mesh:
     `depth`           (T,) uint32         the least number of constrained edges between it and the outside,
     `winding`         (T,) int32          how often constraints wind around it counter-clockwise,
     `region_seed`     (T,) int32          and the row of `regions` that is in it, or -1
+    `excuse`          (T,) uint8          with refine (else empty): 0, or why the triangle is worse than wanted:
+                                          `gcdt.EXCUSES[excuse]`
     ================  ==================  ===========================================================================
 
     `statistics` is a dictionary with counts, times in milliseconds and the grid (docs/statistics.md).
@@ -65,6 +67,7 @@ class Mesh:
     depth: NDArray[np.uint32]
     winding: NDArray[np.int32]
     region_seed: NDArray[np.int32]
+    excuse: NDArray[np.uint8]
     statistics: dict[str, Any]
 
     def __init__(
@@ -161,8 +164,9 @@ class Mesh:
     ) -> Mesh:
         """The mesh that the call which made this would have made with `refine`, without its input being gone through.
 
-        This mesh stays as it is, and may be refined again, to other bounds; not so a mesh that is refined or was
-        adopted. `refine`: a `gcdt.Refinement`, or the least angle in degrees.
+        This mesh stays as it is, and may be refined again, to other bounds. One that is refined is refined further:
+        its vertices keep their numbers. Of one that was adopted the domain is what its triangles cover, and edges that
+        are no constraints are made Delaunay. `refine`: a `gcdt.Refinement`, or the least angle in degrees.
         """
         from ._options import options
         from ._refinement import refinement

@@ -13,6 +13,10 @@ from . import _arrays, _gcdt
 from ._errors import make
 
 
+#: Why a triangle of a refined mesh is worse than wanted, by `Mesh.excuse` (docs/refinement.md, "Why triangles are left").
+EXCUSES = ("none", "input angle", "beside angle", "short side", "limit", "target", "fixed", "refused")
+
+
 @dataclass(frozen=True)
 class Refinement:
     """What the triangles of the domain are refined to, by adding vertices (docs/refinement.md: what is promised).

@@ -11,11 +11,11 @@ from gcdt import Refinement
 SQUARE = np.array([(0, 0), (8, 0), (8, 8), (0, 8), (3, 0), (3, 8)], float)
 WALLS = np.array([(0, 4), (4, 1), (1, 2), (2, 5), (5, 3), (3, 0), (4, 5)])
 ARRAYS = ("triangles", "neighbours", "constrained", "representative", "pieces", "source_offsets", "sources", "added")
-ARRAYS += ("added_on_grid", "added_origin", "region", "depth", "winding", "region_seed")
+ARRAYS += ("added_on_grid", "added_origin", "region", "depth", "winding", "region_seed", "excuse")
 
 
-def same(a, b):
-    for name in ARRAYS:
+def same(a, b, but=()):
+    for name in set(ARRAYS) - set(but):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name), name)
 
 
@@ -60,14 +60,51 @@ def test_a_mesh_is_refined_to_the_bytes_of_one_call(domain, rng_points):
         plain.refine(20)
 
 
+def test_why_triangles_are_left():
+    needle = np.array([(0, 0), (10, 0), (10, 1)], float)
+    mesh = gcdt.triangulate_pslg(needle, [(0, 1), (1, 2), (2, 0)], refine=Refinement(20, most_area=0.2))
+    left = [gcdt.EXCUSES[excuse] for excuse in mesh.excuse[mesh.excuse > 0]]
+    assert left.count("input angle") == mesh.statistics["refine"]["left_input_angle"] == 1
+    assert left.count("beside angle") == mesh.statistics["refine"]["left_beside_angle"] == len(left) - 1
+    assert 0 in mesh.triangles[gcdt.EXCUSES.index("input angle") == mesh.excuse] and mesh.verify()
+    part = gcdt.triangulate_pslg(SQUARE, WALLS, refine=Refinement(20, most_area=0.1, most_added=9))
+    assert "limit" in {gcdt.EXCUSES[excuse] for excuse in part.excuse}
+    assert len(gcdt.triangulate_pslg(SQUARE, WALLS).excuse) == 0
+
+
+def test_a_refined_mesh_is_refined_further():
+    once = gcdt.triangulate_pslg(SQUARE, WALLS, domain="outer", refine=Refinement(20, most_area=4))
+    before = once.triangles.copy()
+    twice = once.refine(Refinement(28, most_area=0.5))
+    count = len(once.added)
+    assert 0 < count < len(twice.added) == twice.statistics["refine"]["added"] + count
+    np.testing.assert_array_equal(twice.points[: len(SQUARE)], SQUARE)
+    np.testing.assert_array_equal(twice.added[:count], once.added)
+    np.testing.assert_array_equal(twice.added_origin[:count], once.added_origin)
+    assert twice.quality()["least_angle"] >= 28 and twice.areas.max() <= 0.5
+    assert once.verify() and twice.verify()
+    same(twice.refine(Refinement(28, most_area=0.5)), twice)
+    np.testing.assert_array_equal(once.triangles, before)
+
+
+def test_an_adopted_mesh_is_refined():
+    own = gcdt.triangulate_pslg(SQUARE, WALLS, domain="outer")
+    adopted = gcdt.adopt(SQUARE, own.triangles[::-1], WALLS)
+    labels = ("region", "depth", "winding", "region_seed")  # adopted meshes have none
+    same(adopted.refine(25), own.refine(25), labels)
+    same(adopted.refine(20).refine(30), own.refine(20).refine(30), labels)
+    # What it covers is its domain, constraints or not.
+    half = gcdt.adopt(SQUARE, own.triangles[own.points[own.triangles].mean(axis=1)[:, 0] < 3])
+    refined = half.refine(Refinement(20, most_area=0.5))
+    assert refined.areas.sum() == pytest.approx(24) and refined.areas.max() <= 0.5
+    assert not refined.constrained.any()
+
+
 def test_what_cannot_be_refined():
     plain = gcdt.triangulate_pslg(SQUARE, WALLS)
-    with pytest.raises(ValueError, match="refined already"):
-        plain.refine(20).refine(25)
-    with pytest.raises(ValueError, match="adopted"):
-        gcdt.adopt(SQUARE, plain.triangles, WALLS).refine(20)
-    with pytest.raises(ValueError, match="no regions"):
-        plain.refine(Refinement(region_areas=[1.0]))
+    for mesh in (plain, plain.refine(20), gcdt.adopt(SQUARE, plain.triangles, WALLS)):
+        with pytest.raises(ValueError, match="no regions"):
+            mesh.refine(Refinement(region_areas=[1.0]))
     for bad, why in [
         (60, "least_angle"),
         (Refinement(most_area=-1), "most_area"),

@@ -69,6 +69,7 @@ Elements expected_of_split(bool seeded) {
   all["depth"] = bytes_of<std::uint32_t>({1, 1, 1, 0});
   all["winding"] = bytes_of<std::int32_t>({-1, -1, -1, 0});
   all["region_seed"] = bytes_of<std::int32_t>({seeded ? 1 : -1, seeded ? 0 : -1, -1, -1});
+  all["excuse"] = {};
   all["vertex_triangles"] = bytes_of<std::int32_t>({0, 1, 2, 0, 0, 0});
   all["hull"] = bytes_of<std::uint32_t>({0, 1, 2, 3});
   all["edge_pieces"] = bytes_of<Triple>({{4, 2, 0}, {3, 0, 1}, {6, 5, 3}, {-1, 4, 5}});
@@ -184,7 +185,7 @@ TEST_CASE("what a result does not have is empty, and constraints that were dropp
   for (const auto& [name, bytes] : copied_by_c(result))
     if (bytes.empty()) empty.insert(name);
   CHECK(empty == std::set<std::string>{"added_on_grid", "added_crossing", "added_origin", "region", "depth", "winding",
-                                       "region_seed"});
+                                       "region_seed", "excuse"});
 }
 
 TEST_CASE("every array of a problem in a batch: of one that is split, and of one among others") {

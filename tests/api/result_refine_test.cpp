@@ -105,13 +105,6 @@ TEST_CASE("options that are the result's own are refused") {
   }
 }
 
-TEST_CASE("results that cannot be refined say so") {
-  const Result plain = solver().solve(halves, walls);
-  CHECK(says(refused(plain.refine(wanted()), wanted(0.1)), "the result is refined already"));
-  const Triangulation mesh = plain.download();
-  CHECK(says(refused(solver().adopt(halves, mesh.triangles, walls), wanted()), "a mesh that was adopted"));
-}
-
 TEST_CASE("null pointers and sizes of structures") {
   const Result plain = solver().solve(halves, walls);
   gcdt_refinement refine = GCDT_REFINEMENT_INIT;

@@ -68,9 +68,11 @@ TEST_CASE("what the library makes is accepted, with as many excuses as it has co
       CHECK(found.input_angle == s.left_input_angle);
       CHECK(found.beside_angle == s.left_beside_angle);
       CHECK(found.on_constraints == s.on_subsegments);
-      CHECK(found.input_angle + found.beside_angle + found.short_side + found.call ==
+      CHECK(found.input_angle + found.beside_angle + found.short_side + found.limit + found.target + found.fixed +
+                found.refused ==
             s.left_input_angle + s.left_beside_angle + s.left_grid + s.left_fixed + s.left_refused + s.left_limit);
       CHECK(found.move == doctest::Approx(s.move));
+      CHECK(found.excuses == std::vector<std::uint8_t>(made.mesh.excuse.begin(), made.mesh.excuse.end()));
       input_angles += found.input_angle, beside += found.beside_angle;
       MeshView bare = whole_view(made.mesh);
       bare.constrained = nullptr;
@@ -109,7 +111,8 @@ TEST_CASE("splits that are fixed") {
     CHECK(made.reason().find("what must not be split, from vertex ") == 0);
     made.mesh = solver().triangulate(made.work.points, made.work.constraints, made.options);
     CHECK(made.reason() == "");
-    CHECK(made.verified().call > 0);
+    CHECK(made.verified().fixed > 0);
+    CHECK(made.verified().fixed == made.mesh.statistics.refine.left_fixed);
   }
 }
 
@@ -123,9 +126,11 @@ TEST_CASE("a mesh that does not keep what is claimed is named") {
   made.options.refine->most_area = 1;
   made.options.refine->least_angle = 34;
   CHECK(made.reason().find("has an angle below the least one, and nothing excuses it") != std::string::npos);
-  made.options.refine->most_added = 1000;  // now a limit may be the reason
+  made.options.refine->most_added = made.mesh.added.size() + 1;  // which was not reached
+  CHECK(made.reason().find("has an angle below the least one, and nothing excuses it") != std::string::npos);
+  --made.options.refine->most_added;  // now it may be the reason
   CHECK(made.reason() == "");
-  CHECK(made.verified().call > 0);
+  CHECK(made.verified().limit > 0);
 }
 
 TEST_CASE("areas of regions") {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "kinds.hpp"
+#include "query/adopt.hpp"
 #include "query/arrays.hpp"
 #include "solve/triangulate.hpp"
 #include "workloads.hpp"
@@ -125,6 +126,61 @@ TEST_CASE("a result is refined to the bytes of one call, and stays as it is") {
   }
 }
 
+TEST_CASE("a refined result is refined further to the same bytes everywhere, and stays as it is") {
+  std::vector<Case> all;
+  all.push_back(made_case("letters", letters(3), refinement(20), Domain::even_odd));
+  all.push_back(made_case("coarse", random_pslg(40, 8, 80, 1), refinement(33)));
+  all.push_back(made_case("crossings", random_crossing(30, 1 << 20, 12, 4), refinement(20)));
+  all.back().options.crossing = Crossing::split;
+  for (const Case& c : all) {
+    CAPTURE(c.name);
+    std::optional<Bytes> expected;
+    Options finer = own(c.options);
+    finer.refine->least_angle = 30;
+    finer.refine->most_added = 2000;
+    for (auto& [name, device] : devices_as_all_kinds()) {
+      CAPTURE(name);
+      const DeviceTriangulation once = solve(*device, c.work, c.options);
+      const Bytes before = bytes_of(*device, once);
+      const Bytes further = bytes_of(*device, refine(*device, once, finer));
+      if (!expected) expected = further;
+      CHECK(further == *expected);
+      CHECK(bytes_of(*device, refine(*device, once, own(c.options))) == before);
+      CHECK(bytes_of(*device, once) == before);
+    }
+  }
+}
+
+TEST_CASE("an adopted mesh is refined to the same bytes everywhere") {
+  // Any diagonals, and the last square is not of the mesh.
+  Workload work;
+  for (int i = 0; i < 49; ++i) work.points.push_back({double(i % 7), double(i / 7)});
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t square = 0; square + 1 < 36; ++square) {
+    const std::uint32_t a = square / 6 * 7 + square % 6, b = a + 1, c = a + 8, d = a + 7;
+    if (square % 3 == 0)
+      triangles.insert(triangles.end(), {{a, b, c}, {a, c, d}});
+    else
+      triangles.insert(triangles.end(), {{a, b, d}, {b, c, d}});
+  }
+  std::optional<Bytes> expected;
+  for (auto& [name, device] : devices_as_all_kinds()) {
+    CAPTURE(name);
+    Primitives primitives(*device);
+    const std::vector<Constraint> edges = edges_of(triangles, work.points.size());
+    Workload whole = work;
+    whole.constraints = edges;
+    const DeviceTriangulation adopted = adopt(*device, primitives, solve(*device, whole, {}), triangles, 0);
+    const Bytes before = bytes_of(*device, adopted);
+    const DeviceTriangulation refined = refine(*device, adopted, own(made_case("", {}, refinement(25, 0.1)).options));
+    const Bytes bytes = bytes_of(*device, refined);
+    CHECK(refined.statistics.refine.added > 100);
+    if (!expected) expected = bytes;
+    CHECK(bytes == *expected);
+    CHECK(bytes_of(*device, adopted) == before);
+  }
+}
+
 TEST_CASE("the refined result is told of as one call's") {
   for (const Case& c : cases()) {
     CAPTURE(c.name);
@@ -202,6 +258,14 @@ TEST_CASE("a refinement beside its result takes no more memory than the one call
       const std::uint64_t m = std::max(s.m, s.constraints_pieces);
       CHECK(s.peak_device_bytes <=
             gcdt_required_bytes_refined(n, m, s.crossed_pairs, limit) - gcdt_required_bytes(0, 0, 0));
+      const DeviceTriangulation once = refine(device, plain, own(options));
+      const std::uint64_t vertices = n + once.added.count;
+      options.refine->least_angle = 34;
+      const Statistics further = refine(device, once, own(options)).statistics;
+      CHECK(further.peak_device_bytes <= gcdt_required_bytes_refined(vertices,
+                                                                     std::max(further.m, further.constraints_pieces),
+                                                                     further.crossed_pairs, limit) -
+                                             gcdt_required_bytes(0, 0, 0));
     }
   }
 }
