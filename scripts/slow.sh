@@ -16,7 +16,7 @@
 #   races     every kind of device and every small call on Oclgrind, its reports held against
 #             tests/device/allowed_races.txt
 #   files     each call of the command that writes files fails, or the process is killed there, for all that write outputs;
-#             the same of eight tiles that are spilled;
+#             the same of eight tiles that are spilled; the first rank of gcdt_mpi is killed at each;
 #             1000 rounds of processes that fill a cache at once and are killed (GCDT_CACHE_ROUNDS: another number)
 #   load      a million random batches, or so many, in one process; 8 threads, solvers made and released, calls cancelled
 #   identity  the hashes of tests/hashes.txt on PoCL and on Intel's CPU runtime, with several sizes of work-groups, with
@@ -77,9 +77,11 @@ case $name in
     python3 "$root/tests/device/races_oracle.py" "$build/tests/race_cases" --all
     exit ;;
   files)
-    make_targets command_faults_test cache_test spill_test file_faults gcdt_command
+    make_targets command_faults_test cache_test spill_test file_faults gcdt_command gcdt_mpi
     GCDT_FILE_STEP=1 "$build/tests/command_faults_test" --duration=true
     GCDT_SPILL_TILES=8 "$build/tests/spill_test" --duration=true
+    python3 "$root/tests/mpi/killed_ranks_oracle.py" "$(command -v mpiexec)" "$build/mpi/gcdt_mpi" \
+      "$build/tests/libfile_faults.so" --all
     GCDT_CACHE_ROUNDS=${GCDT_CACHE_ROUNDS-1000} "$build/tests/cache_test" --duration=true
     exit ;;
   load)

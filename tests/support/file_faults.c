@@ -6,6 +6,7 @@
 //   GCDT_FILE_FAULT    fail: it fails with ENOSPC, a write after half of its bytes, a close when half of the file is lost
 //                      full: so do it and all after it that need room on the disk, as where the disk is full
 //                      kill: the process is killed there, in a write when half of its bytes are written
+//   GCDT_FILE_RENAMES  set: only calls that rename count
 //   GCDT_FILE_MARK     a file, made when that call is reached
 //   GCDT_FILE_NAMED    no file can be made without a name, as on some file systems
 // Calls that remove files are counted and can be the last, but never fail: then something must be left behind.
@@ -65,6 +66,7 @@ static enum Fault fault_of(enum Kind kind) {
   const char* const number = getenv("GCDT_FILE_CALL");
   const char* const fault = getenv("GCDT_FILE_FAULT");
   if (!number || !fault) return NONE;
+  if (kind != RENAMES && getenv("GCDT_FILE_RENAMES")) return NONE;
   const int kills = strcmp(fault, "kill") == 0, full = strcmp(fault, "full") == 0;
   if (!kills && kind == REMOVES) return NONE;
   if (full && (kind == RENAMES || kind == SETS)) return NONE;

@@ -126,6 +126,7 @@ TEST_CASE("killed at any call of a spill, a process leaves no file, and where ea
       }
     }
     CHECK(call > 7 * (tile_count() - 1));
+    MESSAGE("killed at each of " << call - 1 << " calls, " << left << " empty files left");
     CHECK(left <= (named ? tile_count() : 0));
   }
 }
