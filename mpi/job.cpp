@@ -5,9 +5,11 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <mutex>
 #include <random>
@@ -26,6 +28,13 @@ OutputJob* job_under_way = nullptr;  ///< under job_mutex
 
 [[noreturn]] void cannot_write(const fs::path& path, const std::string& why) {
   throw Failure(Exit::output, fmt::format("{}: cannot be written: {}", path.string(), why));
+}
+
+/// For the sake of a target.
+void make_empty(const fs::path& path, const fs::path& target) {
+  std::ofstream file(path);
+  file.close();
+  if (!file) cannot_write(target, std::strerror(errno));
 }
 
 }  // namespace
@@ -79,9 +88,11 @@ OutputJob::OutputJob(tiles::Team& team, std::vector<std::string> targets)
       }
       std::error_code error;
       if (!fs::create_directory(folder_, error)) cannot_write(targets_.back(), error.message());
+      make_empty(is_open(), targets_.back());
     });
   } catch (...) {
     const std::lock_guard<std::mutex> lock(job_mutex);
+    abandon();
     job_under_way = nullptr;
     throw;
   }
@@ -107,43 +118,56 @@ void OutputJob::commit() {
 }
 
 void OutputJob::rename_all() {
-  std::error_code error;
-  std::ofstream(mark()).put('\n');
-  const auto restore = [&](std::size_t renamed) {
-    std::error_code ignored;
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-      if (i < renamed) fs::remove(targets_[i], ignored);
-      if (fs::exists(kept(i), ignored)) fs::rename(kept(i), targets_[i], ignored);
-    }
-    fs::remove(mark(), ignored);
-  };
-  for (std::size_t i = targets_.size(); i-- > 0 && !error;)  // the last one first: it names the others
-    if (fs::exists(targets_[i])) fs::rename(targets_[i], kept(i), error);
-  if (error) {
-    restore(0);
-    cannot_write(targets_.back(), error.message());
-  }
+  std::error_code error, ignored;
+  for (std::size_t i = 0; i < targets_.size(); ++i)
+    if (!fs::exists(fs::symlink_status(targets_[i], ignored)))
+      make_empty(none(i), targets_[i]);
+    else
+      fs::create_hard_link(targets_[i], kept(i), ignored);  // so that the name is never without a file
+  fs::rename(is_open(), is_committing(), error);
+  if (error) cannot_write(targets_.back(), "another rank has ended");
   for (std::size_t i = 0; i < targets_.size(); ++i) {
-    fs::rename(temporary(i), targets_[i], error);
+    // Where the file system has no hard links it is moved away.
+    const bool moves = !fs::exists(none(i), ignored) && !fs::exists(kept(i), ignored);
+    if (moves) fs::rename(targets_[i], kept(i), error);
+    if (!error) fs::rename(temporary(i), targets_[i], error);
     if (!error) continue;
-    restore(i);
+    if (moves) fs::rename(kept(i), targets_[i], ignored);
+    take_back();
     cannot_write(targets_[i], error.message());
   }
-  fs::remove(mark(), error);
+}
+
+// The last new file decides. With its name all are there; and whoever takes it away before, alone takes back what has
+// been named. The other new files go first, so that a rank that still gives names does not get on.
+void OutputJob::take_back() noexcept {
+  const std::size_t last = targets_.size() - 1;
+  std::error_code error, ignored;
+  fs::rename(temporary(last), is_taken_back(), error);
+  if (error) return;
+  has_taken_back_ = true;
+  for (std::size_t i = 0; i < last; ++i) fs::remove(temporary(i), ignored);
+  for (std::size_t i = 0; i <= last; ++i)
+    if (fs::exists(fs::symlink_status(kept(i), ignored))) {
+      fs::rename(kept(i), targets_[i], ignored);
+      fs::remove(kept(i), ignored);  // renaming a file to another of its own names keeps both
+    } else if (i < last && fs::exists(none(i), ignored)) {
+      fs::remove(targets_[i], ignored);
+    }
 }
 
 void OutputJob::abandon() noexcept {
-  std::error_code ignored;
-  // Ends: another rank that still writes there is told to end, too.
+  std::error_code error, ignored;
+  fs::rename(is_open(), is_ended(), error);  // from then on no file can get its name
+  if (error && fs::exists(is_committing(), ignored)) take_back();
+  // Ends: another rank that still writes there is told to end, too, and one that takes back is soon done.
   for (int tries = 0; tries < 40 && fs::exists(folder_, ignored); ++tries) {
-    if (fs::exists(mark(), ignored) && !team_.is_first()) {
-      std::fprintf(stderr, "gcdt_mpi: the first rank was lost while it renamed; what stood there is in %s\n",
-                   folder_.c_str());
-      return;
-    }
-    fs::remove_all(folder_, ignored);
+    if (has_taken_back_ || !fs::exists(is_taken_back(), ignored)) fs::remove_all(folder_, ignored);
     if (fs::exists(folder_, ignored)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
+  if (!has_taken_back_ && fs::exists(is_taken_back(), ignored))
+    std::fprintf(stderr, "gcdt_mpi: a rank was lost while it took files back; what stood there is in %s\n",
+                 folder_.c_str());
 }
 
 void watch_end() {

@@ -164,11 +164,9 @@ class Run {
   void write_distributed() {
     statistics_ = made_.part.result.statistics;
     const std::filesystem::path target = arguments_.outputs[0];
-    std::vector<std::string> names, targets;
-    for (std::size_t rank = 0; rank < team_.size(); ++rank) {
-      names.push_back(fmt::format("{}_{}.vtu", target.stem().string(), rank));
-      targets.push_back((target.parent_path() / names.back()).string());
-    }
+    const std::vector<std::string> names = piece_names(team_, target);
+    std::vector<std::string> targets, former;
+    for (const std::string& name : names) targets.push_back((target.parent_path() / name).string());
     targets.push_back(target.string());
     OutputJob job(team_, targets);
     all_or_none(team_, [&] {
@@ -177,7 +175,10 @@ class Run {
       if (team_.is_first()) write_pvtu(files.add(job.temporary(team_.size())), names);
       files.commit();
     });
+    if (team_.is_first()) former = pieces_named_by(target);
     job.commit();
+    std::error_code ignored;
+    for (const std::string& name : former) std::filesystem::remove(target.parent_path() / name, ignored);
   }
 
   void write_gathered() {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "write_pieces.hpp"
 
+#include <fstream>
+
 #include "device/parts.hpp"
 #include "io/vtu_arrays.hpp"
 #include "tiles/input_exchange.hpp"
@@ -10,6 +12,7 @@
 namespace gcdt::ranks {
 
 using namespace tiles;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -81,7 +84,56 @@ std::string escaped(const std::string& text) {
   return made;
 }
 
+std::string piece_name(const fs::path& index, std::size_t rank, unsigned set) {
+  return fmt::format("{}_{}{}.vtu", index.stem().string(), rank, set > 0 ? fmt::format(".{}", set) : "");
+}
+
+/// Whether it is one of piece_name().
+bool is_piece_name(const fs::path& index, const std::string& name) {
+  const std::string head = index.stem().string() + "_", tail = ".vtu", digits = "0123456789";
+  if (name.size() < head.size() + tail.size() || name.compare(0, head.size(), head) != 0) return false;
+  if (name.compare(name.size() - tail.size(), tail.size(), tail) != 0) return false;
+  const std::string numbers = name.substr(head.size(), name.size() - head.size() - tail.size());
+  return numbers.find_first_not_of(digits + ".") == std::string::npos;
+}
+
 }  // namespace
+
+std::vector<std::string> piece_names(Team& team, const fs::path& index) {
+  std::vector<std::uint64_t> set(1, 0);
+  const auto is_taken = [&] {
+    std::error_code ignored;
+    for (std::size_t rank = 0; rank < team.size(); ++rank) {
+      const fs::path piece = index.parent_path() / piece_name(index, rank, static_cast<unsigned>(set[0]));
+      if (fs::exists(fs::symlink_status(piece, ignored))) return true;
+    }
+    return false;
+  };
+  while (team.is_first() && is_taken()) ++set[0];  // ends: a folder has finitely many files
+  broadcast(team, set);
+  std::vector<std::string> names;
+  for (std::size_t rank = 0; rank < team.size(); ++rank)
+    names.push_back(piece_name(index, rank, static_cast<unsigned>(set[0])));
+  return names;
+}
+
+std::vector<std::string> pieces_named_by(const fs::path& index) {
+  constexpr std::uintmax_t most_bytes = 1 << 26;  // what is larger is no index of ours
+  std::error_code error;
+  std::vector<std::string> names;
+  if (const auto size = fs::file_size(index, error); error || size > most_bytes) return names;
+  std::ifstream file(index, std::ios::binary);
+  const std::string begin = "<Piece Source=\"";
+  for (std::string line; std::getline(file, line);) {
+    if (line.compare(0, begin.size(), begin) != 0) continue;
+    const std::string source = line.substr(begin.size(), line.find('"', begin.size()) - begin.size());
+    const std::string head = escaped(index.stem().string());
+    if (source.compare(0, head.size(), head) != 0) continue;
+    const std::string name = index.stem().string() + source.substr(head.size());
+    if (is_piece_name(index, name)) names.push_back(name);
+  }
+  return names;
+}
 
 void write_piece(io::OutputFile& file, Team& team, const RankResult& rank) {
   const ForestResult& result = rank.part.result;

@@ -70,6 +70,7 @@ target_of() {
     bench_*) echo "$1_test" ;;
     ranks_of_*) echo ranks_cases ;;
     gcdt_mpi_oracle) printf '%s\n' gcdt_mpi gcdt_command fault_layer ;;
+    killed_ranks) printf '%s\n' gcdt_mpi file_faults ;;
     *) echo "$1" ;;
   esac
 }

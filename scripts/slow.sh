@@ -11,10 +11,12 @@
 #             100 bytes of the host's heap a vertex beside input and result, with tiles spilled to files 20
 #   shake     shake_test with 1000 shaken runs of its corpus on each way instead of 2 (GCDT_SHAKE_RUNS: another number;
 #             GCDT_SHAKE_FIRST: the first seed)
-#   faults    faults_test with each OpenCL call made to fail with each of its errors (GCDT_FAULT_STEP: every N-th call)
+#   faults    faults_test with each OpenCL call made to fail with each of its errors (GCDT_FAULT_STEP: every N-th call), shared
+#             out to as many processes as there are cores (GCDT_FAULT_PROCESSES: another number)
 #   races     every kind of device and every small call on Oclgrind, its reports held against
 #             tests/device/allowed_races.txt
 #   files     each call of the command that writes files fails, or the process is killed there, for all that write outputs;
+#             the same of eight tiles that are spilled; the first rank of gcdt_mpi is killed at each;
 #             1000 rounds of processes that fill a cache at once and are killed (GCDT_CACHE_ROUNDS: another number)
 #   load      a million random batches, or so many, in one process; 8 threads, solvers made and released, calls cancelled
 #   identity  the hashes of tests/hashes.txt on PoCL and on Intel's CPU runtime, with several sizes of work-groups, with
@@ -63,16 +65,23 @@ case $name in
     on_little --most-host-bytes 20 --spill "$folder"
     exit ;;
   faults)
-    make_targets faults_test call_layer
-    OPENCL_LAYERS=$build/tests/libcall_layer.so GCDT_FAULT_STEP=${GCDT_FAULT_STEP-1} "$build/tests/faults_test" --duration=true
+    make_targets faults_test call_layer kept_layer
+    export OPENCL_LAYERS=$build/tests/libkept_layer.so:$build/tests/libcall_layer.so
+    # PoCL: so many threads a process. The first process has all kernels compiled.
+    export POCL_MAX_PTHREAD_COUNT=${POCL_MAX_PTHREAD_COUNT-2} POCL_CPU_MAX_CU_COUNT=${POCL_CPU_MAX_CU_COUNT-2}
+    GCDT_FAULT_STEP=1000000 "$build/tests/faults_test" --minimal
+    bash "$root/scripts/shards.sh" "${GCDT_FAULT_PROCESSES-$(nproc)}" "$folder" "$build/tests/faults_test"
     exit ;;
   races)
     make_targets race_cases
     python3 "$root/tests/device/races_oracle.py" "$build/tests/race_cases" --all
     exit ;;
   files)
-    make_targets command_faults_test cache_test file_faults gcdt_command
+    make_targets command_faults_test cache_test spill_test file_faults gcdt_command gcdt_mpi
     GCDT_FILE_STEP=1 "$build/tests/command_faults_test" --duration=true
+    GCDT_SPILL_TILES=8 "$build/tests/spill_test" --duration=true
+    python3 "$root/tests/mpi/killed_ranks_oracle.py" "$(command -v mpiexec)" "$build/mpi/gcdt_mpi" \
+      "$build/tests/libfile_faults.so" --all
     GCDT_CACHE_ROUNDS=${GCDT_CACHE_ROUNDS-1000} "$build/tests/cache_test" --duration=true
     exit ;;
   load)

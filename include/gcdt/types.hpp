@@ -71,7 +71,7 @@ class Points {
   const void* data() const { return data_; }
   std::size_t size() const { return size_; }
   /// Coordinate `axis` (0: x, 1: y) of vertex `i`, exact; infinite for an int64 beyond 2^53 in magnitude.
-  double coordinate(std::size_t i, int axis) const {
+  double coordinate(std::size_t i, std::size_t axis) const {
     switch (type_) {
       case Type::float32: return static_cast<const float*>(data_)[2 * i + axis];
       case Type::int32: return static_cast<const std::int32_t*>(data_)[2 * i + axis];

@@ -115,9 +115,9 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, glob
 }
 
 // One work-item per candidate. Claims its faces, the later in order with precedence: tickets are places there.
-// Reads the mesh. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what
-// they end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last in order
-// is one of them.
+// Reads the mesh, of corners not the claim word beside them. Writes claim words by atomic_max, and won[i] = 0 of those
+// that lose, which were 1, by atomics; what they end with does not depend on the order. After: the faces of those with
+// won[i] = 1 are disjoint; the last in order is one of them.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
                          global const uint* numbers, global const uint* ranks, global const uint4* candidates,
                          global const uint* cavities, volatile global uint* won, volatile global RefineReport* report) {

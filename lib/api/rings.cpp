@@ -54,7 +54,7 @@ int32_t gcdt_ring_constraints(const gcdt_input* input, const gcdt_rings* rings, 
     if (capacity < points.size()) throw too_small(points.size(), capacity, "constraints");
     require(constraints || points.size() == 0, "constraints is null");
     for (std::uint64_t v = 0; v < 2 * points.size() && given.polygon_offsets; ++v)
-      if (const double c = points.coordinate(v / 2, int(v % 2)); !(c - c == 0)) {
+      if (const double c = points.coordinate(v / 2, v % 2); !(c - c == 0)) {
         const bool whole = points.type() == Points::Type::int64;
         throw Error(whole ? Status::coordinate_outside_grid : Status::coordinate_not_finite,
                     "a coordinate of vertex " + std::to_string(v / 2) + (whole ? " is beyond 2^53" : " is not finite"),

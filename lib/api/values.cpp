@@ -20,7 +20,7 @@ double value_along(const Points& points, const Constraint& constraint, const dou
   const Point a = at(constraint[0]), b = at(constraint[1]);
   const double scale = std::max(std::abs(b[0] / 2 - a[0] / 2), std::abs(b[1] / 2 - a[1] / 2));
   double along = 0, square = 0;
-  for (int axis = 0; axis < 2 && scale > 0; ++axis) {
+  for (std::size_t axis = 0; axis < 2 && scale > 0; ++axis) {
     const double whole = (b[axis] / 2 - a[axis] / 2) / scale, part = (p[axis] / 2 - a[axis] / 2) / scale;
     along += part * whole;
     square += whole * whole;
@@ -137,7 +137,8 @@ class Standing {
     const Point o = place(on[0]), x = {added_[2 * i], added_[2 * i + 1]};
     double scale = 0;
     for (std::size_t k = 1; k < corners(i); ++k)
-      for (int axis = 0; axis < 2; ++axis) scale = std::max(scale, std::abs(place(on[k])[axis] / 2 - o[axis] / 2));
+      for (std::size_t axis = 0; axis < 2; ++axis)
+        scale = std::max(scale, std::abs(place(on[k])[axis] / 2 - o[axis] / 2));
     if (scale == 0) return value(on[0]);
     const auto from_first = [&](const Point& p) {
       return Point{(p[0] / 2 - o[0] / 2) / scale, (p[1] / 2 - o[1] / 2) / scale};

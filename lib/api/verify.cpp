@@ -85,7 +85,7 @@ int32_t gcdt_grid_coordinates(const gcdt_grid* grid, const int32_t* points, uint
             "point " + std::to_string(i / 2) + " is not on the grid: " + std::to_string(points[i]) + " is negative",
             {i / 2, i % 2});
     const proof::Coordinates exact(known);
-    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = exact.at(int(i % 2), points[i]);
+    for (uint64_t i = 0; i < 2 * count; ++i) coordinates[i] = exact.at(i % 2, points[i]);
   });
 }
 
@@ -99,7 +99,7 @@ int32_t gcdt_grid_points(const gcdt_grid* grid, const double* coordinates, uint6
         throw Error(status, "a coordinate of point " + std::to_string(i / 2) + why, {i / 2, i % 2});
       };
       if (!proof::is_finite(coordinates[i])) refuse(Status::coordinate_not_finite, " is not finite");
-      const auto at = proof::nearest_at(known, int(i % 2), coordinates[i]);
+      const auto at = proof::nearest_at(known, i % 2, coordinates[i]);
       if (!at) refuse(Status::coordinate_outside_grid, " is outside the grid");
       placed[i] = *at;
     }

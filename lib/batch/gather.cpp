@@ -28,7 +28,8 @@ void add_constraints(Upload& upload, Span<Constraint> given, std::uint64_t n, st
   for (const Constraint& c : given) greatest = std::max(greatest, std::max(c[0], c[1]));
   if (given.size() > 0 && greatest >= n) {
     const auto* bad = std::find_if(given.begin(), given.end(), [&](Constraint c) { return c[0] >= n || c[1] >= n; });
-    invalid.errors.emplace_back(place, index_error(bad - given.begin(), (*bad)[0] >= n ? 0 : 1, n));
+    invalid.errors.emplace_back(
+        place, index_error(static_cast<std::uint64_t>(bad - given.begin()), (*bad)[0] >= n ? 0 : 1, n));
     return;
   }
   for (std::size_t c = 0; c < given.size();) {

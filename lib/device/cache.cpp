@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <mutex>
 #include <random>
 
 namespace gcdt::cache {
@@ -14,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // First line of a file; the second is the digest of all that follows it.
-constexpr char magic[] = "gcdt cache 2\n";
+constexpr char magic[] = "gcdt cache 3\n";
 constexpr std::size_t digest_length = 32, header_length = sizeof magic - 1 + digest_length + 1;
 
 // A program's binary has megabytes at most: what is larger is no entry.
@@ -29,19 +31,43 @@ std::optional<std::string> variable(const char* name) {
 
 }  // namespace
 
-// FNV-1a of 128 bits. The prime is 2^88 + factor. It is no proof against forgery: whoever may write to the cache may
-// replace any program in it.
+namespace {
+
+constexpr std::uint64_t rotated(std::uint64_t word, int bits) { return word << bits | word >> (64 - bits); }
+
+constexpr std::uint64_t mixed(std::uint64_t word) {
+  word = (word ^ word >> 33) * 0xff51afd7ed558ccd;
+  word = (word ^ word >> 33) * 0xc4ceb9fe1a85ec53;
+  return word ^ word >> 33;
+}
+
+}  // namespace
+
+// What is left of a block is filled up with zeros, which add nothing.
 std::string digest(const std::string& bytes) {
-  constexpr std::uint64_t factor = 0x13b, low_half = 0xffffffff;
-  std::uint64_t high = 0x6c62272e07bb0142, low = 0x62b821756295c58d;
-  for (const char byte : bytes) {
-    low ^= static_cast<unsigned char>(byte);
-    const std::uint64_t product = (low & low_half) * factor, carried = (low >> 32) * factor + (product >> 32);
-    high = high * factor + (carried >> 32) + (low << 24);
-    low = carried << 32 | (product & low_half);
+  constexpr std::uint64_t c1 = 0x87c37b91114253d5, c2 = 0x4cf5ad432745937f;
+  std::uint64_t a = 0, b = 0;
+  std::uint64_t words[2];
+  const auto take_words = [&](std::size_t at, std::size_t count) {
+    std::memcpy(words, bytes.data() + at, count);
+    words[0] = rotated(words[0] * c1, 31) * c2;
+    words[1] = rotated(words[1] * c2, 33) * c1;
+  };
+  const std::size_t rest = bytes.size() % 16;
+  for (std::size_t at = 0; at < bytes.size() - rest; at += 16) {
+    take_words(at, 16);
+    a = (rotated(a ^ words[0], 27) + b) * 5 + 0x52dce729;
+    b = (rotated(b ^ words[1], 31) + a) * 5 + 0x38495ab5;
   }
+  words[0] = words[1] = 0;
+  take_words(bytes.size() - rest, rest);
+  a ^= words[0], b ^= words[1];
+  a ^= bytes.size(), b ^= bytes.size();
+  a += b, b += a;
+  a = mixed(a), b = mixed(b);
+  a += b, b += a;
   std::string text;
-  for (const std::uint64_t limb : {high, low})
+  for (const std::uint64_t limb : {a, b})
     for (int shift = 60; shift >= 0; shift -= 4) text += "0123456789abcdef"[limb >> shift & 15];
   return text;
 }
@@ -98,8 +124,16 @@ bool is_temporary(const std::string& name) {
          name.find_first_not_of("0123456789", dot + 1) == std::string::npos;
 }
 
-// What processes left that were killed while they wrote: it is older than any write takes.
+// What processes left that were killed while they wrote: it is older than any write takes. Once a process and folder:
+// who stores a hundred programs need not read a folder of thousands as often.
 void remove_left(const fs::path& place) {
+  static std::mutex mutex;
+  static fs::path cleared;  // under mutex
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (cleared == place) return;
+    cleared = place;
+  }
   const auto old = fs::file_time_type::clock::now() - std::chrono::hours(1);
   std::error_code error, ignored;
   for (fs::directory_iterator file(place, error), end; !error && file != end; file.increment(error)) {

@@ -13,7 +13,8 @@
 
 namespace gcdt::cache {
 
-/// FNV-1a of `bytes`, 128 bits as 32 hexadecimal digits.
+/// MurmurHash3 of `bytes` (x64, 128 bits, seed 0; words in the machine's order) as 32 hexadecimal digits. It finds what
+/// is damaged. It is no proof against forgery: whoever may write to the cache may replace any program in it.
 std::string digest(const std::string& bytes);
 
 /// The folder; empty if the cache is off or no place is known.

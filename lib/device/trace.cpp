@@ -44,8 +44,8 @@ void Tracer::tell_launches() {
   const std::uint64_t latest = now();
   for (const auto& [launch, t] : timed) {
     // What is known is kept whatever the clocks say: launches follow each other, after the phase began and before now.
-    const std::uint64_t begin = std::min(std::max(t.start + offset, told_until_), latest);
-    const std::uint64_t end = std::min(std::max(t.end + offset, begin), latest);
+    const std::uint64_t begin = std::min(std::max(t.start + static_cast<std::uint64_t>(offset), told_until_), latest);
+    const std::uint64_t end = std::min(std::max(t.end + static_cast<std::uint64_t>(offset), begin), latest);
     tell(*launch->kernel, true, begin, end);
     told_until_ = end;
   }

@@ -90,7 +90,7 @@ std::optional<DecimalText> parse_decimal(const std::string& text) {
 
 Survey survey_of(const std::uint64_t* maxima) {
   Survey result;
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     result.least[axis] = device::gcdt_from_ordered(~maxima[2 * axis]);
     result.most[axis] = device::gcdt_from_ordered(maxima[2 * axis + 1]);
   }

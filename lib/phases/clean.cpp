@@ -144,8 +144,9 @@ void Cleaner::write_hits(const WalkedMesh& walked, const Kept& kept, const Piece
 
 CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
   const Kept kept = keep(walked.plan, wanted);
-  const std::uint64_t selected =
-      wanted.empty() ? count_ : std::count_if(wanted.begin(), wanted.end(), [](cl_uint w) { return w != 0; });
+  std::uint64_t selected = count_;
+  if (!wanted.empty())
+    selected = wanted.size() - static_cast<std::uint64_t>(std::count(wanted.begin(), wanted.end(), cl_uint{0}));
   CleanResult result;
   result.zero_length = selected - kept.count;
   runtime_.end_step();

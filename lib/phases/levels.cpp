@@ -17,9 +17,9 @@ static_assert(GCDT_MAX_LEVELS <= 1 << level_bits, "a level has so many bits");
 using Depths = std::array<cl_uint, GCDT_DEPTHS>;
 
 int median_depth(const Depths& of_depth, cl_uint n) {
-  int median = 0;
+  std::size_t median = 0;
   for (std::uint64_t upto = of_depth[0]; 2 * upto < n; upto += of_depth[median]) ++median;
-  return median;
+  return static_cast<int>(median);
 }
 
 // Whether many vertices are deeper than evenly spread ones, of which one in 4^k is k deeper than log4(n).

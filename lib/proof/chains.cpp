@@ -15,7 +15,7 @@ ChainSearch::ChainSearch(const Sites& sites, std::uint32_t inputs, const MeshVie
   };
   std::vector<End> ends;
   for (std::size_t t = 0; t < view.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t p = view.triangles[t][(k + 1) % 3], q = view.triangles[t][(k + 2) % 3];
       const bool flagged = !view.constrained || (view.constrained[t] >> k & 1);
       ends.push_back({p, q, flagged});

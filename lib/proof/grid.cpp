@@ -12,22 +12,22 @@ namespace {
 using exact::Natural;
 using Limits = std::array<std::array<double, 2>, 2>;  // [axis][least, largest]
 
-[[noreturn]] void fail(Status status, std::size_t vertex, int axis, const char* what) {
+[[noreturn]] void fail(Status status, std::size_t vertex, std::size_t axis, const char* what) {
   throw Error(status, std::string(axis ? "y" : "x") + " of vertex " + std::to_string(vertex) + " " + what,
-              {vertex, static_cast<std::uint64_t>(axis)});
+              {vertex, axis});
 }
 
 template <class Action>
 void for_each_coordinate(Points points, Action action) {
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (int axis = 0; axis < 2; ++axis) action(i, axis, points.coordinate(i, axis));
+    for (std::size_t axis = 0; axis < 2; ++axis) action(i, axis, points.coordinate(i, axis));
 }
 
 /// Adding zero turns -0 into 0.
 Limits limits_of(Points points) {
   Limits limits;
-  for (int axis = 0; axis < 2; ++axis) limits[axis].fill(points.coordinate(0, axis) + 0.0);
-  for_each_coordinate(points, [&](std::size_t, int axis, double v) {
+  for (std::size_t axis = 0; axis < 2; ++axis) limits[axis].fill(points.coordinate(0, axis) + 0.0);
+  for_each_coordinate(points, [&](std::size_t, std::size_t axis, double v) {
     limits[axis][0] = std::min(limits[axis][0], v + 0.0);
     limits[axis][1] = std::max(limits[axis][1], v + 0.0);
   });
@@ -53,7 +53,7 @@ int finest_power_of_two(const Natural& extent) {
 /// The largest k such that every coordinate is a multiple of 2^k.
 int common_power_of_two(Points points) {
   int power = std::numeric_limits<int>::max();
-  for_each_coordinate(points, [&](std::size_t, int, double v) {
+  for_each_coordinate(points, [&](std::size_t, std::size_t, double v) {
     const Dyadic d = dyadic(v);
     if (d.mantissa == 0) return;
     power = std::min(power, d.exponent + bit_length(d.mantissa & (~d.mantissa + 1)) - 1);
@@ -65,7 +65,7 @@ int common_power_of_two(Points points) {
 std::optional<int> decimals_of(Points points, const Limits& limits) {
   int digits = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (int axis = 0; axis < 2; ++axis) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
       const auto number = shortest_decimal(points.coordinate(i, axis));
       if (!number) return std::nullopt;
       digits = std::max(digits, number->decimals);
@@ -84,7 +84,7 @@ std::optional<int> decimals_of(Points points, const Limits& limits) {
 
 void set_largest_move(Points points, Grid& grid) {
   const Cell cell = cell_of(grid);
-  for_each_coordinate(points, [&](std::size_t i, int axis, double v) {
+  for_each_coordinate(points, [&](std::size_t i, std::size_t axis, double v) {
     const Placed placed = place(v, grid.origin[axis], cell, grid.largest_move);
     if (placed.outside) fail(Status::coordinate_outside_grid, i, axis, "is outside the grid");
     grid.largest_move = std::max(grid.largest_move, placed.move);
@@ -127,7 +127,7 @@ Grid chosen_grid(Points points) {
 
 Grid choose_grid(Points points, const std::optional<FixedGrid>& fixed) {
   const bool whole = points.type() == Points::Type::int64;
-  for_each_coordinate(points, [whole](std::size_t i, int axis, double v) {
+  for_each_coordinate(points, [whole](std::size_t i, std::size_t axis, double v) {
     if (is_finite(v)) return;
     if (whole) fail(Status::coordinate_outside_grid, i, axis, "is beyond 2^53");
     fail(Status::coordinate_not_finite, i, axis, "is not finite");

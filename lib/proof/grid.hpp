@@ -69,13 +69,13 @@ Placed place(double v, double origin, const Cell& cell, double least_move);
 std::string grid_defect(const Grid& grid);
 
 /// The double nearest to the coordinate of grid line `at` of a grid without defect.
-double coordinate_at(const Grid& grid, int axis, std::int32_t at);
+double coordinate_at(const Grid& grid, std::size_t axis, std::int32_t at);
 
 /// The same of many grid lines: by one operation in doubles where that is exact, that is for almost all grids.
 class Coordinates {
  public:
   explicit Coordinates(const Grid& grid);
-  double at(int axis, std::int32_t at) const;
+  double at(std::size_t axis, std::int32_t at) const;
 
  private:
   const Grid& grid_;
@@ -86,7 +86,7 @@ class Coordinates {
 
 /// The grid line to which a finite coordinate is rounded; none if that is outside. On a decimal grid the coordinate
 /// is read as it is written, if it is written with its decimals.
-std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v);
+std::optional<std::int32_t> nearest_at(const Grid& grid, std::size_t axis, double v);
 
 /// All vertices on `grid`. Returns an empty vector and a reason if one does not fit or, on a binary
 /// or decimal grid, is not on the grid.

@@ -92,7 +92,7 @@ Placed place_with_exit(bool negative, const Number& distance, int base, const Ce
   return place_distance<Natural>(negative, Natural(distance), base, cell, least_move);
 }
 
-std::string describe(std::size_t vertex, int axis, const char* what) {
+std::string describe(std::size_t vertex, std::size_t axis, const char* what) {
   return std::string(axis ? "y" : "x") + " of vertex " + std::to_string(vertex) + " " + what;
 }
 
@@ -104,7 +104,7 @@ bool place_decimal(double v, double origin, int decimals, std::int32_t& at) {
   return true;
 }
 
-std::string place_vertex(Points points, std::size_t vertex, int axis, const Grid& grid, std::int32_t& at) {
+std::string place_vertex(Points points, std::size_t vertex, std::size_t axis, const Grid& grid, std::int32_t& at) {
   const double v = points.coordinate(vertex, axis);
   if (!is_finite(v)) return describe(vertex, axis, "is not finite");
   if (grid.kind == Grid::Kind::decimal) {
@@ -149,7 +149,7 @@ std::string grid_defect(const Grid& grid) {
   return {};
 }
 
-double coordinate_at(const Grid& grid, int axis, std::int32_t at) {
+double coordinate_at(const Grid& grid, std::size_t axis, std::int32_t at) {
   if (grid.kind == Grid::Kind::decimal) {
     const Wide units = in_units(grid.origin[axis], grid.cell_decimals).value_or(0) + at;
     const bool negative = units < 0;
@@ -178,10 +178,10 @@ Coordinates::Coordinates(const Grid& grid) : grid_(grid) {
   constexpr int bits = 53, most_decimals = 22, most_exponent = 900;
   if (grid.kind == Grid::Kind::decimal) {
     if (grid.cell_decimals > most_decimals) return;
-    for (int axis = 0; axis < 2; ++axis)
+    for (std::size_t axis = 0; axis < 2; ++axis)
       if (const auto units = in_units(grid.origin[axis], grid.cell_decimals))
         if (const Wide most = Wide{1} << (bits - 1); *units > -most && *units < most)
-          first_[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(*units);
+          first_[axis] = static_cast<std::int64_t>(*units);
     ten_ = 1;
     for (int i = 0; i < grid.cell_decimals; ++i) ten_ *= 10;
     return;
@@ -192,15 +192,15 @@ Coordinates::Coordinates(const Grid& grid) : grid_(grid) {
     cell_ = std::ldexp(static_cast<double>(cell.units), cell.two);
 }
 
-double Coordinates::at(int axis, std::int32_t at) const {
+double Coordinates::at(std::size_t axis, std::int32_t at) const {
   if (grid_.kind != Grid::Kind::decimal)
     return cell_ > 0 ? grid_.origin[axis] + at * cell_ : coordinate_at(grid_, axis, at);
-  const auto& first = first_[static_cast<std::size_t>(axis)];
+  const auto& first = first_[axis];
   if (!first) return coordinate_at(grid_, axis, at);
   return static_cast<double>(*first + at) / ten_;
 }
 
-std::optional<std::int32_t> nearest_at(const Grid& grid, int axis, double v) {
+std::optional<std::int32_t> nearest_at(const Grid& grid, std::size_t axis, double v) {
   std::int32_t at = 0;
   if (grid.kind == Grid::Kind::decimal && place_decimal(v, grid.origin[axis], grid.cell_decimals, at)) return at;
   const Placed placed = place(v, grid.origin[axis], cell_of(grid), HUGE_VAL);
@@ -221,7 +221,7 @@ std::vector<Vertex> quantise(Points points, const Grid& grid, std::string& reaso
 
 bool place_seed(const std::array<double, 2>& point, const Grid& grid, Vertex& at) {
   std::int32_t* to[2] = {&at.x, &at.y};
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     if (!is_finite(point[axis])) return false;
     const auto found = nearest_at(grid, axis, point[axis]);
     if (!found) return false;

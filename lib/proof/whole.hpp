@@ -28,7 +28,7 @@ struct Rebuilt {
   std::string run();
 
  private:
-  std::uint32_t end(std::size_t c, int k) const { return sites.representative[constraints[c][k]]; }
+  std::uint32_t end(std::size_t c, std::size_t k) const { return sites.representative[constraints[c][k]]; }
   bool insert(const Path& path);
   std::string insert_whole();
   std::string insert_ordered(const std::vector<std::uint32_t>& order, std::vector<char>& there);

@@ -16,7 +16,7 @@ namespace gcdt::tiles {
 class Spill {
  public:
   /// `directory`: of a file that has no name from the moment it is there, so that nothing is left of it however the
-  /// process ends; empty: in memory.
+  /// process ends (where the file system has none such, it loses its name while it is empty); empty: in memory.
   explicit Spill(const std::string& directory);
 
   template <class T>

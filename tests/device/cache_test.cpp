@@ -72,15 +72,19 @@ TEST_CASE("storing fails somewhere: the entry is the one before or the new one, 
     }
 }
 
-TEST_CASE("storing is killed somewhere: the same, and what is left of it goes with an entry of an hour later") {
+TEST_CASE(
+    "storing is killed somewhere: the same, and what is left of it goes with a process that stores an hour later") {
   const Cache cache;
   const std::string entry = entry_of(1), other = entry_of(2), before = content_of(2), after = content_of(3);
+  const auto store_elsewhere = [&](const std::string& name, const std::string& content) {
+    CHECK(Child([&] { cache::store(name, content); }).wait().error == "");
+  };
   int left = 0;
   for_each_call(
       cache, "kill",
       [&] {
         cache.clear();
-        cache::store(entry, before);
+        store_elsewhere(entry, before);
       },
       [&] { cache::store(entry, after); },
       [&](const Ended&) {
@@ -88,15 +92,31 @@ TEST_CASE("storing is killed somewhere: the same, and what is left of it goes wi
         CHECK((kept == before || kept == after));
         const std::vector<std::string> names = cache.names();
         left += names.size() > 1;
-        cache::store(other, after);
+        store_elsewhere(other, after);
         CHECK(cache.names().size() == names.size() + 1);  // it may be another process that is at it
         for (const std::string& name : names) make_old(cache / name);
-        cache::store(other, after);
+        store_elsewhere(other, after);
         std::vector<std::string> whole{entry, other};
         std::sort(whole.begin(), whole.end());
         CHECK(cache.names() == whole);
       });
   CHECK(left >= 2);
+}
+
+TEST_CASE("a process looks once for what is left in a folder") {
+  const Cache first;
+  const std::string entry = entry_of(1), left = entry + ".123";
+  const auto leave = [&](const Cache& cache) { make_old(cache.write(left, "half")); };
+  leave(first);
+  cache::store(entry, "content");
+  CHECK(first.names() == std::vector{entry});
+  leave(first);
+  cache::store(entry, "content");
+  CHECK(first.names() == std::vector{entry, left});
+  const Cache second;
+  leave(second);
+  cache::store(entry, "content");
+  CHECK(second.names() == std::vector{entry});
 }
 
 TEST_CASE("files that are nobody's stay in a folder that is the cache") {

@@ -44,9 +44,9 @@ def read_allowed(path):
 
 
 def statement(entity):
-    """The source of an access, or its instruction where there is no source."""
+    """The source of an access, or its instruction where there is no source; a bar in it stands without blanks."""
     found = re.search(r"\n\tAt line \d+.*\n\t  (.*)", entity)
-    return (found or re.search(r"\n\t  (.*)", entity)).group(1).strip()
+    return (found or re.search(r"\n\t  (.*)", entity)).group(1).strip().replace(" | ", "|")
 
 
 def pairs_of(log):

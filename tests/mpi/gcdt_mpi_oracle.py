@@ -122,6 +122,17 @@ def pieces_are_the_mesh_of_gcdt():
         assert values == whole.cell_data[array][0].tolist(), array
 
 
+def pieces_of_an_earlier_run_go_when_the_new_ones_are_there():
+    with open("again_5.vtu", "w") as other:
+        other.write("no piece of it")
+    for count, end in ((3, ""), (2, ".1"), (2, ""), (1, ".1")):
+        ranks(count, "grid.poly", "--crossing", "split", "-o", "again.pvtu", "--quiet")
+        pieces = [f"again_{rank}{end}.vtu" for rank in range(count)]
+        assert [piece.get("Source") for piece in xml.parse("again.pvtu").iter("Piece")] == pieces, pieces
+        found = sorted(name for name in os.listdir() if name.startswith("again"))
+        assert found == sorted(["again.pvtu", "again_5.vtu", *pieces]), found
+
+
 def a_result_is_proved_and_a_trace_has_all_ranks():
     ranks(2, "walls.poly", "--domain", "holes", "--verify", "--trace", "trace.json", "--quiet", "-o", "proved.ele")
     same("one/w-holes.ele", "proved.ele")
@@ -229,6 +240,7 @@ with tempfile.TemporaryDirectory() as folder:
     write_pslg("many.pslg", numpy.random.default_rng(1).uniform(0, 1, (200000, 2)), [])
     gathered_files_are_those_of_gcdt()
     pieces_are_the_mesh_of_gcdt()
+    pieces_of_an_earlier_run_go_when_the_new_ones_are_there()
     a_result_is_proved_and_a_trace_has_all_ranks()
     errors_have_the_status_of_gcdt()
     a_killed_rank_ends_all()

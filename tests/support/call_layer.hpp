@@ -39,14 +39,24 @@ struct Called {
   std::uint32_t errors;
 };
 
+/// Which call fails: of calls of this function the one of that number, from 1 on, which names the same place whatever
+/// other threads call; with the documented error of that number, counted round.
+struct Fault {
+  std::string function;
+  std::uint64_t occurrence = 0;
+  std::uint32_t error = 0;
+  bool lasting = false;  ///< so do all calls that follow, of every function
+};
+
 /// The layer's state. All members are guarded by `mutex`; programs use the functions.
 class Calls {
  public:
-  /// From now on calls are counted, from 1 on; number `broken` (0: none) fails with the documented error of that
-  /// number, counted round; `lasting`: so do all that follow.
-  void begin(std::uint64_t broken = 0, std::uint32_t error = 0, bool lasting = false) {
+  /// From now on calls are noted, and this one fails.
+  void begin(Fault fault = {}) {
     const std::lock_guard<std::mutex> lock(mutex);
-    counting_ = true, broken_ = broken, error_ = error, lasting_ = lasting;
+    counting_ = true;
+    fault_ = std::move(fault);
+    occurred_ = 0;
     called_.clear();
     failed_ = {nullptr, 0};
   }
@@ -56,7 +66,7 @@ class Calls {
     counting_ = false;
     return called_;
   }
-  /// The first function that was made to fail, null if there is none, and with what.
+  /// The function that was made to fail, null if it has not been called so often, and with what.
   std::pair<const char*, std::int32_t> failed() {
     const std::lock_guard<std::mutex> lock(mutex);
     return failed_;
@@ -71,10 +81,10 @@ class Calls {
     const std::lock_guard<std::mutex> lock(mutex);
     if (!counting_) return false;
     called_.push_back({function, count});
-    const std::uint64_t number = called_.size();
-    if (broken_ == 0 || number < broken_ || (number > broken_ && !lasting_)) return false;
-    code = errors[error_ % count];
-    if (!failed_.first) failed_ = {function, code};
+    const bool now = fault_.function == function && ++occurred_ == fault_.occurrence;
+    if (!now && !(fault_.lasting && failed_.first)) return false;
+    code = errors[fault_.error % count];
+    if (now) failed_ = {function, code};
     return true;
   }
   void made(void* object, Kind kind, std::uint64_t bytes) {
@@ -100,9 +110,9 @@ class Calls {
     std::uint64_t bytes;
   };
   std::mutex mutex;
-  bool counting_ = false, lasting_ = false;
-  std::uint64_t broken_ = 0;
-  std::uint32_t error_ = 0;
+  bool counting_ = false;
+  Fault fault_;
+  std::uint64_t occurred_ = 0;  ///< calls of the fault's function
   std::vector<Called> called_;
   std::pair<const char*, std::int32_t> failed_{nullptr, 0};
   std::map<void*, Object> objects_;

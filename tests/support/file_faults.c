@@ -2,11 +2,13 @@
 // Stands between a program and the C library (linked into it, or by LD_PRELOAD): one of the calls that change files
 // fails, or is the process's last. Reads the environment at each call:
 //   GCDT_FILES         the folder, an absolute path without links, below which calls count
-//   GCDT_FILE_CALL     the number of the call, from 1 on
+//   GCDT_FILE_CALL     the number of the call, from 1 on; where it is another than before, counting begins anew
 //   GCDT_FILE_FAULT    fail: it fails with ENOSPC, a write after half of its bytes, a close when half of the file is lost
 //                      full: so do it and all after it that need room on the disk, as where the disk is full
 //                      kill: the process is killed there, in a write when half of its bytes are written
+//   GCDT_FILE_RENAMES  set: only calls that rename count
 //   GCDT_FILE_MARK     a file, made when that call is reached
+//   GCDT_FILE_NAMED    no file can be made without a name, as on some file systems
 // Calls that remove files are counted and can be the last, but never fail: then something must be left behind.
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -60,14 +62,17 @@ static int is_below_of(int descriptor) {
 
 // Of the call that is made now, which changes something in the folder.
 static enum Fault fault_of(enum Kind kind) {
-  static atomic_uint calls;
+  static atomic_uint calls, last_wanted;
   const char* const number = getenv("GCDT_FILE_CALL");
   const char* const fault = getenv("GCDT_FILE_FAULT");
   if (!number || !fault) return NONE;
+  if (kind != RENAMES && getenv("GCDT_FILE_RENAMES")) return NONE;
   const int kills = strcmp(fault, "kill") == 0, full = strcmp(fault, "full") == 0;
   if (!kills && kind == REMOVES) return NONE;
   if (full && (kind == RENAMES || kind == SETS)) return NONE;
-  const unsigned call = atomic_fetch_add(&calls, 1) + 1, wanted = (unsigned)strtoul(number, NULL, 10);
+  const unsigned wanted = (unsigned)strtoul(number, NULL, 10);
+  if (atomic_exchange(&last_wanted, wanted) != wanted) calls = 0;
+  const unsigned call = atomic_fetch_add(&calls, 1) + 1;
   if (call < wanted || (call > wanted && !full)) return NONE;
   const char* const mark = getenv("GCDT_FILE_MARK");
   if (mark) {
@@ -93,6 +98,10 @@ static int changes(int flags) { return (flags & O_ACCMODE) != O_RDONLY || (flags
     va_start(rest, flags);                                                                          \
     const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(rest, mode_t) : 0;            \
     va_end(rest);                                                                                   \
+    if ((flags & O_TMPFILE) == O_TMPFILE && is_below(path) && getenv("GCDT_FILE_NAMED")) {          \
+      errno = EOPNOTSUPP;                                                                           \
+      return -1;                                                                                    \
+    }                                                                                               \
     if (changes(flags) && refused(CREATES, is_below(path))) return -1;                              \
     return NEXT(int (*)(const char*, int, ...), name)(path, flags, mode);                           \
   }

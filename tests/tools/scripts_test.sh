@@ -154,10 +154,12 @@ again
 echo 'The text of `lib/mesh/none.cpp` is short.' >>"$work/tree/docs/using.md"
 expect fails "docs/using.md names lib/mesh/none.cpp" "a file that is not there" readme
 
-# pictures.sh, slow.sh and mutants.sh: what is not there.
+# pictures.sh, slow.sh, shards.sh and mutants.sh: what is not there.
 expect fails "there is no" "no command that draws" "$root/scripts/pictures.sh" "$work/none"
 expect fails "cannot read" "a map that is missing" "$root/scripts/slow.sh" maps "$work/none.poly"
 expect fails "Usage" "no map" "$root/scripts/slow.sh" maps
+expect fails "Usage" "faults without processes" "$root/scripts/shards.sh"
+expect fails "process 1: 0 runs" "faults of processes that fail" "$root/scripts/shards.sh" 2 "$work" false
 expect fails "there is no" "a mutant that is missing" "$root/scripts/mutants.sh" no-such-mutant
 
 [[ $failures == 0 ]] && echo "scripts_test: passed"
