@@ -87,6 +87,7 @@ runtime::CallHook hook_of(const std::string& kind) {
     hook.tuning.kind = kind == "lanes" ? DeviceKind::lanes : DeviceKind::threads;
   else
     throw std::runtime_error("no kind is called " + kind);
+  hook.tuning.builds_at_once = 1;  // Oclgrind crashes when threads build programs at once
   return hook;
 }
 
