@@ -380,13 +380,13 @@ struct FaultyDevice {
         " && (a.symbol | b.symbol | c.symbol | d.symbol) == 0 && gcdt_incircle_finite(a, b, c, d) "
         "== 0) return !gcdt_must_flip(a, b, c, d);\n  return gcdt_must_flip(a, b, c, d);\n}\n\n";
     const std::string finite = "const bool finite = max(max(c.x, c.y), c.z) < levels->n", none = " && levels->n != ";
-    const std::string symbolic = "if (max(max(c.x, c.y), c.z) >= mesh.n";
+    const std::string highest = "max(max(c.x, c.y), c.z)", counted = highest + " < n", one = " ? 1u : 0u";
     const std::string all = number(withheld_copies() * makes_nothing), first = number(makes_nothing);
     phases = {{walk, skip + walk},
               {flips, leaves},
               {claim, wrong + claim},
               {finite, finite + none + first},
-              {symbolic, symbolic + " || (mesh.n == " + all + " && max(max(c.x, c.y), c.z) < " + first + ")"}};
+              {counted + one, counted + " && !(n == " + all + " && " + highest + " < " + first + ")" + one}};
   }
 };
 
