@@ -2,30 +2,21 @@
 // CGAL's Mesh_2 on one core, as a peer (bench/peer.hpp) of refinement: the whole call, from a range of points to the
 // refined mesh, Constrained_Delaunay_triangulation_2 and Delaunay_mesher_2 by angle alone. Its argument is Triangle's
 // switches: p (segments), c (the hull is a border), q ANGLE. Reading the file is not timed. For measurement only.
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <exception>
-#include <iostream>
-#include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
+#include <stdexcept>
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_size_criteria_2.h>
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/version.h>
 
-#include "inputs.hpp"
+#include "cgal_peer.hpp"
 
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using namespace gcdt::bench;
 using Vertex = CGAL::Delaunay_mesh_vertex_base_2<Kernel>;
 using Face = CGAL::Delaunay_mesh_face_base_2<Kernel>;
 using Mesh = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex, Face>>;
@@ -34,28 +25,6 @@ using Mesher = CGAL::Delaunay_mesher_2<Mesh, Criteria>;
 
 // Above 20.7 degrees nobody promises that it ends.
 constexpr std::size_t most_added_per_vertex = 40;
-
-struct Input {
-  std::vector<Kernel::Point_2> points;
-  std::vector<std::pair<std::size_t, std::size_t>> constraints;
-};
-
-struct Made {
-  double ms = 0, least_angle = 180;
-  std::size_t triangles = 0, vertices = 0;
-};
-
-Input read(const std::string& path) {
-  const gcdt::bench::Workload given = gcdt::bench::read_pslg(path);
-  Input input;
-  for (const auto& point : given.points) input.points.emplace_back(point[0], point[1]);
-  for (const auto& ends : given.constraints) input.constraints.emplace_back(ends[0], ends[1]);
-  return input;
-}
-
-double now() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void close_hull(Mesh& mesh) {
   std::vector<std::pair<Mesh::Vertex_handle, Mesh::Vertex_handle>> edges;
@@ -78,8 +47,7 @@ double least_angle(const Mesh::Face& face) {
   return least;
 }
 
-Made run(const Input& input, double angle, bool hull) {
-  Made made;
+Answer run(const PeerInput& input, double angle, bool hull) {
   const double start = now(), sine = std::sin(angle / 57.29577951308232);
   Mesh mesh;
   if (input.constraints.empty())
@@ -93,13 +61,16 @@ Made run(const Input& input, double angle, bool hull) {
   mesher.init();
   while (mesher.step_by_step_refine_mesh())
     if (mesh.number_of_vertices() > given * (1 + most_added_per_vertex)) throw std::runtime_error("does not end");
-  made.ms = now() - start;
-  made.vertices = input.points.size() + mesh.number_of_vertices() - given;  // of equal points CGAL keeps one
+  Answer made = {now() - start};
+  double least = 180;
   for (auto face = mesh.finite_faces_begin(); face != mesh.finite_faces_end(); ++face)
     if (face->is_in_domain()) {
       ++made.triangles;
-      made.least_angle = std::min(made.least_angle, least_angle(*face));
+      least = std::min(least, least_angle(*face));
     }
+  std::ostringstream more;  // of equal points CGAL keeps one
+  more << " mesh " << input.points.size() + mesh.number_of_vertices() - given << ' ' << least;
+  made.more = more.str();
   return made;
 }
 
@@ -110,28 +81,5 @@ int main(int count, char** words) {
   const std::size_t q = switches.find('q');
   const double angle = q == std::string::npos ? 20 : std::strtod(switches.c_str() + q + 1, nullptr);
   const bool hull = switches.find('p') == std::string::npos || switches.find('c') != std::string::npos;
-  std::cout << "cgal-mesh-2-" << CGAL_STR(CGAL_VERSION) << " constraints" << std::endl;
-  for (std::string line; std::getline(std::cin, line);) {
-    std::istringstream request(line);
-    std::string path;
-    int most = 3;
-    double seconds = 0;
-    request >> path >> most >> seconds;
-    try {
-      const Input input = read(path);
-      Made made;
-      std::ostringstream times;
-      const double start = now();
-      for (int i = 0; i < most && (i < 3 || now() - start < 1000 * seconds); ++i) {
-        made = run(input, angle, hull);
-        times << ' ' << made.ms;
-      }
-      std::cout << "ok " << made.triangles << times.str() << " mesh " << made.vertices << ' ' << made.least_angle
-                << std::endl;
-    } catch (const std::exception& error) {
-      std::string what = error.what();
-      std::replace(what.begin(), what.end(), '\n', ' ');
-      std::cout << "error " << what << std::endl;
-    }
-  }
+  serve("cgal-mesh-2", [&](const PeerInput& input) { return run(input, angle, hull); });
 }

@@ -31,7 +31,7 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked
   g.q = line_end(line);
   g.k = k;
   g.parts = parts;
-  for (uint end = 0; end <= (k > 0u ? 1u : 0u); ++end) {
+  for (uint end = 0; end < (k > 0u ? 2u : 1u); ++end) {
     const uint face = germ_beside(walked.fans, mesh, g, end ? b : a, end ? g.q : g.p, end ? g.p : g.q, steps);
     if (face != GCDT_NONE) return face;
   }

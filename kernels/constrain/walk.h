@@ -116,6 +116,9 @@ static uint come_to_first_edge(private Walk* w, Mesh mesh, uint third, uint4 c, 
   return come_to_edge(w, mesh, third, c, sides, third_side);
 }
 
+// Of the signs of three corners that of corner k.
+static inline int sign_at(int s0, int s1, int s2, uint k) { return k == 0u ? s0 : k == 1u ? s1 : s2; }
+
 // The face holds the walk's point, moved a little towards b. Signs of the corners tell all:
 //   no corner on the line        the edge from a right to a left corner is the exit
 //   one: right, left after it    that corner lies behind, the edge opposite it is the exit
@@ -126,32 +129,19 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
   const int s0 = side_of(w, mesh, c.x), s1 = side_of(w, mesh, c.y), s2 = side_of(w, mesh, c.z);
   const int zeros = (s0 == 0) + (s1 == 0) + (s2 == 0);
+  if (zeros == 3) return WALK_FAILED;
   // The corner that decides: across from the exit; the one on the line; the one that is not.
-  const uint k = zeros == 0   ? ((s1 < 0 && s2 > 0)   ? 0u
-                                 : (s2 < 0 && s0 > 0) ? 1u
-                                 : (s0 < 0 && s1 > 0) ? 2u
-                                                      : 3u)
-                 : zeros == 1 ? (s0 == 0   ? 0u
-                                 : s1 == 0 ? 1u
-                                           : 2u)
-                 : zeros == 2 ? (s0 != 0   ? 0u
-                                 : s1 != 0 ? 1u
-                                           : 2u)
-                              : 3u;
-  if (k == 3u) return WALK_FAILED;
+  uint k;
+  if (zeros == 0)
+    k = (s1 < 0 && s2 > 0) ? 0u : (s2 < 0 && s0 > 0) ? 1u : 2u;
+  else
+    k = (s0 == 0) == (zeros == 1) ? 0u : (s1 == 0) == (zeros == 1) ? 1u : 2u;
   const uint4 r = rotate_to(c, k);
-  const int behind = k == 0u   ? s0
-                     : k == 1u ? s1
-                               : s2,
-            right = k == 0u   ? s1
-                    : k == 1u ? s2
-                              : s0,
-            left = k == 0u   ? s2
-                   : k == 1u ? s0
-                             : s1;
+  const int behind = sign_at(s0, s1, s2, k), right = sign_at(s0, s1, s2, next_corner(k)),
+            left = sign_at(s0, s1, s2, previous_corner(k));
   // Each call stands once, since its text is compiled as often as it stands.
   if (zeros < 2 && right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, behind);
-  if (zeros == 1 && !(right > 0 && left < 0)) return WALK_FAILED;
+  if (zeros == 0 || (zeros == 1 && !(right > 0 && left < 0))) return WALK_FAILED;
   return come_to_vertex(w, mesh, zeros == 1 ? r.x : behind > 0 ? r.z : r.y, zeros == 1 ? GCDT_NONE : element(sides, k));
 }
 

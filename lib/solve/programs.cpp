@@ -1,59 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solve/programs.hpp"
 
+#include <optional>
+
 namespace gcdt {
 
 namespace {
 
+using runtime::Meshes;
+
 struct Needed {
   const char* program;
-  bool by_constraints;
+  bool by_constraints = false;
+  std::optional<Meshes> of = {};  // none: of both
 };
-
-template <std::size_t count>
-std::vector<const char*> of(const Needed (&needed)[count], bool constrained) {
-  std::vector<const char*> programs;
-  for (const Needed& n : needed)
-    if (constrained || !n.by_constraints) programs.push_back(n.program);
-  return programs;
-}
-
-}  // namespace
 
 // In the order in which a call comes to them, but that those that take long are begun before others that are needed
 // earlier.
-std::vector<const char*> programs_of_call(bool constrained) {
-  constexpr Needed needed[] = {
-      {"order", false}, {"sort64_group", false}, {"sort_finish", false},
-      {"first", true},  {"insert", false},       {"primitives_group", false},
-      {"mesh", false},  {"primitives", true},    {"constrain", true},
-      {"clean", true},  {"flip", false},         {"parts", true},
-      {"stitch", true}, {"retriangulate", true}, {"output", false},
-      {"check", false},
-  };
-  return of(needed, constrained);
-}
+constexpr Needed needed[] = {
+    {"order", false, Meshes::one},
+    {"forest", false, Meshes::many},
+    {"sort64_group", false, Meshes::one},
+    {"sort_finish"},
+    {"first", true},
+    {"insert"},
+    {"primitives_group"},
+    {"mesh"},
+    {"primitives", true},
+    {"constrain", true},
+    {"clean", true},
+    {"flip"},
+    {"parts", true},
+    {"stitch", true},
+    {"retriangulate", true},
+    {"output"},
+    {"check"},
+    {"check_forest", false, Meshes::many},
+};
 
-std::vector<const char*> programs_of_batch(bool constrained) {
-  constexpr Needed needed[] = {
-      {"forest", false},
-      {"sort_finish", false},
-      {"first", true},
-      {"insert", false},
-      {"primitives_group", false},
-      {"mesh", false},
-      {"primitives", true},
-      {"constrain", true},
-      {"clean", true},
-      {"flip", false},
-      {"parts", true},
-      {"stitch", true},
-      {"retriangulate", true},
-      {"output", false},
-      {"check", false},
-      {"check_forest", false},
-  };
-  return of(needed, constrained);
+}  // namespace
+
+std::vector<const char*> programs_of_call(Meshes meshes, bool constrained) {
+  std::vector<const char*> programs;
+  for (const Needed& n : needed)
+    if ((constrained || !n.by_constraints) && n.of.value_or(meshes) == meshes) programs.push_back(n.program);
+  return programs;
 }
 
 }  // namespace gcdt

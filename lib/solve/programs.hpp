@@ -4,14 +4,13 @@
 
 #include <vector>
 
+#include "device/programs.hpp"
+
 namespace gcdt {
 
-/// Those that each call launches that checks its mesh, if it has so many vertices that more than a group sort them;
-/// `constrained`: and has constraints of which some cross edges. What domains, crossings and refinement need besides is
-/// built when they come to it.
-std::vector<const char*> programs_of_call(bool constrained);
-
-/// The same of a run of many problems of a batch.
-std::vector<const char*> programs_of_batch(bool constrained);
+/// Those that each call launches that checks its mesh, or run of many problems of a batch (`meshes`), if it has so many
+/// vertices that more than a group sort them; `constrained`: and has constraints of which some cross edges. What
+/// domains, crossings and refinement need besides is built when they come to it.
+std::vector<const char*> programs_of_call(runtime::Meshes meshes, bool constrained);
 
 }  // namespace gcdt

@@ -128,7 +128,7 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
                                 const Options& options) {
   if (options.refine) check_refinement(*options.refine, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
-  const runtime::Builders ahead(runtime, programs_of_call(source.m > 0));
+  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::one, source.m > 0));
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "refine_options.hpp"
 #include "whole_results.hpp"
 
 using namespace gcdt;
@@ -13,13 +14,6 @@ using namespace gcdt::test;
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
-
-Refinement wanted(double angle, double area = HUGE_VAL) {
-  Refinement refine;
-  refine.least_angle = angle;
-  refine.most_area = area;
-  return refine;
-}
 
 Options in_domain(Domain domain, bool regions = false) {
   Options options;
@@ -96,8 +90,8 @@ TEST_CASE("a refined result is refined further, and its vertices stay") {
       const Options options = in_domain(domain, seed % 2 == 0);
       const double extent = std::ldexp(1.0, int(10 + seed));
       const Result plain = solver().solve(work.points, work.constraints, options);
-      const Result once = plain.refine(wanted(20)), twice = once.refine(wanted(25, extent * extent / 200)),
-                   thrice = twice.refine(wanted(0, extent * extent / 900));
+      const Result once = plain.refine(refinement(20)), twice = once.refine(refinement(25, extent * extent / 200)),
+                   thrice = twice.refine(refinement(0, extent * extent / 900));
       const Triangulation first = once.download(), second = twice.download(), third = thrice.download();
       if (!first.triangles.empty()) CHECK(third.added.size() > second.added.size());
       check_numbers(work, first, second);
@@ -111,8 +105,8 @@ TEST_CASE("a refined result is refined further, and its vertices stay") {
       };
       const std::size_t a = first.added.size(), b = second.added.size(), c = third.added.size();
       if (first.statistics.refine.left_refused + second.statistics.refine.left_refused > 0) continue;
-      CHECK(reason(work, second, options, wanted(25, extent * extent / 200), rows({0, a, b})) == "");
-      CHECK(reason(work, third, options, wanted(0, extent * extent / 900), rows({0, a, b, c})) == "");
+      CHECK(reason(work, second, options, refinement(25, extent * extent / 200), rows({0, a, b})) == "");
+      CHECK(reason(work, third, options, refinement(0, extent * extent / 900), rows({0, a, b, c})) == "");
     }
 }
 
@@ -125,7 +119,7 @@ TEST_CASE("refining to the same bound again adds nothing and changes nothing") {
       const Workload work = random_pslg(15 + 3 * seed, 40u << (seed % 12), 10 + seed, seed);
       Options options = in_domain(seed % 3 == 0 ? Domain::outer : Domain::hull, true);
       options.grid = FixedGrid{};
-      Refinement refine = wanted(seed % 4 == 0 ? 28 : 20);
+      Refinement refine = refinement(seed % 4 == 0 ? 28 : 20);
       refine.conforming = conforming;
       std::vector<double> sizes;
       for (const auto& p : work.points) sizes.push_back(10 + double(p[0]) / 5);
@@ -142,16 +136,16 @@ TEST_CASE("refining to the same bound again adds nothing and changes nothing") {
 
 TEST_CASE("a limit that was reached can be raised") {
   const Workload work = random_pslg(60, 1 << 20, 40, 5);
-  Refinement refine = wanted(25);
+  Refinement refine = refinement(25);
   refine.most_added = 20;
   const Result part = solver().solve(work.points, work.constraints).refine(refine);
   CHECK(!part.statistics().refine.complete);
   CHECK(part.statistics().notes.size() == 1);
-  const Result whole = part.refine(wanted(25));
+  const Result whole = part.refine(refinement(25));
   CHECK(whole.statistics().refine.complete);
   CHECK(whole.statistics().notes.empty());
   check_numbers(work, part.download(), whole.download());
-  CHECK(reason(work, whole.download(), {}, wanted(25), 2) == "");
+  CHECK(reason(work, whole.download(), {}, refinement(25), 2) == "");
   const Result next = part.refine(refine);  // the limit is of each
   CHECK(next.statistics().refine.added == 20);
   CHECK(next.statistics().vertices_added == 40);
@@ -162,10 +156,10 @@ TEST_CASE("lengths at vertices and areas of regions hold for a refined result, t
   Options options = in_domain(Domain::outer, true);
   options.region_seeds = {{0.5, 7}, {7.5, 1}};
   const std::vector<double> sizes = {0.2, 2, 2, 2, 2, 2}, areas = {0.05, HUGE_VAL};
-  Refinement by_length = wanted(20), by_region = wanted(20);
+  Refinement by_length = refinement(20), by_region = refinement(20);
   by_length.sizes = sizes;
   by_region.region_areas = areas;
-  const Result once = solver().solve(work.points, work.constraints, options).refine(wanted(20, 4));
+  const Result once = solver().solve(work.points, work.constraints, options).refine(refinement(20, 4));
   REQUIRE(once.statistics().refine.added > 0);
   const Triangulation graded = once.refine(by_length).download(), fine = once.refine(by_region).download();
   CHECK(graded.added.size() > once.download().added.size());
@@ -185,13 +179,13 @@ TEST_CASE("crossings that were split are refined further; their lengths are refu
   const Workload work = random_crossing(30, 1 << 20, 12, 4);
   Options options;
   options.crossing = Crossing::split;
-  const Result once = solver().solve(work.points, work.constraints, options).refine(wanted(20));
-  const Result twice = once.refine(wanted(28));
+  const Result once = solver().solve(work.points, work.constraints, options).refine(refinement(20));
+  const Result twice = once.refine(refinement(28));
   CHECK(twice.download().added.size() > once.download().added.size());
-  CHECK(once.refine(wanted(20)).download().added == once.download().added);
+  CHECK(once.refine(refinement(20)).download().added == once.download().added);
   check_numbers(work, once.download(), twice.download());
   const std::vector<double> sizes(work.points.size(), 1.0);
-  Refinement refine = wanted(20);
+  Refinement refine = refinement(20);
   refine.sizes = sizes;
   CHECK_THROWS_WITH_AS(once.refine(refine), doctest::Contains("sizes do not go with crossings that are split"), Error);
 }
@@ -199,7 +193,7 @@ TEST_CASE("crossings that were split are refined further; their lengths are refu
 TEST_CASE("values at vertices of both refinements are linear where the input's are") {
   const Workload work = halves();
   const Triangulation mesh =
-      solver().solve(work.points, work.constraints).refine(wanted(20, 2)).refine(wanted(25, 0.3)).download();
+      solver().solve(work.points, work.constraints).refine(refinement(20, 2)).refine(refinement(25, 0.3)).download();
   std::vector<double> values;
   for (const auto& p : work.points) values.push_back(3 * p[0] - 2 * p[1] + 1);
   const auto at =
@@ -218,13 +212,13 @@ TEST_CASE("an adopted mesh is refined to the bytes of the result that it was") {
           seed % 2 ? random_pslg(20 + 4 * seed, 100u << seed, 10 + seed, seed) : nested_squares(10 * seed);
       const Result own = solver().solve(work.points, work.constraints, in_domain(domain));
       const Result adopted = solver().adopt(work.points, disordered(own.download(), seed), work.constraints);
-      Refinement refine = wanted(25);
+      Refinement refine = refinement(25);
       refine.splits = seed % 5 == 0 ? Splits::inner : Splits::all;
       CHECK(same_mesh(own.refine(refine).download(), adopted.refine(refine).download()));
       refine.least_angle = 30;
       refine.most_added = 4000;
-      CHECK(same_mesh(own.refine(wanted(25)).refine(refine).download(),
-                      adopted.refine(wanted(25)).refine(refine).download()));
+      CHECK(same_mesh(own.refine(refinement(25)).refine(refine).download(),
+                      adopted.refine(refinement(25)).refine(refine).download()));
     }
 }
 
@@ -234,7 +228,7 @@ TEST_CASE("an adopted mesh that is not Delaunay is made so, within its own borde
   const Triangles wrong = {{0, 1, 2}, {0, 2, 3}, {1, 4, 2}};
   const Result adopted = solver().adopt(work.points, wrong);
   const Triangulation before = adopted.download();
-  const Result refined = adopted.refine(wanted(20, 1.5));
+  const Result refined = adopted.refine(refinement(20, 1.5));
   CHECK(same_bytes(before, adopted.download()));
   CHECK(refined.triangles().size() > 30);
   CHECK(refined.quality().largest_area <= 1.5);
@@ -245,35 +239,36 @@ TEST_CASE("an adopted mesh that is not Delaunay is made so, within its own borde
   // The same with the border as constraints, whose domain that is: the same triangles, but for flags and sources.
   const std::vector<Constraint> border = {{0, 1}, {1, 4}, {4, 2}, {2, 3}, {3, 0}};
   const Triangulation
-      one = solver().adopt(work.points, wrong, border).refine(wanted(20, 1.5)).download(),
-      own = solver().solve(work.points, border, in_domain(Domain::outer)).refine(wanted(20, 1.5)).download();
+      one = solver().adopt(work.points, wrong, border).refine(refinement(20, 1.5)).download(),
+      own = solver().solve(work.points, border, in_domain(Domain::outer)).refine(refinement(20, 1.5)).download();
   CHECK(same_mesh(one, own));
   CHECK(one.triangles == refined.triangles());
   CHECK(one.added_on_grid == refined.added_on_grid());
   CHECK(refined.constrained() == std::vector<std::uint8_t>(refined.triangles().size(), 0));
-  CHECK(reason({work.points, border}, one, in_domain(Domain::outer), wanted(20, 1.5), 1) == "");
+  CHECK(reason({work.points, border}, one, in_domain(Domain::outer), refinement(20, 1.5), 1) == "");
 }
 
 TEST_CASE("an adopted mesh has no regions, and may be empty") {
   const Workload work = halves();
   const std::vector<double> one = {1};
-  Refinement refine = wanted(20);
+  Refinement refine = refinement(20);
   refine.region_areas = one;
   const Triangulation mesh = solver().triangulate(work.points, work.constraints);
   CHECK_THROWS_WITH_AS(solver().adopt(work.points, mesh.triangles, work.constraints).refine(refine),
                        doctest::Contains("the result has no regions"), Error);
-  const Result nothing = solver().adopt(work.points, Triangles{}, work.constraints).refine(wanted(20));
+  const Result nothing = solver().adopt(work.points, Triangles{}, work.constraints).refine(refinement(20));
   CHECK(nothing.triangles().empty());
   CHECK(nothing.download().added.empty());
-  CHECK(nothing.refine(wanted(25)).triangles().empty());
+  CHECK(nothing.refine(refinement(25)).triangles().empty());
 }
 
 TEST_CASE("a mesh in which a vertex was put on a later one is not accepted") {
   const Workload work = halves();
-  const Result twice = solver().solve(work.points, work.constraints).refine(wanted(20, 4)).refine(wanted(20, 1));
+  const Result twice =
+      solver().solve(work.points, work.constraints).refine(refinement(20, 4)).refine(refinement(20, 1));
   Triangulation mesh = twice.download();
-  CHECK(reason(work, mesh, {}, wanted(20, 1), 2) == "");
+  CHECK(reason(work, mesh, {}, refinement(20, 1), 2) == "");
   const auto n = static_cast<std::uint32_t>(work.points.size());
   mesh.added_origin[0][0] = n + static_cast<std::uint32_t>(mesh.added.size()) - 1;
-  CHECK(reason(work, mesh, {}, wanted(20, 1), 2).find("added vertices are not in order from vertex ") == 0);
+  CHECK(reason(work, mesh, {}, refinement(20, 1), 2).find("added vertices are not in order from vertex ") == 0);
 }

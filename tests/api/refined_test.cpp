@@ -8,6 +8,7 @@
 
 #include <gcdt/gcdt_pool.hpp>
 
+#include "refine_options.hpp"
 #include "solver_fixture.hpp"
 
 using namespace gcdt;
@@ -20,13 +21,6 @@ using Doubles = std::vector<std::array<double, 2>>;
 // A square, halved by a constraint from (3, 0) to (3, 8); its border is constraints, too.
 const Doubles halves = {{0, 0}, {3, 0}, {8, 0}, {8, 8}, {3, 8}, {0, 8}};
 const std::vector<Constraint> walls = {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}, {4, 1}};
-
-Options refining(double angle = 20) {
-  Options options;
-  options.refine = Refinement{};
-  options.refine->least_angle = angle;
-  return options;
-}
 
 std::array<double, 2> place(const Doubles& points, const Triangulation& mesh, std::uint32_t v) {
   return v < points.size() ? points[v] : mesh.added[v - points.size()];

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "kinds.hpp"
+#include "refine_options.hpp"
 #include "refine_oracle.hpp"
 
 using namespace gcdt;
@@ -18,15 +19,6 @@ namespace {
 
 /// PoCL as it is.
 runtime::Runtime& usual() { return *devices_as_all_kinds().front().runtime; }
-
-Options refining(double angle = 20) {
-  Options options;
-  options.grid = FixedGrid{};
-  options.crossing = Crossing::drop;
-  options.refine = Refinement{};
-  options.refine->least_angle = angle;
-  return options;
-}
 
 RefinedResult result_of(runtime::Runtime& runtime, const Workload& work, const Options& options) {
   Primitives primitives(runtime);
@@ -166,7 +158,7 @@ TEST_CASE("refined meshes are valid, reach the angle but where they say why not,
   std::uint64_t added = 0, bent = 0, far = 0, reasons[4] = {};
   for (const Workload& work : inputs(first_seed(), last_seed()))
     for (const double angle : {20.0, 30.0}) {
-      Options options = refining(angle);
+      Options options = refining_on_grid(angle);
       options.refine->most_added = 4000;  // some at 30 degrees go on down to the grid
       const RefinedResult r = result_of(usual(), work, options);
       REQUIRE(fault(usual(), work, options, r) == "");
@@ -190,8 +182,8 @@ TEST_CASE("with room between the cells and no sharp corners nothing is left") {
     Workload work = random_input(seed, 60, 1 << 9, 0);
     for (Point& p : work.points) p = {p[0] * (1 << 21), p[1] * (1 << 21)};
     for (const double angle : {1.0, 20.0, 28.0}) {
-      const RefinedResult r = result_of(usual(), work, refining(angle));
-      CHECK(fault(usual(), work, refining(angle), r) == "");
+      const RefinedResult r = result_of(usual(), work, refining_on_grid(angle));
+      CHECK(fault(usual(), work, refining_on_grid(angle), r) == "");
       CHECK(r.refined.all_left() == r.refined.left[GCDT_LEFT_INPUT_ANGLE]);
       CHECK(r.refined.encroached == 0);
     }
@@ -201,7 +193,7 @@ TEST_CASE("with room between the cells and no sharp corners nothing is left") {
 TEST_CASE("every device gives the same bytes, in every way") {
   const auto all = inputs(1, 2);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    Options options = refining(i % 2 == 0 ? 25 : 20);
+    Options options = refining_on_grid(i % 2 == 0 ? 25 : 20);
     const std::vector<double> sizes(all[i].points.size(), 200), areas = {5e4};
     options.refine->most_added = 300;
     if (i % 5 == 0) options.refine->sizes = sizes;     // points
@@ -223,7 +215,7 @@ TEST_CASE("vertices and constraints in another order give the same mesh") {
     Workload other = shuffled_vertices(work, random);
     for (Segment& s : other.constraints) std::swap(s[0], s[1]);
     // Which constraints are dropped depends on their order.
-    Options options = refining();
+    Options options = refining_on_grid();
     const RefinedResult a = result_of(usual(), work, options), b = result_of(usual(), other, options);
     CHECK(by_coordinates(a) == by_coordinates(b));
     CHECK(std::vector<GridPoint>(a.points.begin() + long(a.inputs), a.points.end()) ==
@@ -234,7 +226,7 @@ TEST_CASE("vertices and constraints in another order give the same mesh") {
 TEST_CASE("triangles are no larger than wanted, and edges beside constraints are Delaunay if that is wanted") {
   Workload work{{{0, 0}, {1 << 20, 0}, {1 << 20, 1 << 20}, {0, 1 << 20}, {1000, 1 << 19}, {900000, 500000}},
                 {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}}};
-  Options options = refining();
+  Options options = refining_on_grid();
   options.refine->most_area = 1e9;
   const RefinedResult r = result_of(usual(), work, options);
   CHECK(fault(usual(), work, options, r) == "");
@@ -265,7 +257,7 @@ TEST_CASE("triangles are no larger than wanted, and edges beside constraints are
 TEST_CASE("wanted lengths are reached, and vary from vertex to vertex") {
   const Workload work{{{0, 0}, {1 << 24, 0}, {1 << 24, 1 << 24}, {0, 1 << 24}}, {}};
   const std::vector<double> sizes = {1 << 17, 1 << 21, 1 << 21, 1 << 21};
-  Options options = refining();
+  Options options = refining_on_grid();
   options.refine->sizes = sizes;
   const RefinedResult r = result_of(usual(), work, options);
   CHECK(fault(usual(), work, options, r) == "");
@@ -289,7 +281,7 @@ TEST_CASE("wanted lengths are reached, and vary from vertex to vertex") {
 
 TEST_CASE("fixed borders and constraints are not split") {
   for (const Workload& work : {rings(1, 3, 1 << 20), random_input(3, 40, 1u << 20, 20)}) {
-    Options options = refining();
+    Options options = refining_on_grid();
     options.refine->splits = Splits::none;
     const RefinedResult none = result_of(usual(), work, options);
     CHECK(fault(usual(), work, options, none) == "");
@@ -309,7 +301,7 @@ TEST_CASE("fixed borders and constraints are not split") {
 TEST_CASE("only the triangles of the domain are refined") {
   const Workload work = rings(2, 3, 1 << 20);
   for (const Domain domain : {Domain::even_odd, Domain::nonzero, Domain::outer, Domain::holes}) {
-    Options options = refining();
+    Options options = refining_on_grid();
     options.domain = domain;
     if (domain == Domain::holes) options.hole_seeds = {{double(1 << 20), double(1 << 20)}};
     const RefinedResult r = result_of(usual(), work, options);
@@ -338,10 +330,10 @@ TEST_CASE("only the triangles of the domain are refined") {
 
 TEST_CASE("a limit of vertices is kept, and the mesh is valid wherever it ends") {
   const Workload work = random_input(9, 80, 1u << 30, 30);
-  const std::uint64_t all = result_of(usual(), work, refining(30)).refined.added;
+  const std::uint64_t all = result_of(usual(), work, refining_on_grid(30)).refined.added;
   REQUIRE(all > 40);
   for (const std::uint64_t most : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{7}, all - 1, all}) {
-    Options options = refining(30);
+    Options options = refining_on_grid(30);
     options.refine->most_added = most;
     const RefinedResult r = result_of(usual(), work, options);
     CHECK(fault(usual(), work, options, r) == "");
@@ -352,7 +344,7 @@ TEST_CASE("a limit of vertices is kept, and the mesh is valid wherever it ends")
 }
 
 TEST_CASE("inputs without triangles, of one triangle and of an empty domain are refined to what they are") {
-  Options options = refining();
+  Options options = refining_on_grid();
   CHECK(result_of(usual(), {{{0, 0}, {5, 5}, {9, 9}}, {{0, 2}}}, options).triangles.empty());
   CHECK(result_of(usual(), {{}, {}}, options).triangles.empty());
   const Workload triangle{{{0, 0}, {1 << 20, 0}, {0, 1 << 20}}, {}};
@@ -366,7 +358,7 @@ TEST_CASE("what makes no sense is refused") {
   const Workload work = random_input(1, 10, 1000, 0);
   const std::vector<double> short_of_one(9, 1.0), with_zero = {1, 1, 1, 1, 1, 0, 1, 1, 1, 1}, ones(10, 1.0);
   const auto refused = [&](auto change, Crossing crossing = Crossing::drop) {
-    Options options = refining();
+    Options options = refining_on_grid();
     options.crossing = crossing;
     change(*options.refine);
     try {
@@ -391,7 +383,7 @@ TEST_CASE("what makes no sense is refused") {
 
 TEST_CASE("a refinement can be cancelled, and the device be used again") {
   const Workload work = random_input(11, 200, 1u << 30, 0);
-  Options options = refining();
+  Options options = refining_on_grid();
   options.progress = [](const char* phase, double) { return std::string(phase) != "refine"; };
   CHECK_THROWS_AS(result_of(usual(), work, options), Error);
   options.progress = {};

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "proof/mending.hpp"
+#include "refine_options.hpp"
 #include "solver_fixture.hpp"
 
 using namespace gcdt;
@@ -61,15 +62,6 @@ Counts check_excuses(const Made& made) {
   return counts;
 }
 
-Options refining(double angle) {
-  Options options;
-  options.grid = FixedGrid{};
-  options.crossing = Crossing::drop;
-  options.refine = Refinement{};
-  options.refine->least_angle = angle;
-  return options;
-}
-
 }  // namespace
 
 TEST_CASE("on grids of every fineness the proof finds the solver's reason for each triangle that is left") {
@@ -78,7 +70,7 @@ TEST_CASE("on grids of every fineness the proof finds the solver's reason for ea
     for (const Domain domain : {Domain::hull, Domain::even_odd}) {
       CAPTURE(seed);
       CAPTURE(static_cast<int>(domain));
-      Options options = refining(seed % 5 == 0 ? 33 : 20);
+      Options options = refining_on_grid(seed % 5 == 0 ? 33 : 20);
       options.domain = domain;
       options.refine->conforming = seed % 4 == 1;
       options.refine->most_added = seed % 7 == 0 ? seed : 4000;
@@ -119,7 +111,7 @@ TEST_CASE("a target too near a vertex, of a triangle that is no one's to mend") 
 
 TEST_CASE("what is not so is not accepted") {
   // By the last round of a limit, whose triangles a vertex would mend.
-  Options options = refining(25);
+  Options options = refining_on_grid(25);
   options.refine->most_added = 30;
   Made made(random_pslg(60, 1 << 20, 30, 3), options);
   const Counts counts = check_excuses(made);
@@ -127,7 +119,7 @@ TEST_CASE("what is not so is not accepted") {
   made.options.refine->most_added = UINT64_MAX;
   CHECK(made.verified().reason.find("has an angle below the least one, and nothing excuses it") != std::string::npos);
   // What may not be split is the reason only if it may not.
-  options = refining(25);
+  options = refining_on_grid(25);
   options.refine->splits = Splits::none;
   Made fixed(random_pslg(60, 1 << 20, 30, 3), options);
   REQUIRE(check_excuses(fixed)[GCDT_EXCUSE_FIXED] > 0);

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "proof/chains.hpp"
+#include "refine_options.hpp"
 #include "solver_fixture.hpp"
 
 using namespace gcdt;
@@ -16,13 +17,6 @@ MeshView whole_view(const Triangulation& mesh) {
   all.added = mesh.added_on_grid;
   all.added_origin = mesh.added_origin;
   return all;
-}
-
-Options refining(double angle = 20) {
-  Options options;
-  options.refine = Refinement{};
-  options.refine->least_angle = angle;
-  return options;
 }
 
 struct Made {

@@ -13,6 +13,7 @@
 
 using namespace gcdt;
 using namespace gcdt::test;
+using runtime::Meshes;
 
 namespace {
 
@@ -78,15 +79,15 @@ std::string built_by(const std::vector<Workload>& problems) {
 }  // namespace
 
 TEST_CASE("the programs that a call is said to need are those that it builds") {
-  CHECK(built_by(workload("uniform", 20000)) == in_order(programs_of_call(false)));
-  CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2)) == in_order(programs_of_call(true)));
+  CHECK(built_by(workload("uniform", 20000)) == in_order(programs_of_call(Meshes::one, false)));
+  CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2)) == in_order(programs_of_call(Meshes::one, true)));
   std::vector<Workload> points, graphs;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     points.push_back(uniform(100, seed));
     graphs.push_back(random_pslg(100, 1 << 10, 30, seed));
   }
-  CHECK(built_by(points) == in_order(programs_of_batch(false)));
-  CHECK(built_by(graphs) == in_order(programs_of_batch(true)));
+  CHECK(built_by(points) == in_order(programs_of_call(Meshes::many, false)));
+  CHECK(built_by(graphs) == in_order(programs_of_call(Meshes::many, true)));
 }
 
 TEST_CASE("a call whose programs are built by threads gives the same, and leaves none to be built") {
@@ -99,7 +100,7 @@ TEST_CASE("a call whose programs are built by threads gives the same, and leaves
     Solver gpu(handle.release());
     REQUIRE(runtime.most_builds() == 4);
     CHECK(difference(gpu.triangulate(input.points, input.constraints), expected) == "");
-    for (const char* program : programs_of_call(true)) CHECK(!runtime.would_compile(program));
+    for (const char* program : programs_of_call(Meshes::one, true)) CHECK(!runtime.would_compile(program));
   }
 }
 

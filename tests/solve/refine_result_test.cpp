@@ -9,6 +9,7 @@
 #include "kinds.hpp"
 #include "query/adopt.hpp"
 #include "query/arrays.hpp"
+#include "refine_options.hpp"
 #include "solve/triangulate.hpp"
 #include "workloads.hpp"
 
@@ -22,13 +23,6 @@ struct Case {
   Workload work;
   Options options;
 };
-
-Refinement refinement(double angle, double area = HUGE_VAL) {
-  Refinement wanted;
-  wanted.least_angle = angle;
-  wanted.most_area = area;
-  return wanted;
-}
 
 Case made_case(const char* name, Workload work, const Refinement& wanted, Domain domain = Domain::hull) {
   Case c = {name, std::move(work), {}};
