@@ -38,7 +38,7 @@ typedef struct Tour {
   Mesh mesh;
   volatile global const uint* marks;
   Vertex x;
-  uint face, corner, root;
+  uint face, corner, root, first;
   uint4 corners, sides;
   uint code;  // of the side looked over
   bool constrained;
@@ -63,22 +63,36 @@ static inline void enter(Tour* tour, uint face, uint corner) {
   tour->sides = tour->mesh.face_data[GCDT_SIDES(face)];
 }
 
-// `root` is a face of the cavity of x.
-static inline Tour begin_tour(Mesh mesh, volatile global const uint* marks, uint root, Vertex x) {
+// `root` is a face of the cavity of x, `first` the corner whose side is looked over first. All that follows is the same
+// whatever corners the faces begin with.
+static inline Tour begin_tour_at(Mesh mesh, volatile global const uint* marks, uint root, uint first, Vertex x) {
   Tour tour;
   tour.mesh = mesh;
   tour.marks = marks;
   tour.x = x;
   tour.root = root;
+  tour.first = first;
   tour.entered = true;
   tour.forgets = false;
   tour.left = 3u;
   tour.depth = tour.known = 0u;
   tour.left_above = 0u;
   tour.steps = 6u * gcdt_forest_faces(mesh.n, 1u);
-  enter(&tour, root, 0u);
+  enter(&tour, root, first);
   look(&tour);
   return tour;
+}
+
+static inline Tour begin_tour(Mesh mesh, volatile global const uint* marks, uint root, Vertex x) {
+  return begin_tour_at(mesh, marks, root, 0u, x);
+}
+
+// The same from the corner that is the least in (x, y): a tour that does not depend on where the face begins.
+static inline Tour begin_ordered_tour(Mesh mesh, volatile global const uint* marks, uint root, Vertex x) {
+  const uint4 c = mesh.face_data[GCDT_CORNERS(root)];
+  const u64 p = gcdt_tie_key(corner_vertex(mesh, c, 0u)), q = gcdt_tie_key(corner_vertex(mesh, c, 1u)),
+            r = gcdt_tie_key(corner_vertex(mesh, c, 2u));
+  return begin_tour_at(mesh, marks, root, p < q ? (p < r ? 0u : 2u) : (q < r ? 1u : 2u), x);
 }
 
 // Back over the side by which the tour came, which is the one after those that it looked over.
@@ -110,7 +124,7 @@ static inline bool go_on(Tour* tour) {
     if (tour->depth == 0u || --tour->steps == 0u) return false;
     go_back(tour);
   }
-  if (--tour->steps == 0u || (tour->forgets && tour->face == tour->root && tour->corner == 0u)) return false;
+  if (--tour->steps == 0u || (tour->forgets && tour->face == tour->root && tour->corner == tour->first)) return false;
   look(tour);
   return true;
 }

@@ -180,57 +180,80 @@ static Place find_place(Judge judge, uint e) {
 
 // ---- Aims -----------------------------------------------------------------------------------------------
 
-// What comes of a triangle that is to be mended. With `asks`, subsegments in the way are asked for.
+// What comes of a triangle that is to be mended.
 typedef struct Aim {
   Vertex target;
   Arrival at;
   bool wanted;  // a candidate
   bool failed;
-  uint in_way;  // subsegments that must be split first
-  uint open;    // of these, without `asks`, that have a place to be split at
-  uint fixed;   // that may not be split
+  bool sits_out;  // its cavity has more faces than it may look at in this round
+  uint in_way;    // subsegments that must be split first
+  uint open;      // of these, if it explains, that have a place to be split at
+  uint fixed;     // that may not be split
 } Aim;
 
-// A subsegment is in the way: it is asked for, or looked at.
-static void meet(Judge judge, uint code, Aim* aim, bool asks, Lists lists) {
+// A subsegment is in the way. `looks`: for a place to split it at.
+static void meet(Judge judge, uint code, Aim* aim, bool looks) {
   if (!may_split(judge.mesh, judge.rules, code)) {
     ++aim->fixed;
     return;
   }
   ++aim->in_way;
-  if (asks)
-    ask(lists, GCDT_SIDE_EDGE(code));
-  else if (find_place(judge, GCDT_SIDE_EDGE(code)).found)
-    ++aim->open;
+  if (looks && find_place(judge, GCDT_SIDE_EDGE(code)).found) ++aim->open;
+}
+
+// Asks for the subsegments that are in the way of an aim: when it is known that it does not sit out. Ends: go_on.
+static void ask_for_way(Judge judge, Aim aim, Lists lists) {
+  const Mesh mesh = judge.mesh;
+  if (aim.at.kind == GCDT_AT_SUBSEGMENT) {
+    ask(lists, GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(aim.at.face)], aim.at.corner)));
+    return;
+  }
+  Tour tour = begin_tour(mesh, judge.marks, aim.at.face, aim.target);
+  do {
+    if (tour.constrained &&
+        gcdt_in_lens(judge.rules, corner_vertex(mesh, tour.corners, next_corner(tour.corner)),
+                     corner_vertex(mesh, tour.corners, previous_corner(tour.corner)), aim.target) &&
+        may_split(mesh, judge.rules, tour.code))
+      ask(lists, GCDT_SIDE_EDGE(tour.code));
+  } while (go_on(&tour));
 }
 
 // The target of a triangle, by a walk to it and a tour of its cavity. A subsegment that stops the walk, or has the
 // target in its lens, must be split first. A target too near a vertex is given up: a circumcentre has R >= s / (2 sin
-// theta), so up to 39 degrees sqrt(5/8) s around it are free unless rounding or a subsegment has been at work.
-static Aim aim_from(Judge judge, uint face, Judged j, bool asks, Lists lists, CavityList* cavity) {
+// theta), so up to 39 degrees sqrt(5/8) s around it are free unless rounding or a subsegment has been at work. A cavity
+// of more than `most` faces is given up for this round, before anything has come of it. `explains`: to tell the reason.
+static Aim aim_from(Judge judge, uint face, Judged j, bool explains, ulong most, CavityList* cavity, Lists lists) {
   Aim aim;
   const Mesh mesh = judge.mesh;
   const uint k = j.shape.corner;
-  aim.wanted = aim.failed = false;
+  aim.wanted = aim.failed = aim.sits_out = false;
   aim.in_way = aim.open = aim.fixed = 0u;
   aim.target =
       gcdt_aim(corner_vertex(mesh, j.corners, next_corner(k)), corner_vertex(mesh, j.corners, previous_corner(k)),
                corner_vertex(mesh, j.corners, k), j.shape, judge.rules);
   aim.at = walk_to(mesh, judge.marks, face, aim.target);
   if (aim.at.kind == GCDT_AT_SUBSEGMENT)
-    meet(judge, element(mesh.face_data[GCDT_SIDES(aim.at.face)], aim.at.corner), &aim, asks, lists);
+    meet(judge, element(mesh.face_data[GCDT_SIDES(aim.at.face)], aim.at.corner), &aim, explains);
   if (aim.at.kind == GCDT_AT_FAILED) aim.failed = true;
   if (aim.at.kind != GCDT_AT_FACE && aim.at.kind != GCDT_AT_EDGE) return aim;
   const u64 times = j.verdict == VERDICT_SHARP ? 8u : 4u, least = j.verdict == VERDICT_SHARP ? 5u : 1u;
+  ulong entered = 0u;
   bool near = false;
-  Tour tour = begin_tour(mesh, judge.marks, aim.at.face, aim.target);
+  Tour tour = begin_ordered_tour(mesh, judge.marks, aim.at.face, aim.target);
   do {
-    if (cavity && tour.entered) add_to_list(cavity, tour.face, lists.report);
+    if (tour.entered) {
+      if (++entered > most) {
+        aim.sits_out = true;
+        return aim;
+      }
+      if (cavity) add_to_list(cavity, tour.face, lists.report);
+    }
     const Vertex p = corner_vertex(mesh, tour.corners, next_corner(tour.corner)),
                  q = corner_vertex(mesh, tour.corners, previous_corner(tour.corner));
     // Each corner of the cavity begins one of the sides that are looked over.
     if (gcdt_product_less(times, gcdt_squared_length(p, aim.target), least, j.shape.shortest)) near = true;
-    if (tour.constrained && gcdt_in_lens(judge.rules, p, q, aim.target)) meet(judge, tour.code, &aim, asks, lists);
+    if (tour.constrained && gcdt_in_lens(judge.rules, p, q, aim.target)) meet(judge, tour.code, &aim, explains);
   } while (go_on(&tour));
   aim.failed = tour.steps == 0u;
   aim.wanted = !near && aim.in_way == 0u && aim.fixed == 0u;
@@ -298,30 +321,42 @@ kernel void refine_judge(uint faces, uint threshold, uint were_bad, uint judged,
     const Judged j = judge_face(judge, t);
     const uint verdict = j.verdict, own = verdict == VERDICT_SHARP ? urgency_of(j.shape) : 0u;
     const bool is_new = max(max(c.x, c.y), c.z) >= judged;
-    urgency[t] = (own << URGENCY_BITS) | (is_new || in_the_way(urgency[t]) != 0u ? own : 0u);
+    urgency[t] = (own << URGENCY_BITS) | (is_new ? URGENCY_IN_THE_WAY : urgency[t] & ((1u << URGENCY_BITS) - 1u));
     if (encroached || verdict == VERDICT_SHARP || verdict == VERDICT_LARGE) bad[atomic_inc(&report->bad)] = t;
   }
 }
 
-// One work-item per face of the list `bad`. Those that need not wait make the list `aiming`. Reads the mesh and words
-// of `urgency`. Writes the list's words once, at places that an atomic gives: in any order, which nothing depends on;
-// and its face's own way, which no other reads.
+// Tells the host that a triangle has not aimed whose turn it was. Most find it told.
+static inline void sit_out(volatile global RefineReport* report) {
+  if (report->sitting_out == 0u) atomic_or(&report->sitting_out, 1u);
+}
+
+// One work-item per face of the list `bad`. Those that need not wait, and do not lose by their handicap unless `all`
+// may aim, make the list `aiming`. Reads the mesh and words of `urgency`. Writes the list's words once, at places that
+// an atomic gives: in any order, which nothing depends on; and its face's own way, which no other reads.
 kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, volatile global RefineReport* report,
-                        global const uint* bad, global const uint* urgency, global uchar* ways, global uint* aiming) {
+                        global const uint* bad, global const uint* urgency, global uchar* ways, global uint* aiming,
+                        uint round, uint all) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint count = report->bad;
   FOR_EACH(i, count) {
     const uint face = bad[i], found = way_to_worse(mesh, edge_marks, face, ways[face], urgency);
     ways[face] = (uchar)found;
-    if (found == GCDT_NO_WAY) aiming[atomic_inc(&report->aiming)] = face;
+    if (found != GCDT_NO_WAY) continue;
+    const uint handicap = all ? 0u : handicap_of(urgency[face]);
+    if (handicap > 0u && draw(mesh, face_data[GCDT_CORNERS(face)], round) < handicap)
+      sit_out(report);
+    else
+      aiming[atomic_inc(&report->aiming)] = face;
   }
 }
 
 // One work-item per face of the list `aiming`. Finds its target, which becomes a candidate, or subsegments are asked
 // for, or neither. Reads the mesh; writes as refine_judge, blocks of `cavities` that an atomic gives once, and its
-// face's word of `urgency`, which no other reads. Launched again with more room, it asks for nothing new.
+// face's word of `urgency`, which no other reads. Launched again with more room, it draws the same number, writes the
+// same, and asks for nothing new.
 kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency, uint blocks,
-                       global uint* cavities) {
+                       uint most, uint round, global uint* cavities) {
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
   const uint count = report->aiming;
@@ -330,10 +365,17 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
     const Judged j = judge_face(judge, t);
     if (j.verdict != VERDICT_SHARP && j.verdict != VERDICT_LARGE) continue;
     CavityList cavity = begin_list(cavities, blocks);
-    const Aim aim = aim_from(judge, t, j, true, lists, &cavity);
+    const uint number = draw(judge.mesh, j.corners, round);
+    const Aim aim = aim_from(judge, t, j, false, (ulong)most << number, &cavity, lists);
     if (aim.failed) atomic_or(&report->failed, 1u);
+    if (aim.sits_out) {
+      urgency[t] = with_handicap(urgency[t], number);
+      sit_out(report);
+      continue;
+    }
+    if (aim.in_way > 0u) ask_for_way(judge, aim, lists);
     if (!aim.wanted) {
-      urgency[t] &= ~((1u << URGENCY_BITS) - 1u);
+      urgency[t] &= ~URGENCY_IN_THE_WAY;
       continue;
     }
     const bool on_edge = aim.at.kind == GCDT_AT_EDGE;
@@ -366,7 +408,7 @@ kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* e
 static uint reason_of(Judge judge, uint face, Lists lists) {
   const Judged j = judge_face(judge, face);
   if (j.verdict <= VERDICT_FINE) return j.verdict;
-  const Aim aim = aim_from(judge, face, j, false, lists, 0);
+  const Aim aim = aim_from(judge, face, j, true, ~0ul, 0, lists);
   if (aim.failed) atomic_or(&lists.report->failed, 1u);
   if (aim.fixed > 0u) return GCDT_LEFT_FIXED;
   if (aim.wanted || aim.open > 0u) return GCDT_LEFT_LIMIT;

@@ -50,6 +50,7 @@ typedef struct RefineReport {
   u32 failed;                     // a loop did not end where theory says it must
   u32 bad;                        // the length of the list of triangles to be mended
   u32 aiming;                     // of that of those that need not wait
+  u32 sitting_out;                // whether triangles of large cavities have sat this round out
   u32 asked;                      // of that of subsegments to be split
   u32 candidates;                 // of that of candidates, counted on where they do not fit
   u32 blocks;                     // of lists of cavities, counted on where there are none left
@@ -86,21 +87,36 @@ GCDT_INLINE u32 gcdt_log2(u64 value) {
   return bits;
 }
 
+// To within 2^-22 of the value: of its magnitude, since the limbs of a negative number cancel.
+GCDT_INLINE float gcdt_as_float(Int128 value) {
+  const int negative = value.high < 0;
+  const u64 low = negative ? 0u - value.low : value.low,
+            high = (u64)(negative ? ~value.high : value.high) + (u64)(negative && low == 0);
+  const float magnitude = (float)high * 18446744073709551616.0f + (float)low;
+  return negative ? -magnitude : magnitude;
+}
+
 // floor(numerator / denominator + 1/2), of which the magnitude is below 2^39, for |numerator| < 2^97 and 0 <
-// denominator < 2^63. With N the numerator and D the denominator it is floor((2N + D) / 2D), found bit by bit from
-// -2^39: products are below 2^63 * 2^41.
+// denominator < 2^63. With N the numerator, D the denominator and W = 2D it is floor((2N + D) / W). Floats guess it, to
+// within 2^-20 whatever their rounding, and integers take away what was guessed: |rest| / W falls from 2^39 below 2^20,
+// 3 and 2. So the loop ends, within W of 0 .. W; what is left is exact, and the next one ends after two steps.
 GCDT_INLINE i64 gcdt_round_quotient(Int128 numerator, i64 denominator) {
-  const i64 least = -((i64)1 << 39);
-  Int128 rest = gcdt_add(numerator, numerator), whole;
-  whole.low = (u64)denominator;
-  whole.high = 0;
-  rest = gcdt_add(rest, whole);
-  i64 q = least;
-  for (int bit = 39; bit >= 0; --bit) {
-    const i64 more = q + ((i64)1 << bit);
-    if (gcdt_sign128(gcdt_add(rest, gcdt_multiply(-denominator, 2 * more))) >= 0) q = more;
+  Int128 rest = gcdt_add(numerator, numerator), once, whole;
+  once.low = (u64)denominator;
+  once.high = 0;
+  rest = gcdt_add(rest, once);
+  whole = gcdt_add(once, once);
+  const float divisor = 2.0f * (float)denominator;
+  i64 q = 0;
+  for (int guess = 0; guess < 8; ++guess) {
+    const i64 step = (i64)(gcdt_as_float(rest) / divisor);
+    if (step == 0) break;
+    q += step;
+    rest = gcdt_add(rest, gcdt_multiply(-denominator, 2 * step));
   }
-  return q;
+  for (; rest.high < 0; --q) rest = gcdt_add(rest, whole);
+  const Int128 beyond = gcdt_add(rest, gcdt_multiply(-denominator, 2));
+  return beyond.high < 0 ? q : q + 1;
 }
 
 GCDT_INLINE i64 gcdt_dot(Vertex from, Vertex a, Vertex b) {
@@ -314,7 +330,7 @@ GCDT_INLINE i64 gcdt_shell(Piece piece, u64 squared_length) {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(RefineRules) == 5 * sizeof(u64) + 4 * sizeof(u32), "the same layout on host and device");
-static_assert(sizeof(RefineReport) == (11 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
+static_assert(sizeof(RefineReport) == (12 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -7,18 +7,47 @@
 // faces that are only too large, which mend nothing but themselves. A face whose aim was in vain stays in no one's way
 // until its triangle changes, so a round without candidates leaves fewer that do, or has none that waits.
 //
-// Of a sharp face the upper half of its word of `urgency` is its place in that order, above 0; the lower half is that,
-// too, unless it has aimed in vain. All other words are 0.
+// Around a dense outline most triangles are slivers whose cavities have hundreds or thousands of faces, and share them:
+// one of these wins. So who may go through a large cavity is drawn by lot (Lots, below).
+//
+// Of a sharp face the upper half of its word of `urgency` is its place in that order, above 0, of others 0. Bit 0: it
+// is in the way of others, as it has not aimed in vain. Bits 1 and 2: its handicap in the next draw.
 #ifndef GCDT_WAIT_H
 #define GCDT_WAIT_H
 
 #include "refine/cavity.h"
 
 #define URGENCY_BITS 16u
+#define URGENCY_IN_THE_WAY 1u
+#define URGENCY_HANDICAP_BIT 1u
+#define URGENCY_MOST_HANDICAP 3u
 
 static inline uint urgency_of(Shape s) { return gcdt_precedence(s.shortest, gcdt_badness(s)); }
 
-static inline uint in_the_way(uint word) { return word & ((1u << URGENCY_BITS) - 1u); }
+static inline uint in_the_way(uint word) { return word & URGENCY_IN_THE_WAY ? word >> URGENCY_BITS : 0u; }
+
+// ---- Lots ---------------------------------------------------------------------------------------------------
+// In each round a triangle draws a number: 0 or more, 1 or more in one of two draws, 2 or more in one of four, and so
+// on. With number k it may go through a cavity of `most` 2^k faces; if that has more, it sits this round out. So of
+// triangles that share a large cavity about `most` are left to claim it, whatever its size, and they look at about as
+// many faces each. The number comes from the corners' places and the round: it is the same on every device, and anew in
+// each round.
+
+static inline uint draw(Mesh mesh, uint4 corners, uint round) {
+  u64 sum = gcdt_mix(round + 1u);
+  for (uint k = 0; k < 3u; ++k) sum += gcdt_mix(gcdt_tie_key(vertex_at(mesh.points, element(corners, k))));
+  const uint lot = (uint)(gcdt_mix(sum) >> 32) | (1u << 20);
+  return popcount((lot & (~lot + 1u)) - 1u);
+}
+
+// One whose cavity was too large needs a greater number than that time to look again: a cavity mostly stays as large.
+// The handicap is small, so that one that has shrunk is looked at in some rounds.
+static inline uint handicap_of(uint word) { return word >> URGENCY_HANDICAP_BIT & URGENCY_MOST_HANDICAP; }
+
+static inline uint with_handicap(uint word, uint number) {
+  return (word & ~(URGENCY_MOST_HANDICAP << URGENCY_HANDICAP_BIT)) | min(number + 1u, URGENCY_MOST_HANDICAP)
+                                                                         << URGENCY_HANDICAP_BIT;
+}
 
 // The face beyond an unconstrained side; GCDT_NONE beyond others.
 static inline uint ref_beyond(Mesh mesh, volatile global const uint* marks, uint code) {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t round_limit = 1u << 20;
 
 // Of RefineReport: the words that a round counts from zero, and those that refine_aim and refine_place count.
-constexpr std::size_t words_of_round = 7, first_of_candidates = 4;
+constexpr std::size_t words_of_round = 8, first_of_candidates = 5;
 constexpr std::size_t words_of_report = sizeof(device::RefineReport) / sizeof(cl_uint);
 
 // Room that is made at a time, as a share of the vertices that are there.
@@ -25,6 +25,12 @@ constexpr std::uint32_t least_room = 1024;
 // Faces for each block of lists of cavities. Most candidates win, and winners have six faces each; where more triangles
 // than that are too large at once, their cavities are gone through again.
 constexpr std::uint32_t faces_per_block = 16;
+
+// Faces of a cavity that any triangle may go through (wait.h, Lots). Ordinary cavities have about six. Fewer would make
+// more rounds; more cost dense outlines in proportion.
+constexpr cl_uint most_faces = 8;
+// Doubled so often, that is more than any mesh has.
+constexpr std::uint32_t most_doublings = 28;
 
 /// Makes `buffer` hold `size` elements, of which the first `kept` stay.
 template <class T>
@@ -122,9 +128,9 @@ void Refiner::launch_judge(const char* kernel, runtime::Range range, const Last&
                   mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_, last...);
 }
 
-// Finds the candidates, in order of precedence, the last first of all. Ends: the second time there is room for all of
-// them, since the same ones are found.
-void Refiner::find_candidates() {
+// `idle`: how many times none was found since the last one. Finds the candidates, in order of precedence, the last
+// first of all. Ends: the second time there is room for all of them, since the same ones are found.
+void Refiner::find_candidates(std::uint32_t idle) {
   const cl_uint faces = mesh_.faces(count());
   runtime_.fill<cl_uint>(report_, 0, words_of_round);
   if (!keys_.allocated()) {
@@ -145,10 +151,10 @@ void Refiner::find_candidates() {
                   bad_before_, bad_, urgency_);
   judged_ = count();
   runtime_.launch("judge", "refine_wait", over(faces), mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
-                  mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_);
+                  mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches, cl_uint(idle > 0));
   for (;;) {
     launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
-                 urgency_, blocks(), cavities_);
+                 urgency_, blocks(), most_faces << std::min(idle, most_doublings), result_.searches, cavities_);
     launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
                  edge_pieces_, sharp_);
     last_ = read_report();
@@ -159,6 +165,7 @@ void Refiner::find_candidates() {
     runtime_.reserve(candidates_, "candidates", room);
     runtime_.fill<cl_uint>(report_, 0, words_of_round - first_of_candidates, first_of_candidates);
   }
+  ++result_.searches;
   if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
   runtime_.launch("refine", "refine_forget", over(last_.asked), asked_, mesh_.edge_marks, report_);
 }
@@ -218,15 +225,16 @@ void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
 
 RefineResult Refiner::run(Ticker& ticker) {
   result_ = {};
-  for (std::uint64_t idle = 0;;) {
+  for (std::uint32_t idle = 0;;) {
     ticker.tick("refine", most_added_ == 0 ? 1
                                            : double(added_) / double(std::min<std::uint64_t>(
                                                                   most_added_, 4 * std::uint64_t{inputs_})));
-    find_candidates();
+    find_candidates(idle);
     if (last_.candidates == 0) {
-      if (last_.aiming == last_.bad) break;
-      // All that did not wait aimed in vain, and are in no one's way from now on.
-      if (++idle > last_.bad) throw Error(Status::round_limit, "refine: triangles wait for ever");
+      if (last_.aiming == last_.bad && last_.sitting_out == 0) break;
+      // All that did not wait aimed in vain, and are in no one's way from now on, or sat out: next time all may aim,
+      // and go through twice as many faces.
+      if (++idle > last_.bad + most_doublings) throw Error(Status::round_limit, "refine: triangles wait for ever");
       continue;
     }
     idle = 0;
@@ -236,6 +244,7 @@ RefineResult Refiner::run(Ticker& ticker) {
     const std::uint32_t winners = choose_winners();
     if (winners == 0 || result_.rounds == round_limit)
       throw Error(Status::round_limit, "refine: a round inserted nothing, or there were too many");
+    result_.candidates += last_.candidates;
     insert(winners, most);
     const FlipResult flipped = flip_queued(runtime_, plan_, vertices_, mesh_, lists_, counters_, count(), ticker);
     result_.flips += flipped.flips;

@@ -15,6 +15,8 @@ namespace gcdt {
 /// What a refinement did, and what it could not do.
 struct RefineResult {
   std::uint64_t rounds = 0;
+  std::uint32_t searches = 0;                           ///< for candidates, with those that found none
+  std::uint64_t candidates = 0;                         ///< of all rounds
   std::uint64_t added = 0;                              ///< vertices
   std::uint64_t on_subsegments = 0, bent = 0, far = 0;  ///< of these; beside their subsegments; rounded the other way
   double move = 0;  ///< how far one that this or an earlier refinement put on a piece is from it at most, in cells
@@ -64,7 +66,7 @@ class Refiner {
 
  private:
   void make_room(std::uint32_t capacity);
-  void find_candidates();
+  void find_candidates(std::uint32_t idle);
   std::uint32_t choose_winners();
   void keep_greatest(std::uint32_t winners, std::uint32_t most);
   void insert(std::uint32_t winners, std::uint32_t most);

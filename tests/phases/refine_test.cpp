@@ -10,7 +10,7 @@
 
 #include "kinds.hpp"
 #include "refine_options.hpp"
-#include "refine_oracle.hpp"
+#include "refine_results.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -19,13 +19,6 @@ namespace {
 
 /// PoCL as it is.
 runtime::Runtime& usual() { return *devices_as_all_kinds().front().runtime; }
-
-RefinedResult result_of(runtime::Runtime& runtime, const Workload& work, const Options& options) {
-  Primitives primitives(runtime);
-  return read_refined(runtime,
-                      triangulate(runtime, primitives, source_of(runtime, work.points, work.constraints), options),
-                      integers(work.points));
-}
 
 std::uint64_t tangent_of(double angle) {
   return static_cast<std::uint64_t>(std::llround(std::ldexp(std::tan(angle * std::acos(-1.0) / 180), 31)));
@@ -113,32 +106,6 @@ std::uint64_t number_in(const char* variable, std::uint64_t otherwise) {
 }
 std::uint64_t first_seed() { return number_in("GCDT_REFINED_FIRST", 1); }
 std::uint64_t last_seed() { return first_seed() + number_in("GCDT_REFINED_CASES", 14) - 1; }
-
-/// The triangles with all that is said of them, by coordinates.
-std::vector<std::vector<std::int64_t>> by_coordinates(const RefinedResult& r) {
-  std::vector<std::vector<std::int64_t>> all;
-  for (std::size_t t = 0; t < r.triangles.size(); ++t) {
-    std::vector<std::int64_t> row;
-    for (int k = 0; k < 3; ++k) {
-      row.push_back(r.points[r.triangles[t][k]][0]);
-      row.push_back(r.points[r.triangles[t][k]][1]);
-      row.push_back(r.neighbours[t][k]);
-    }
-    row.push_back(r.constrained[t]);
-    all.push_back(row);
-  }
-  return all;
-}
-
-bool same(const RefinedResult& a, const RefinedResult& b) {
-  const auto words = [](const RefinedResult& r) {
-    std::vector<cl_uint> all;
-    for (const cl_uint4& origin : r.origins) all.insert(all.end(), origin.s, origin.s + 4);
-    return all;
-  };
-  return words(a) == words(b) && by_coordinates(a) == by_coordinates(b) && a.points == b.points &&
-         a.triangles == b.triangles && a.pieces == b.pieces && a.sources == b.sources;
-}
 
 }  // namespace
 
