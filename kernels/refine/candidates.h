@@ -5,31 +5,33 @@
 
 #include "refine/cavity.h"
 
-// What a candidate lies in: (x, y, what, kind | 8 * block), with the first block of its cavity's list.
+// What a candidate lies in: (x, y, what, kind).
 #define GCDT_IN_FACE 0u        // what: the face
 #define GCDT_ON_EDGE 1u        // what: a side code of an unconstrained edge
 #define GCDT_ON_SUBSEGMENT 2u  // what: the edge
 #define GCDT_FAR 4u            // added to the last: rounded the other way
+#define GCDT_LISTED 8u         // added to the first two: the faces of the cavity stand in blocks
 
 static inline uint kind_of_candidate(uint4 candidate) { return candidate.w & 7u; }
-static inline uint block_of_candidate(uint4 candidate) { return candidate.w >> 3; }
 
 // ---- Lists of cavities ------------------------------------------------------------------------------------
-// The faces of a cavity in blocks of eight words: seven faces, less in the last one, which has GCDT_NONE behind them,
-// and the next block. What has no list, because blocks have run out or it is a subsegment's, is gone through again.
-#define GCDT_NO_BLOCK 0x1FFFFFFFu
+// The faces of cavities in blocks of eight words: seven faces, less in the last one, which has GCDT_NONE behind them,
+// and who aims, by its place in the list `aiming`. Who claims them has a work-item for each block, so that a large
+// cavity takes no longer than a small one. What is not listed, because blocks have run out or it is a subsegment's, is
+// gone through again.
 
 typedef struct CavityList {
   global uint* words;
   uint blocks;  // that there is room for
-  uint first, block, used;
+  uint owner, block, used;
 } CavityList;
 
-static inline CavityList begin_list(global uint* words, uint blocks) {
+static inline CavityList begin_list(global uint* words, uint blocks, uint owner) {
   CavityList list;
   list.words = words;
   list.blocks = blocks;
-  list.first = list.block = GCDT_NO_BLOCK;
+  list.owner = owner;
+  list.block = 0u;
   list.used = GCDT_BLOCK - 1u;
   return list;
 }
@@ -37,23 +39,19 @@ static inline CavityList begin_list(global uint* words, uint blocks) {
 // Writes words that no other work-item has: an atomic gives each block once.
 static inline void add_to_list(CavityList* list, uint face, volatile global RefineReport* report) {
   if (list->used == GCDT_BLOCK - 1u) {
-    const uint next = atomic_inc(&report->blocks);
-    if (list->block < list->blocks) list->words[GCDT_BLOCK * list->block + GCDT_BLOCK - 1u] = next;
-    if (list->first == GCDT_NO_BLOCK) list->first = next;
-    list->block = next;
+    list->block = atomic_inc(&report->blocks);
     list->used = 0u;
+    if (list->block < list->blocks) list->words[GCDT_BLOCK * list->block + GCDT_BLOCK - 1u] = list->owner;
   }
   if (list->block < list->blocks) list->words[GCDT_BLOCK * list->block + list->used] = face;
   ++list->used;
 }
 
-// Returns the first block, or GCDT_NO_BLOCK if there was no room for all. (Numbers of blocks ascend, so the last one
-// tells.)
+// Returns GCDT_LISTED if there was room for all, else 0. (Numbers of blocks ascend, so the last one tells.)
 static inline uint end_list(CavityList* list) {
-  if (list->block >= list->blocks) return GCDT_NO_BLOCK;
+  if (list->block >= list->blocks) return 0u;
   if (list->used < GCDT_BLOCK - 1u) list->words[GCDT_BLOCK * list->block + list->used] = GCDT_NONE;
-  list->words[GCDT_BLOCK * list->block + GCDT_BLOCK - 1u] = GCDT_NO_BLOCK;
-  return list->first;
+  return GCDT_LISTED;
 }
 
 // The faces' labels: 0 where the domain is not kept, else 1 + a triangle of the same region. Flips stay in a region.
@@ -93,13 +91,15 @@ static inline void ask(Lists lists, uint edge) {
   lists.asked[atomic_inc(&lists.report->asked)] = edge;
 }
 
-// Any order: candidates are sorted. Those that do not fit are counted, and the host comes again with more room.
-static inline void add_candidate(Lists lists, u64 key, Vertex at, uint what, uint kind) {
+// Any order: candidates are sorted. Those that do not fit are counted, and the host comes again with more room. Returns
+// its number.
+static inline uint add_candidate(Lists lists, u64 key, Vertex at, uint what, uint kind) {
   const uint slot = atomic_inc(&lists.report->candidates);
-  if (slot >= lists.capacity) return;
+  if (slot >= lists.capacity) return slot;
   lists.keys[slot] = key;
   lists.numbers[slot] = slot;
   lists.candidates[slot] = (uint4)((uint)at.x, (uint)at.y, what, kind);
+  return slot;
 }
 
 // If x, on pq's side that the face of `ref` lies on with its corner r, is beyond qr or rp: the code of that side, which

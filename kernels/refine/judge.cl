@@ -352,19 +352,20 @@ kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, vol
 }
 
 // One work-item per face of the list `aiming`. Finds its target, which becomes a candidate, or subsegments are asked
-// for, or neither. Reads the mesh; writes as refine_judge, blocks of `cavities` that an atomic gives once, and its
-// face's word of `urgency`, which no other reads. Launched again with more room, it draws the same number, writes the
-// same, and asks for nothing new.
-kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency, uint blocks,
-                       uint most, uint round, global uint* cavities) {
+// for, or neither. Reads the mesh; writes as refine_judge, blocks of `cavities` that an atomic gives once, its place of
+// `chosen`, which is its candidate if that is listed, else GCDT_NONE, and its face's word of `urgency`, which no other
+// reads. Launched again with more room, it draws the same number, writes the same, and asks for nothing new.
+kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency, uint most,
+                       uint round, uint blocks, global uint* cavities, global uint* chosen) {
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
   const uint count = report->aiming;
   FOR_EACH(i, count) {
     const uint t = aiming[i];
+    chosen[i] = GCDT_NONE;
     const Judged j = judge_face(judge, t);
     if (j.verdict != VERDICT_SHARP && j.verdict != VERDICT_LARGE) continue;
-    CavityList cavity = begin_list(cavities, blocks);
+    CavityList cavity = begin_list(cavities, blocks, i);
     const uint number = draw(judge.mesh, j.corners, round);
     const Aim aim = aim_from(judge, t, j, false, (ulong)most << number, &cavity, lists);
     if (aim.failed) atomic_or(&report->failed, 1u);
@@ -380,8 +381,11 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
     }
     const bool on_edge = aim.at.kind == GCDT_AT_EDGE;
     const uint what = on_edge ? element(face_data[GCDT_SIDES(aim.at.face)], aim.at.corner) : aim.at.face;
-    add_candidate(lists, gcdt_candidate_key(0u, j.shape.shortest, gcdt_badness(j.shape), aim.target), aim.target, what,
-                  (on_edge ? GCDT_ON_EDGE : GCDT_IN_FACE) | end_list(&cavity) << 3);
+    const uint listed = end_list(&cavity);
+    const uint candidate =
+        add_candidate(lists, gcdt_candidate_key(0u, j.shape.shortest, gcdt_badness(j.shape), aim.target), aim.target,
+                      what, (on_edge ? GCDT_ON_EDGE : GCDT_IN_FACE) | listed);
+    if (listed) chosen[i] = candidate;
   }
 }
 

@@ -26,31 +26,33 @@ static bool comes_before(Mesh mesh, uint4 a, uint4 b) {
   return ends_a.x < ends_b.x || (ends_a.x == ends_b.x && ends_a.y < ends_b.y);
 }
 
-// One work-item per candidate, in the order of keys. The first of several with one key sorts these. No race: a run of
-// equal keys has one first, and other work-items write nothing. After: candidates stand in the order of (key, point,
-// ends), which does not depend on how they were found. Ends: each is moved forward at most by the length of its run,
-// which is more than a few where many triangles have one target, and then nothing moves.
-kernel void refine_ties(uint count, GCDT_MESH_PARAMETERS, global const ulong* keys, global const uint4* candidates,
-                        global uint* numbers) {
+// One work-item per candidate, in the order of keys. The first of several with one key sorts these, and tells each its
+// place in order, by number. (Candidates are claimed and inserted in the order in which they were found, which is that
+// of faces: neighbours share cache lines.) All have won until claims are made. And one per subsegment that was asked
+// for: its mark goes. No race: a run of equal keys has one first, other work-items write nothing of it, and each word
+// of `won` and each mark is of one. After: candidates stand in the order of (key, point, ends), which does not depend
+// on how they were found. Ends: each is moved forward at most by the length of its run, which is more than a few where
+// many triangles have one target, and then nothing moves.
+kernel void refine_rank(uint count, GCDT_MESH_PARAMETERS, global const ulong* keys, global const uint4* candidates,
+                        global uint* numbers, global uint* ranks, global uint* won, global const uint* asked,
+                        global uint* edge_marks, global const RefineReport* report) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const uint marked = report->asked;
+  FOR_EACH(i, marked) edge_marks[asked[i]] &= ~GCDT_MARK_ASKED;
   FOR_EACH(i, count) {
     const u64 key = keys[i];
+    won[i] = 1u;
     if (i > 0u && keys[i - 1u] == key) continue;
-    for (uint j = i + 1u; j < count && keys[j] == key; ++j) {
-      const uint number = numbers[j];
-      uint place = j;
+    uint end = i + 1u;
+    for (; end < count && keys[end] == key; ++end) {
+      const uint number = numbers[end];
+      uint place = end;
       for (; place > i && comes_before(mesh, candidates[number], candidates[numbers[place - 1u]]); --place)
         numbers[place] = numbers[place - 1u];
       numbers[place] = number;
     }
+    for (uint j = i; j < end; ++j) ranks[numbers[j]] = j;
   }
-}
-
-// One work-item per candidate, in order. Writes its place there, by number. No race: each has one place. (Candidates
-// are claimed and inserted in the order in which they were found, which is that of faces: neighbours share cache
-// lines.)
-kernel void refine_ranks(uint count, global const uint* numbers, global uint* ranks) {
-  FOR_EACH(i, count) ranks[numbers[i]] = i;
 }
 
 // ---- Claims -----------------------------------------------------------------------------------------------
@@ -78,26 +80,14 @@ static void claim_cavity(Mesh mesh, global const uint* marks, uint root, Vertex 
   if (tour.steps == 0u) atomic_or(&report->failed, 1u);
 }
 
-// Ends: blocks are linked in the order in which they were made.
-static void claim_list(Mesh mesh, global const uint* cavities, uint block, Ticket t) {
-  for (; block != GCDT_NO_BLOCK; block = cavities[GCDT_BLOCK * block + GCDT_BLOCK - 1u])
-    for (uint i = 0; i + 1u < GCDT_BLOCK; ++i) {
-      const uint face = cavities[GCDT_BLOCK * block + i];
-      if (face == GCDT_NONE) return;
-      claim_face(mesh, face, t);
-    }
-}
-
 // All that a candidate needs. Of a subsegment: the faces on both sides, whose flags change; the face that x is in if it
 // is not these; and the cavities of all. A face in which x is, or on whose unconstrained side, is of a cavity: strictly
 // inside a circle is all of the closed face but its corners.
-static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, global const uint* cavities, Ticket t,
+static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Ticket t,
                       volatile global RefineReport* report) {
   const Vertex x = candidate_point(candidate);
   const uint kind = kind_of_candidate(candidate);
-  if (kind < GCDT_ON_SUBSEGMENT && block_of_candidate(candidate) != GCDT_NO_BLOCK) {
-    claim_list(mesh, cavities, block_of_candidate(candidate), t);
-  } else if (kind == GCDT_IN_FACE) {
+  if (kind == GCDT_IN_FACE) {
     claim_cavity(mesh, marks, candidate.z, x, t, report);
   } else if (kind == GCDT_ON_EDGE) {
     claim_cavity(mesh, marks, GCDT_REF_FACE(mesh.edge_faces[candidate.z]), x, t, report);
@@ -114,22 +104,32 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, glob
   }
 }
 
-// One work-item per candidate. Claims its faces, the later in order with precedence: tickets are places there.
-// Reads the mesh, of corners not the claim word beside them. Writes claim words by atomic_max, and won[i] = 0 of those
-// that lose, which were 1, by atomics; what they end with does not depend on the order. After: the faces of those with
-// won[i] = 1 are disjoint; the last in order is one of them.
+// One work-item per candidate that is not listed, and per block of the lists. Claims faces, the later candidate in
+// order with precedence: tickets are places there. Blocks of faces that aimed in vain have no candidate. Reads the
+// mesh, of corners not the claim word beside them. Writes claim words by atomic_max, and won[i] = 0 of those that lose,
+// which were 1, by atomics; what they end with does not depend on the order. After: the faces of those with won[i] = 1
+// are disjoint; the last in order is one of them.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
                          global const uint* numbers, global const uint* ranks, global const uint4* candidates,
-                         global const uint* cavities, volatile global uint* won, volatile global RefineReport* report) {
+                         uint blocks, global const uint* cavities, global const uint* chosen, volatile global uint* won,
+                         volatile global RefineReport* report) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH(i, count) {
-    Ticket t;
-    t.stamp = stamp;
-    t.bits = bits;
-    t.place = ranks[i];
-    t.numbers = numbers;
-    t.won = won;
-    claim_all(mesh, edge_marks, candidates[i], cavities, t, report);
+  Ticket t;
+  t.stamp = stamp;
+  t.bits = bits;
+  t.numbers = numbers;
+  t.won = won;
+  FOR_EACH(i, count + blocks) {
+    if (i < count) {
+      t.place = ranks[i];
+      if (!(candidates[i].w & GCDT_LISTED)) claim_all(mesh, edge_marks, candidates[i], t, report);
+      continue;
+    }
+    global const uint* block = cavities + GCDT_BLOCK * (i - count);
+    const uint candidate = chosen[block[GCDT_BLOCK - 1u]];
+    if (candidate == GCDT_NONE) continue;
+    t.place = ranks[candidate];
+    for (uint k = 0; k + 1u < GCDT_BLOCK && block[k] != GCDT_NONE; ++k) claim_face(mesh, block[k], t);
   }
 }
 
@@ -143,12 +143,6 @@ kernel void refine_in_order(uint count, global const uint* numbers, global const
 kernel void refine_last_in_order(uint count, uint winners, uint most, global const uint* numbers,
                                  global const uint* before, global uint* won) {
   FOR_EACH(i, count) won[numbers[i]] = before[i + 1u] > before[i] && winners - 1u - before[i] < most ? 1u : 0u;
-}
-
-// One work-item per subsegment that was asked for. Takes the marks away. No race: each its own word.
-kernel void refine_forget(global const uint* asked, global uint* edge_marks, global const RefineReport* report) {
-  const uint count = report->asked;
-  FOR_EACH(i, count) edge_marks[asked[i]] &= ~GCDT_MARK_ASKED;
 }
 
 // ---- Insertion ----------------------------------------------------------------------------------------------

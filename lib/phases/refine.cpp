@@ -154,7 +154,8 @@ void Refiner::find_candidates(std::uint32_t idle) {
                   mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches, cl_uint(idle > 0));
   for (;;) {
     launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
-                 urgency_, blocks(), most_faces << std::min(idle, most_doublings), result_.searches, cavities_);
+                 urgency_, most_faces << std::min(idle, most_doublings), result_.searches, blocks(), cavities_,
+                 chosen());
     launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
                  edge_pieces_, sharp_);
     last_ = read_report();
@@ -167,13 +168,23 @@ void Refiner::find_candidates(std::uint32_t idle) {
   }
   ++result_.searches;
   if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
-  runtime_.launch("refine", "refine_forget", over(last_.asked), asked_, mesh_.edge_marks, report_);
+  rank_candidates();
+}
+
+// Brings the candidates into order. All of them have won so far. Subsegments are not asked for any more.
+void Refiner::rank_candidates() {
+  const cl_uint candidates = last_.candidates;
+  primitives_.sort(keys_, numbers_, candidates);
+  runtime_.reserve(won_, "winners", std::size_t{candidates} + 1);
+  runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
+  runtime_.launch("refine", "refine_rank", over(std::max(candidates, last_.asked)), candidates, mesh_.n,
+                  vertices_.points, mesh_.face_data, mesh_.edge_faces, keys_, candidates_, numbers_, ranks_, won_,
+                  asked_, mesh_.edge_marks, report_);
 }
 
 // Returns how many candidates hold all that they claim; won_ is their scan.
 std::uint32_t Refiner::choose_winners() {
-  const cl_uint candidates = last_.candidates;
-  primitives_.sort(keys_, numbers_, candidates);
+  const cl_uint candidates = last_.candidates, listed = std::min(last_.blocks, blocks());
   Stamps stamps(runtime_, candidates);
   stamps.go_on_above(mesh_.claims_below);
   if (stamps.left() == 0) {
@@ -183,15 +194,9 @@ std::uint32_t Refiner::choose_winners() {
   stamp_ = stamps.take();
   bits_ = stamps.bits();
   mesh_.claims_below = stamps.claims_below();
-  runtime_.reserve(won_, "winners", std::size_t{candidates} + 1);
-  runtime_.fill<cl_uint>(won_, 1, candidates);
-  runtime_.launch("refine", "refine_ties", over(candidates), candidates, mesh_.n, vertices_.points, mesh_.face_data,
-                  mesh_.edge_faces, keys_, candidates_, numbers_);
-  runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
-  runtime_.launch("refine", "refine_ranks", over(candidates), candidates, numbers_, ranks_);
-  runtime_.launch("refine", "refine_claim", over(candidates), candidates, stamp_, bits_, mesh_.n, vertices_.points,
-                  mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, numbers_, ranks_, candidates_, cavities_, won_,
-                  report_);
+  runtime_.launch("refine", "refine_claim", over(std::size_t{candidates} + listed), candidates, stamp_, bits_, mesh_.n,
+                  vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, numbers_, ranks_, candidates_,
+                  listed, cavities_, chosen(), won_, report_);
   return primitives_.scan_total(won_, candidates);
 }
 

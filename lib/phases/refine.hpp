@@ -67,6 +67,7 @@ class Refiner {
  private:
   void make_room(std::uint32_t capacity);
   void find_candidates(std::uint32_t idle);
+  void rank_candidates();
   std::uint32_t choose_winners();
   void keep_greatest(std::uint32_t winners, std::uint32_t most);
   void insert(std::uint32_t winners, std::uint32_t most);
@@ -76,6 +77,9 @@ class Refiner {
   cl_uint capacity() const { return static_cast<cl_uint>(keys_.size()); }
   cl_uint blocks() const { return static_cast<cl_uint>(cavities_.size() / GCDT_BLOCK); }
   std::uint32_t count() const { return inputs_ + added_; }
+  /// By place in aiming_: its candidate, if the faces of its cavity are listed. Judged is what was bad before: its
+  /// memory.
+  runtime::Buffer<cl_uint>& chosen() { return bad_before_; }
   template <class... Last>
   void launch_judge(const char* kernel, runtime::Range range, const Last&... last);
 
