@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -26,13 +27,15 @@ using namespace gcdt;
 
 constexpr char usage[] =
     "gcdt_bench_tiles [--device SPEC,...] [--parts P] [--tiles K,...] [--memory MB] [--spill FOLDER]\n"
-    "                 [--crossing reject|drop|split] [--runs R] [--alone yes|no] [--most-host-bytes B] INPUT...\n"
+    "                 [--crossing reject|drop|split] [--runs R] [--alone yes|no] [--most-host-bytes B]\n"
+    "                 [--spans yes|no] INPUT...\n"
     "  INPUT     NAME:SIZE of a recipe (bench/README.md), or a .poly file\n"
     "  --parts   each device is divided into P of as many compute units\n"
     "  --tiles   0: as many as memory asks for; default: the number of devices\n"
     "  --alone   no: without the one call that times and arrays are compared with\n"
     "  --most-host-bytes\n"
     "            a vertex, beside input and result; more is a fault\n"
+    "  --spans   yes: after each row, where the time of one more call goes, by span (gcdt_trace_span)\n"
     "  R: timed calls, 3, after one more if there are several\n";
 
 struct Arguments {
@@ -43,7 +46,7 @@ struct Arguments {
   std::uint64_t memory = 0;
   Options options;
   int runs = 3;
-  bool alone = true;
+  bool alone = true, spans = false;
   double most_host_bytes = 0;
 };
 
@@ -84,6 +87,8 @@ Arguments read(int count, char** words) {
       arguments.runs = std::max(std::stoi(value), 1);
     else if (word == "--alone")
       arguments.alone = value != "no";
+    else if (word == "--spans")
+      arguments.spans = value == "yes";
     else if (word == "--most-host-bytes")
       arguments.most_host_bytes = std::stod(value);
     else if (word == "--crossing")
@@ -161,14 +166,8 @@ class Row {
         input_(input),
         work_(
             bench::make(input, [](const std::vector<bench::Point>& points) { return triangulate(points).triangles; })),
-        devices_(devices.size()) {
-    std::vector<DevicePool::Member> members;
-    for (const cl::Device& device : devices) {
-      members.push_back({cl::Context(), device, {}});
-      if (arguments.memory > 0) members.back().hook.tuning.memory_bytes = arguments.memory;
-    }
-    pool_ = std::make_unique<DevicePool>(std::move(members), runtime::Log(), Trace());
-    pool_->spill_to(arguments.spill);
+        devices_(devices) {
+    pool_ = pool_of(devices, {});
     if (!arguments.alone) return;
     auto handle = std::make_unique<gcdt_solver>();
     handle->state =
@@ -196,10 +195,54 @@ class Row {
     std::array<double, 5> medians{};
     for (std::size_t i = 0; i < steps.size(); ++i) medians[i] = median(steps[i]);
     print(median(one), median(all), medians, fault);
+    if (arguments_.spans && fault.empty()) print_spans(tiles);
     return fault.empty();
   }
 
  private:
+  std::unique_ptr<DevicePool> pool_of(const std::vector<cl::Device>& devices, Trace trace) const {
+    std::vector<DevicePool::Member> members;
+    for (const cl::Device& device : devices) {
+      members.push_back({cl::Context(), device, {}});
+      if (arguments_.memory > 0) members.back().hook.tuning.memory_bytes = arguments_.memory;
+    }
+    auto pool = std::make_unique<DevicePool>(std::move(members), runtime::Log(), std::move(trace));
+    pool->spill_to(arguments_.spill);
+    return pool;
+  }
+
+  /// Of the second call of a pool that has profiling: phases as the host saw them, and in each what the device did.
+  void print_spans(std::uint32_t tiles) {
+    struct Sum {
+      double host_ms = 0, device_ms = 0;
+      int times = 0;
+    };
+    std::map<std::string, Sum> sums;
+    std::unique_ptr<DevicePool> pool = pool_of(devices_, [&](const TraceSpan& span) {
+      if (span.phase == "plan") return;  // no span, but a word
+      const double ms = static_cast<double>(span.end_ns - span.begin_ns) / 1e6;
+      Sum& phase = sums[std::to_string(span.device_number) + " " + span.phase];
+      if (span.on_device) {
+        phase.device_ms += ms;
+      } else if (span.name == span.phase) {
+        phase.host_ms += ms, ++phase.times;
+      } else {
+        Sum& step = sums[std::to_string(span.device_number) + " " + span.phase + " / " + span.name];
+        step.host_ms += ms, ++step.times;
+      }
+    });
+    pool_.swap(pool);
+    double ms = 0;
+    call(tiles, ms);
+    sums.clear();
+    call(tiles, ms);
+    pool_.swap(pool);
+    std::printf("%.1f ms with a trace\n", ms);
+    for (const auto& [name, sum] : sums)
+      std::printf("  %-40s %4d times %9.1f ms, device %9.1f\n", name.c_str(), sum.times, sum.host_ms, sum.device_ms);
+    std::fflush(stdout);
+  }
+
   std::unique_ptr<Triangulation> alone() {
     expected_.reset();
     return std::make_unique<Triangulation>(solver_->triangulate(work_.points, work_.constraints, arguments_.options));
@@ -226,7 +269,8 @@ class Row {
 
   void print(double one, double all, const std::array<double, 5>& steps, const std::string& fault) const {
     std::printf("{\"name\": \"%s\", \"n\": %zu, \"m\": %zu, \"devices\": %zu, \"tiles\": %u, \"call_ms\": %.1f",
-                input_.name.c_str(), work_.points.size(), work_.constraints.size(), devices_, report_.tiles, all);
+                input_.name.c_str(), work_.points.size(), work_.constraints.size(), devices_.size(), report_.tiles,
+                all);
     if (solver_)
       std::printf(", \"one_ms\": %.1f, \"speedup\": %.3f, \"same_bytes\": %s", one, one / all,
                   fault.empty() ? "true" : "false");
@@ -245,7 +289,7 @@ class Row {
   const Arguments& arguments_;
   const bench::Input& input_;
   const bench::Workload work_;
-  const std::size_t devices_;
+  const std::vector<cl::Device>& devices_;
   std::unique_ptr<DevicePool> pool_;
   std::unique_ptr<Solver> solver_;
   std::unique_ptr<Triangulation> expected_;

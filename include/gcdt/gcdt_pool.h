@@ -31,9 +31,9 @@ typedef struct gcdt_pool_options {
   gcdt_trace_function trace;
   void* trace_user;
   uint64_t memory_bytes; /* each device is used as if it had no more memory; 0: all that it has */
-  /* A directory for files to which tiles go that no device has room for, 60 bytes a vertex; nothing is left in it,
-   * however the process ends. Null or empty: to the host's memory. Errors of files: GCDT_ERROR_SPILL_FAILED, of the
-   * problem. */
+  /* A directory for files to which tiles go that no device has room for, 50 bytes a vertex; nothing is left in it,
+   * however the process ends. Null or empty: to where the result is to be, in the host's memory. Errors of files:
+   * GCDT_ERROR_SPILL_FAILED, of the problem. */
   const char* spill_directory;
 } gcdt_pool_options;
 #define GCDT_POOL_OPTIONS_INIT \

@@ -227,6 +227,18 @@ kernel void tile_border(const uint finals, global const uint* before, global con
 
 // ---- The result -------------------------------------------------------------------------------------
 
+// One work-item per GCDT_TILE_STEP final triangles. Writes codes[i], of the first corner of the first of them. Word i
+// has one writer.
+kernel void tile_codes(const uint count, global const uint* corners, global const int2* points, global ulong* codes) {
+  FOR_EACH(i, count) codes[i] = code_of(points[corners[3u * GCDT_TILE_STEP * i]]);
+}
+
+// One work-item per corner of a final triangle that leaves the device before its place is known. Makes the tile's
+// vertex an input number. Word i is read and written by one work-item.
+kernel void tile_input_numbers(const uint count, global const uint* ids, global uint* corners) {
+  FOR_EACH(i, count) corners[i] = ids[corners[i]];
+}
+
 // One work-item per triangle of the seam among those of the tile. Reads its key, the codes of its first two vertices,
 // and the final triangles, which are in the order of theirs. Writes before[i], the number of final ones before it. Word
 // i has one writer. Ends: the range halves.

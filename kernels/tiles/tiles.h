@@ -14,4 +14,7 @@
 #define GCDT_TILE_CONSTRAINED 4u
 #define GCDT_TILE_ON_HULL 8u
 
+// Of so many final triangles that leave the device, the host gets the code of one.
+#define GCDT_TILE_STEP 32u
+
 #endif

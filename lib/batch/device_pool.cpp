@@ -61,6 +61,8 @@ void DevicePool::open(Member& member, std::size_t device, const DevicePlan& plan
     worker.runtime->tracer().set_worker(first + number * devices, number);
     worker.primitives = std::make_unique<Primitives>(*worker.runtime);
     worker.staging = std::make_unique<Staging>(*worker.runtime);
+    if (plan.shares_context && number == 1 && runtime::prepares_host_memory(*worker.runtime))
+      workers_.back().side = std::make_unique<runtime::SideQueue>(*worker.runtime);
     workers_.push_back(std::move(worker));
   }
 }
@@ -169,6 +171,7 @@ PoolResult DevicePool::run(const Call& call) {
   std::vector<std::thread> threads;
   const auto join = [&] {
     for (std::thread& thread : threads) thread.join();
+    rest_sides();
   };
   bool wanted = true;
   try {
@@ -199,7 +202,13 @@ PoolResult DevicePool::run(const Call& call) {
 
 void DevicePool::forget_lost() {
   for (Worker& worker : workers_)
-    if (reports_[worker.device].lost) worker.staging.reset(), worker.primitives.reset(), worker.runtime.reset();
+    if (reports_[worker.device].lost)
+      worker.side.reset(), worker.staging.reset(), worker.primitives.reset(), worker.runtime.reset();
+}
+
+void DevicePool::rest_sides() const {
+  for (const Worker& worker : workers_)
+    if (worker.side) worker.side->rest();
 }
 
 // A worker's thread. It ends when the schedule has nothing left for the worker, or when the device is lost.

@@ -7,6 +7,7 @@
 #include "batch/pool_plan.hpp"
 #include "batch/schedule.hpp"
 #include "batch/warmup.hpp"
+#include "device/side_queue.hpp"
 
 namespace gcdt {
 
@@ -57,14 +58,16 @@ class DevicePool {
     std::size_t device;
     runtime::Runtime& runtime;
     Primitives& primitives;
-    std::uint64_t capacity;  ///< bytes that may be used at once
+    std::uint64_t capacity;    ///< bytes that may be used at once
+    runtime::SideQueue* side;  ///< null: transfers beside other work would gain nothing
   };
   using MakeOne = std::function<ForestResult(Lent& lent, std::uint32_t problem)>;
   /// `gpus`: if there are some that are not lost; else all.
   enum class Who { all, gpus };
   /// As triangulate(), but each problem is made by `make`, by itself, on one worker a device; of the batch only the
   /// sizes are read, and of the options only the progress. An Error of a problem (is_of_problem()) is the problem's;
-  /// others take the device out of the pool. A problem may be made on several devices at once.
+  /// others take the device out of the pool. A problem may be made on several devices at once. When it returns, or
+  /// throws, nothing goes on in a side queue, but what one has thrown is still there to be waited for.
   PoolResult make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make);
   /// Calls `use` for each device that is not lost, at once. Returns whether all did it: a device that throws an Error
   /// is taken out of the pool. Throws if none is left.
@@ -90,6 +93,8 @@ class DevicePool {
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime
+    /// Of a device's first worker: the queue of its second one, which does nothing while devices are lent.
+    std::unique_ptr<runtime::SideQueue> side;
     Throughput throughput;
     Backoff backoff;
     bool warms_up = false;  ///< before it takes part in the first batch
@@ -134,6 +139,7 @@ class DevicePool {
   /// Of the devices that are not lost, ascending; {0} if all are.
   std::vector<std::uint64_t> capacities() const;
   void forget_lost();
+  void rest_sides() const;
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
   /// Whether the worker is the first of a device that is one of these.

@@ -40,7 +40,8 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
     if (reports_[workers_[i].device].lost || !is_first_of(workers_[i], who)) continue;
     threads.emplace_back([&, i] {
       Worker& worker = workers_[i];
-      Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity};
+      Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity,
+                   worker.side.get()};
       const Alone alone(*worker.runtime);
       try {
         use(lent);
@@ -61,6 +62,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
     });
   }
   for (std::thread& thread : threads) thread.join();
+  rest_sides();
   forget_lost();
   if (spill_failed) throw *spill_failed;
   if (all_lost()) throw_reasons();
@@ -69,7 +71,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
 
 DevicePool::Made DevicePool::make_on_lent(Worker& worker, const std::vector<std::uint32_t>& numbers,
                                           const MakeOne& make, std::uint64_t capacity) {
-  Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity};
+  Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity, worker.side.get()};
   const Alone alone(*worker.runtime);
   return make_one_by_one(worker, numbers, [&](std::uint32_t p) {
     ForestResult one = make(lent, p);

@@ -28,6 +28,7 @@ HostRoom::HostRoom(const std::vector<Range>& ranges, unsigned threads) {
       blocks_.push_back({first, bytes});
       at += bytes;
     }
+  states_ = std::vector<std::atomic<State>>(blocks_.size());
   threads = static_cast<unsigned>(std::min<std::size_t>(threads, blocks_.size()));
   threads_.reserve(threads);
   try {
@@ -38,11 +39,25 @@ HostRoom::HostRoom(const std::vector<Range>& ranges, unsigned threads) {
 }
 
 void HostRoom::touch() {
-  for (std::size_t i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < blocks_.size();)
+  for (std::size_t i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < blocks_.size();) {
+    State state = untouched;
+    if (!states_[i].compare_exchange_strong(state, being_touched)) continue;
     for (std::size_t at = 0; at < blocks_[i].bytes; at += to_next(blocks_[i].first + at, page)) {
-      if (enough_.load(std::memory_order_relaxed)) return;
+      if (enough_.load(std::memory_order_relaxed)) break;
       *static_cast<volatile unsigned char*>(blocks_[i].first + at) = 0;
     }
+    states_[i] = left;
+  }
+}
+
+void HostRoom::leave(const Range& range) {
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Range& block = blocks_[i];
+    if (block.first >= range.first + range.bytes || range.first >= block.first + block.bytes) continue;
+    State state = untouched;
+    if (states_[i].compare_exchange_strong(state, left)) continue;
+    while (states_[i] == being_touched) std::this_thread::yield();  // for as long as a block takes
+  }
 }
 
 void HostRoom::stop() {

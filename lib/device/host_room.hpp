@@ -25,14 +25,18 @@ class HostRoom {
   HostRoom(const HostRoom&) = delete;
   HostRoom& operator=(const HostRoom&) = delete;
   ~HostRoom() { stop(); }
+  /// Leaves a part of the memory alone: from now on it is the caller's, touched or not.
+  void leave(const Range& range);
   /// Ends the threads, which is soon, whether all pages are touched or not. From then on nothing is written.
   void stop();
 
  private:
   void touch();
 
+  enum State : unsigned char { untouched, being_touched, left };
   std::vector<Range> blocks_;
-  std::atomic<std::size_t> next_{0};  ///< of the blocks
+  std::vector<std::atomic<State>> states_;  ///< of the blocks
+  std::atomic<std::size_t> next_{0};        ///< of the blocks
   std::atomic<bool> enough_{false};
   std::vector<std::thread> threads_;
 };

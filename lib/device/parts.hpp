@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <future>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace gcdt {
@@ -58,6 +60,16 @@ void for_each_in_threads(std::size_t count, Use&& use, std::size_t least = 4096)
   Parts(count, least).run([&](std::size_t, std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) use(i);
   });
+}
+
+/// Begins work() in a thread; where the system has none, it is done when it is waited for.
+template <class Work>
+std::future<void> begin_in_thread(Work&& work) {
+  try {
+    return std::async(std::launch::async, work);
+  } catch (const std::system_error&) {
+    return std::async(std::launch::deferred, std::forward<Work>(work));
+  }
 }
 
 /// The sum of count(i) over all i below `end`.

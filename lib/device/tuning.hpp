@@ -282,8 +282,8 @@ struct Tuning {
   /// start (not measured).
   static constexpr std::uint64_t least_prepared_vertices = 1u << 15;
   /// Vertices of the input that a tile looks through at once: as many as a part of the device's memory has room for at
-  /// 32 bytes each, within these.
-  static constexpr std::size_t least_tile_chunk = std::size_t{1} << 14, most_tile_chunk = std::size_t{1} << 22;
+  /// 32 bytes each, within these: a chunk takes two waits (NOTES, "Tiles").
+  static constexpr std::size_t least_tile_chunk = std::size_t{1} << 14, most_tile_chunk = std::size_t{1} << 24;
   static constexpr std::uint64_t part_of_tile_chunk = 512;
   /// Of so many of the host's cores one makes room for the result of tiles.
   static constexpr unsigned cores_of_room_thread = 4;

@@ -2,45 +2,93 @@
 #include "tiles/final.hpp"
 
 #include "device/step.hpp"
+#include "tiles/tiles.h"
 
 namespace gcdt::tiles {
 
 using runtime::over;
 using runtime::Runtime;
 
-void FinalTriangles::spill(Runtime& runtime, const std::string& directory) {
-  auto spilled = std::make_unique<Spill>(directory);
-  spilled->put(runtime, corners);
-  spilled->put(runtime, neighbours);
-  spilled->put(runtime, constrained);
-  spilled->put(runtime, ids);
-  spilled->put(runtime, points);
-  release();
-  spilled_ = std::move(spilled);
+std::uint64_t FinalTriangles::device_bytes() const {
+  if (!on_device()) return 0;
+  return corners.bytes() + neighbours.bytes() + constrained.bytes() + (ids.allocated() ? ids.bytes() : 0) +
+         (points.allocated() ? points.bytes() : 0);
 }
 
-void FinalTriangles::load(Runtime& runtime) {
-  corners = spilled_->take<cl_uint>(runtime, "final corners");
-  neighbours = spilled_->take<cl_int>(runtime, "final neighbours");
-  constrained = spilled_->take<cl_uchar>(runtime, "final flags");
-  ids = spilled_->take<cl_uint>(runtime, "input numbers of a tile");
-  points = spilled_->take<cl_int2>(runtime, "points of a tile");
-  spilled_.reset();
+std::function<void(Runtime& runtime)> FinalTriangles::begin_spill(Runtime& runtime, const SpillTo& to) {
+  auto made = std::make_shared<Spilled>();
+  made->berth = to.in_result;
+  if (!to.directory.empty())
+    made->file.emplace(to.directory);
+  else if (!to.in_result.triangles)
+    made->berth = {made->triangles.make<Triangle>(count), made->neighbours.make<Neighbours>(count),
+                   made->constrained.make<std::uint8_t>(count)};
+  if (ids.allocated()) {
+    take_codes(runtime);
+    const cl_uint words = 3 * count;
+    if (words > 0) runtime.launch("tiles", "tile_input_numbers", over(words), words, ids, corners);
+    // From here on corners are input numbers, or will be, and must not be made so twice, even if waiting fails.
+    const runtime::Buffer<cl_uint> in_use = std::move(ids);
+    points = {};
+    runtime.finish();
+  }
+  spilled_ = made;
+  return [this, made](Runtime& any) {
+    Step reading(any, "spill");
+    if (made->file) {
+      made->file->put(any, corners);
+      made->file->put(any, neighbours);
+      made->file->put(any, constrained);
+    } else if (count > 0) {
+      any.read_all({{corners.handle(), made->berth.triangles, count * sizeof(Triangle)},
+                    {neighbours.handle(), made->berth.neighbours, count * sizeof(Neighbours)},
+                    {constrained.handle(), made->berth.constrained, count}});
+    }
+    reading.end();
+    made->done = true;
+  };
+}
+
+void FinalTriangles::take_codes(Runtime& runtime) {
+  codes.resize((count + GCDT_TILE_STEP - 1) / GCDT_TILE_STEP);
+  if (codes.empty()) return;
+  const auto size = static_cast<cl_uint>(codes.size());
+  const auto made = runtime.allocate<cl_ulong>("codes of final triangles", size);
+  runtime.launch("tiles", "tile_codes", over(size), size, corners, points, made);
+  runtime.read(made, codes.data(), size);
+}
+
+void FinalTriangles::end_spill() {
+  if (!spilled_) return;
+  if (spilled_->done)
+    corners = {}, neighbours = {}, constrained = {};
+  else
+    spilled_.reset();
+}
+
+void FinalTriangles::spill(Runtime& runtime, const SpillTo& to) {
+  try {
+    begin_spill(runtime, to)(runtime);
+  } catch (...) {
+    end_spill();
+    throw;
+  }
+  end_spill();
 }
 
 void FinalTriangles::release() {
   corners = {}, neighbours = {}, constrained = {}, ids = {}, points = {};
+  codes = {};
   spilled_.reset();
 }
 
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
-                                      Triangle* triangles, Neighbours* neighbours, std::uint8_t* constrained) {
+                                      const Berth& to) {
   const auto seam = static_cast<cl_uint>(places.keys.size());
   const std::size_t count = std::size_t{final.count} + seam;
   if (final.count == 0) return std::vector<std::uint32_t>(seam, 0);
   Runtime& runtime = lent.runtime;
   Step writing(runtime, "write");
-  if (!final.on_device()) final.load(runtime);
   auto before = runtime.allocate<cl_uint>("final triangles before", seam);
   if (seam > 0) {
     auto keys = runtime.allocate<cl_ulong2>("keys of the seam's triangles", seam);
@@ -54,9 +102,9 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   const auto flags = runtime.allocate<cl_uchar>("output flags", count);
   runtime.launch("tiles", "tile_write", over(final.count), final.count, cl_uint{places.first}, at, final.ids,
                  final.corners, final.neighbours, final.constrained, corners, others, flags);
-  runtime.read_all({{corners.handle(), triangles, count * sizeof(Triangle)},
-                    {others.handle(), neighbours, count * sizeof(Neighbours)},
-                    {flags.handle(), constrained, count}});
+  runtime.read_all({{corners.handle(), to.triangles, count * sizeof(Triangle)},
+                    {others.handle(), to.neighbours, count * sizeof(Neighbours)},
+                    {flags.handle(), to.constrained, count}});
   std::vector<std::uint32_t> counts(seam);
   runtime.read(before, counts.data(), seam);
   writing.end();

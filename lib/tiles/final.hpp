@@ -2,6 +2,11 @@
 // The triangles of a tile that are of the whole result, from the tile's run until they are written there.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
 #include "batch/device_pool.hpp"
 #include "tiles/spill.hpp"
 
@@ -10,27 +15,69 @@ namespace gcdt::tiles {
 using Triangle = std::array<std::uint32_t, 3>;
 using Neighbours = std::array<std::int32_t, 3>;
 
+/// Where triangles are, or are to be, in the host's memory.
+struct Berth {
+  Triangle* triangles = nullptr;
+  Neighbours* neighbours = nullptr;
+  std::uint8_t* constrained = nullptr;
+
+  Berth from(std::size_t triangle) const {
+    return {triangles + triangle, neighbours + triangle, constrained + triangle};
+  }
+};
+
+/// Where a tile goes that is spilled.
+struct SpillTo {
+  std::string directory;  ///< of a file (see Spill); empty: to memory
+  Berth in_result{};      ///< if it can be there; else to memory of its own
+};
+
 /// The final triangles, as long as their places in the result are not known: on the device, or spilled to the host.
 class FinalTriangles {
  public:
   std::uint32_t count = 0;
-  runtime::Buffer<cl_uint> corners;  ///< the tile's vertices
+  runtime::Buffer<cl_uint> corners;  ///< the tile's vertices; input numbers from begin_spill() on
   runtime::Buffer<cl_int> neighbours;
   runtime::Buffer<cl_uchar> constrained;
+  // Until begin_spill().
   runtime::Buffer<cl_uint> ids;     ///< by vertex: input numbers
   runtime::Buffer<cl_int2> points;  ///< by vertex
+  /// From begin_spill() on: the code of the first corner of each GCDT_TILE_STEP-th triangle.
+  Array<cl_ulong> codes;
 
+  /// Of a tile of so many vertices, at most, while it is spilled.
+  static constexpr std::uint64_t bytes_that_leave(std::uint64_t vertices) { return 2 * (12 + 12 + 1) * vertices; }
   bool on_device() const { return corners.allocated(); }
-  /// `directory`: see Spill. After an error all is on the device as before.
-  void spill(runtime::Runtime& runtime, const std::string& directory);
-  bool is_spilled() const { return spilled_ != nullptr; }
-  /// Back to a device, any of the pool's.
-  void load(runtime::Runtime& runtime);
+  std::uint64_t device_bytes() const;
+
+  /// The first step of a spill, on the device's first queue, which is finished afterwards. Returns the second, which
+  /// any queue of the device can take, in any thread, while nothing else here is called but on_device().
+  std::function<void(runtime::Runtime& runtime)> begin_spill(runtime::Runtime& runtime, const SpillTo& to);
+  /// The last step: gives back the device's memory if the second one has come to its end; else all is on the device
+  /// yet, and can be spilled again.
+  void end_spill();
+  /// All steps.
+  void spill(runtime::Runtime& runtime, const SpillTo& to);
+  /// Whether it has begun and all is on the device yet: it cannot be written from there any more.
+  bool spill_failed() const { return on_device() && !ids.allocated(); }
+  bool is_spilled() const { return !on_device() && spilled_; }
+  bool is_in_result() const { return is_spilled() && !spilled_->file && !spilled_->triangles.bytes; }
+  /// What has been spilled: in this file, or in memory.
+  Spill* file() { return spilled_->file ? &*spilled_->file : nullptr; }
+  const Berth& berth() const { return spilled_->berth; }
   /// Gives all memory back; `count` stays.
   void release();
 
  private:
-  std::unique_ptr<Spill> spilled_;
+  void take_codes(runtime::Runtime& runtime);
+
+  struct Spilled {
+    std::optional<Spill> file;
+    HostArray triangles, neighbours, constrained;  ///< of its own
+    Berth berth;
+    bool done = false;
+  };
+  std::shared_ptr<Spilled> spilled_;
 };
 
 /// Where the triangles of a tile go in the result.
@@ -40,9 +87,9 @@ struct TilePlaces {
   std::vector<std::array<std::uint64_t, 2>> keys;
 };
 
-/// Writes the final triangles to their places in arrays that begin with the tile's first triangle, on the device that
+/// Writes the final triangles to their places behind `to`, where the tile's first triangle is to be, by the device that
 /// has them. Returns for each triangle of the seam how many final ones come before it.
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
-                                      Triangle* triangles, Neighbours* neighbours, std::uint8_t* constrained);
+                                      const Berth& to);
 
 }  // namespace gcdt::tiles

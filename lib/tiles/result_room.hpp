@@ -3,6 +3,7 @@
 #pragma once
 
 #include <future>
+#include <mutex>
 #include <thread>
 
 #include "device/host_room.hpp"
@@ -11,7 +12,14 @@
 
 namespace gcdt::tiles {
 
-/// Room for the triangles of n vertices, and their representatives. Only time depends on when it is made.
+/// Of a result's triangles.
+inline Berth berth_of(ForestResult& result) {
+  return {elements_of<Triangle>(result, GCDT_TRIANGLES), elements_of<Neighbours>(result, GCDT_NEIGHBOURS),
+          elements_of<std::uint8_t>(result, GCDT_CONSTRAINED)};
+}
+
+/// Room for the triangles of n vertices, and their representatives. Only time depends on when it is made. Tiles wait
+/// there for their places.
 class ResultRoom {
  public:
   ResultRoom(const DevicePool& pool, std::uint64_t n) : vertices_(static_cast<std::size_t>(n)) {
@@ -19,19 +27,28 @@ class ResultRoom {
     const unsigned threads = std::max(1u, std::thread::hardware_concurrency() / Tuning::cores_of_room_thread);
     try {
       make(2 * vertices_);
-      const auto touched = [&](std::int32_t array, std::size_t bytes) {
-        return runtime::HostRoom::Range{elements_of<unsigned char>(made_, array), bytes};
-      };
-      room_.emplace(std::vector{touched(GCDT_TRIANGLES, 2 * vertices_ * sizeof(Triangle)),
-                                touched(GCDT_NEIGHBOURS, 2 * vertices_ * sizeof(Neighbours)),
-                                touched(GCDT_CONSTRAINED, 2 * vertices_)},
-                    threads);
+      std::vector<runtime::HostRoom::Range> all;  // as tiles come
+      for (std::size_t part = 0; part < parts_in_turn; ++part) {
+        const std::size_t first = 2 * vertices_ * part / parts_in_turn,
+                          end = 2 * vertices_ * (part + 1) / parts_in_turn;
+        for (const runtime::HostRoom::Range& range : ranges(first, end - first)) all.push_back(range);
+      }
+      room_.emplace(all, threads);
       numbering_ = std::async(std::launch::async, [this] { number(); });
     } catch (const std::exception&) {
       // There is no memory, or no thread: take() asks again, and reports it.
     }
   }
   ResultRoom(const ResultRoom&) = delete;
+
+  /// Where triangles from number `first` on wait until take(), which leaves them there. From any thread.
+  Berth berth(std::size_t first, std::size_t count) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    make(2 * vertices_);
+    if (room_)
+      for (const runtime::HostRoom::Range& range : ranges(first, count)) room_->leave(range);
+    return berth_of(made_).from(first);
+  }
 
   /// A result with room for so many triangles, in which every vertex stands for itself.
   ForestResult take(std::size_t triangles) {
@@ -52,7 +69,16 @@ class ResultRoom {
     for_each_in_threads(vertices_, [&](std::size_t v) { representative[v] = static_cast<std::uint32_t>(v); });
   }
 
+  std::array<runtime::HostRoom::Range, 3> ranges(std::size_t first, std::size_t count) {
+    const Berth all = berth_of(made_).from(first);
+    return {runtime::HostRoom::Range{reinterpret_cast<unsigned char*>(all.triangles), count * sizeof(Triangle)},
+            {reinterpret_cast<unsigned char*>(all.neighbours), count * sizeof(Neighbours)},
+            {all.constrained, count}};
+  }
+
+  static constexpr std::size_t parts_in_turn = 64;
   std::size_t vertices_;
+  std::mutex mutex_;  ///< of berth()
   ForestResult made_;
   std::optional<runtime::HostRoom> room_;
   std::future<void> numbering_;  ///< it writes representatives, and nothing else does meanwhile

@@ -81,15 +81,17 @@ std::uint64_t hull_edges(const Solved& solved) {
   std::uint64_t edges = 0;
   for (const SolvedTile& tile : solved.tiles)
     for (const BorderEdge& edge : tile.border) edges += edge.is_on_hull();
-  for (std::size_t t = 0; t < solved.between.kept.size(); ++t)
-    for (std::size_t k = 0; solved.between.kept[t] && k < 3; ++k) {
-      const std::int32_t border = solved.between.border[t][k];
-      if (border >= 0)
-        edges -= solved.seam.border[static_cast<std::size_t>(border)].edge.is_on_hull();
-      else
-        edges += solved.between.mesh.neighbours[t][k] < 0;
-    }
-  return edges;
+  return edges + count_in_threads(solved.between.kept.size(), [&](std::size_t t) {
+           std::int64_t more = 0;  // modulo 2^64, as the sum is
+           for (std::size_t k = 0; solved.between.kept[t] && k < 3; ++k) {
+             const std::int32_t border = solved.between.border[t][k];
+             if (border >= 0)
+               more -= solved.seam.border[static_cast<std::size_t>(border)].edge.is_on_hull();
+             else
+               more += solved.between.mesh.neighbours[t][k] < 0;
+           }
+           return more;
+         });
 }
 
 }  // namespace

@@ -142,17 +142,21 @@ Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const 
   seam.firsts.push_back(static_cast<std::uint32_t>(seam.ids.size()));
   const SeamNumbers numbers(shares, seam.firsts);
   for (std::uint32_t t = 0; t < tiles.size(); ++t)
-    for (const BorderEdge& edge : shares[t].border) {
-      seam.constraints.push_back({numbers.of(t, edge.to), numbers.of(t, edge.from)});
-      seam.border.push_back({t, edge});
-    }
+    for (const BorderEdge& edge : shares[t].border) seam.border.push_back({t, edge});
   for (std::uint32_t t = 0; t < tiles.size(); ++t)
-    for (std::uint32_t p = 0; p < tiles[t].pieces.size(); ++p) {
-      if (tiles[t].kept[p] != 0) continue;
+    for (std::uint32_t p = 0; p < tiles[t].pieces.size(); ++p)
+      if (tiles[t].kept[p] == 0) seam.parts.push_back({t, p});
+  seam.constraints.resize(seam.first_open());
+  for_each_in_threads(seam.first_open(), [&](std::size_t c) {
+    if (c < seam.first_part()) {
+      const auto& [t, edge] = seam.border[c];
+      seam.constraints[c] = {numbers.of(t, edge.to), numbers.of(t, edge.from)};
+    } else {
+      const auto& [t, p] = seam.parts[c - seam.first_part()];
       const Constraint& ends = tiles[t].pieces[p];
-      seam.constraints.push_back({numbers.of(t, ends[0]), numbers.of(t, ends[1])});
-      seam.parts.push_back({t, p});
+      seam.constraints[c] = {numbers.of(t, ends[0]), numbers.of(t, ends[1])};
     }
+  });
   add_open(seam, cuts, open, tiles, numbers);
   return seam;
 }

@@ -19,8 +19,8 @@ namespace gcdt::tiles {
 
 namespace {
 
-// Bytes that go between a device and a file at once.
-constexpr std::size_t most_at_once = std::size_t{1} << 24;
+// Bytes that go to or from a file at once: a multiple of every element's.
+constexpr std::size_t most_at_once = std::size_t{3} << 23;
 
 /// Null, with errno, if it cannot be made.
 std::FILE* nameless_file(const std::string& directory) {
@@ -48,7 +48,6 @@ std::FILE* nameless_file(const std::string& directory) {
 }  // namespace
 
 Spill::Spill(const std::string& directory) : directory_(directory) {
-  if (directory.empty()) return;
   file_.reset(nameless_file(directory));
   if (!file_) fail("no file can be made");
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);
@@ -59,10 +58,7 @@ void Spill::fail(const char* what) const {
 }
 
 void Spill::put_bytes(runtime::Runtime& runtime, cl_mem from, std::size_t bytes) {
-  if (!file_) {
-    arrays_.emplace_back();
-    return runtime.read_bytes(from, 0, arrays_.back().make<unsigned char>(bytes), bytes);
-  }
+  sizes_.push_back(bytes);
   std::vector<unsigned char> part(std::min(bytes, most_at_once));
   for (std::size_t at = 0; at < bytes; at += part.size()) {
     const std::size_t count = std::min(part.size(), bytes - at);
@@ -71,19 +67,18 @@ void Spill::put_bytes(runtime::Runtime& runtime, cl_mem from, std::size_t bytes)
   }
 }
 
-void Spill::take_bytes(runtime::Runtime& runtime, cl_mem to, std::size_t bytes) {
-  const std::size_t number = taken_++;
-  if (!file_) {
-    runtime.write_bytes(to, 0, arrays_[number].bytes.get(), bytes);
-    arrays_[number] = {};
-    return;
-  }
+void Spill::take_parts(
+    std::size_t element,
+    const std::function<void(const unsigned char* part, std::size_t first, std::size_t count)>& use) {
+  const std::size_t number = taken_++, bytes = sizes_.at(number);
   if (number == 0) std::rewind(file_.get());
-  std::vector<unsigned char> part(std::min(bytes, most_at_once));
-  for (std::size_t at = 0; at < bytes; at += part.size()) {
-    const std::size_t count = std::min(part.size(), bytes - at);
-    if (std::fread(part.data(), 1, count, file_.get()) != count) fail("reading failed");
-    runtime.write_bytes(to, at, part.data(), count);
+  HostArray part;
+  const std::size_t most = std::min(bytes, most_at_once);
+  part.make<unsigned char>(most);
+  for (std::size_t at = 0; at < bytes; at += most) {
+    const std::size_t count = std::min(most, bytes - at);
+    if (std::fread(part.bytes.get(), 1, count, file_.get()) != count) fail("reading failed");
+    use(part.bytes.get(), at / element, count / element);
   }
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of the host's, or of a file, for what has no room on a device.
+// A file for what has no room on a device.
 #pragma once
 
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,23 +13,24 @@
 
 namespace gcdt::tiles {
 
-/// Arrays that are taken back once, in the order in which they were put. Errors: Status::spill_failed.
+/// Arrays that the host takes once, in the order in which they were put. Errors: Status::spill_failed.
 class Spill {
  public:
   /// `directory`: of a file that has no name from the moment it is there, so that nothing is left of it however the
-  /// process ends (where the file system has none such, it loses its name while it is empty); empty: in memory.
+  /// process ends (where the file system has none such, it loses its name while it is empty).
   explicit Spill(const std::string& directory);
 
   template <class T>
   void put(runtime::Runtime& runtime, const runtime::Buffer<T>& buffer) {
-    sizes_.push_back(buffer.size());
     put_bytes(runtime, buffer.handle(), buffer.size() * sizeof(T));
   }
-  template <class T>
-  runtime::Buffer<T> take(runtime::Runtime& runtime, const char* name) {
-    auto buffer = runtime.allocate<T>(name, sizes_.at(taken_));
-    take_bytes(runtime, buffer.handle(), buffer.size() * sizeof(T));
-    return buffer;
+  /// Calls use(values, first) for the parts of the next array in their order, the first of which begins with element
+  /// number `first`. The array is gone afterwards.
+  template <class T, class Use>
+  void take(Use&& use) {
+    take_parts(sizeof(T), [&](const unsigned char* part, std::size_t first, std::size_t count) {
+      use(Span<T>(reinterpret_cast<const T*>(part), count), first);
+    });
   }
 
  private:
@@ -36,13 +38,13 @@ class Spill {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   void put_bytes(runtime::Runtime& runtime, cl_mem from, std::size_t bytes);
-  void take_bytes(runtime::Runtime& runtime, cl_mem to, std::size_t bytes);
+  void take_parts(std::size_t element,
+                  const std::function<void(const unsigned char* part, std::size_t first, std::size_t count)>& use);
   [[noreturn]] void fail(const char* what) const;
 
   std::string directory_;
   std::unique_ptr<std::FILE, Close> file_;
-  std::vector<HostArray> arrays_;  ///< in memory
-  std::vector<std::size_t> sizes_;
+  std::vector<std::size_t> sizes_;  ///< in bytes
   std::size_t taken_ = 0;
 };
 

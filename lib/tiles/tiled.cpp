@@ -12,6 +12,9 @@ namespace {
 
 /// Vertices of a tile at least, where tiles are made for want of memory: smaller ones are mostly seam.
 constexpr std::size_t least_of_tile = 4096;
+/// So many times as many tiles as must be, for the input and a tile that leaves to have room beside the next one: the
+/// seam grows with the root of their number.
+constexpr std::size_t most_tiles_for_room = 2;
 
 }  // namespace
 
@@ -99,9 +102,14 @@ bool solve_in_tiles(DevicePool& pool, const BatchInput& batch, std::uint32_t pro
 }  // namespace
 
 std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_t m) {
-  std::size_t tiles = 1;
-  while (tiles < GCDT_MAX_TILES && forest_bytes(1, n / tiles, m / tiles) > pool.capacity() / 5 * 4) ++tiles;
-  return tiles;
+  const auto tile_bytes = [&](std::size_t tiles) { return forest_bytes(1, n / tiles, m / tiles); };
+  std::size_t least = 1;
+  while (least < GCDT_MAX_TILES && tile_bytes(least) > pool.capacity() / 5 * 4) ++least;
+  if (least == 1 || !pool.prepares_host_memory()) return least;
+  const std::uint64_t input = 16 * n;
+  for (std::size_t tiles = least; tiles <= std::min<std::size_t>(GCDT_MAX_TILES, most_tiles_for_room * least); ++tiles)
+    if (input + FinalTriangles::bytes_that_leave(n / tiles) + tile_bytes(tiles) <= pool.capacity()) return tiles;
+  return least;
 }
 
 PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options) {

@@ -19,7 +19,8 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
                              const std::function<Cuts(const GridInput&)>& cut);
 
 /// So many tiles that each fits the pool's largest device, with a quarter to spare for tiles that are larger than
-/// others and the ends of constraints that pass. Ends: a tile needs less memory than its problem.
+/// others and the ends of constraints that pass; or up to twice as many, if then the input and a tile that leaves have
+/// room beside a tile (spiller.hpp). Ends: a tile needs less memory than its problem.
 std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_t m);
 
 class TiledRun;

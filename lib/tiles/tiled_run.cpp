@@ -6,6 +6,7 @@
 #include "batch/single.hpp"
 #include "device/step.hpp"
 #include "phases/crossings.hpp"
+#include "tiles/spiller.hpp"
 
 namespace gcdt::tiles {
 
@@ -157,6 +158,7 @@ void TiledRun::solve_tiles(const Partition& all) {
   tiles_.resize(task_.cuts.tiles());
   std::vector<std::uint32_t> wanted(range_.size());
   std::iota(wanted.begin(), wanted.end(), static_cast<std::uint32_t>(range_.first));
+  Spiller spiller(pool_, task_.staged, room_, range_);
   while (!wanted.empty()) {
     std::vector<std::uint64_t> n{0}, m{0};
     for (const std::uint32_t t : wanted) {
@@ -166,29 +168,24 @@ void TiledRun::solve_tiles(const Partition& all) {
     const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
     std::mutex mutex;
     std::vector<bool> is_solved(tiles_.size(), false);
+    spiller.expect(wanted.size());
     run("tiles", 0, tiles_share, sizes, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t problem) {
       const std::uint32_t t = wanted[problem];
-      make_room(lent, sizes.n(problem), sizes.m(problem));
+      spiller.make_room(lent, sizes.n(problem), sizes.m(problem));
       SolvedTile solved = solve_tile(lent, task_, all.tiles[t], t);
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (!is_solved[t]) tiles_[t] = std::move(solved), is_solved[t] = true;  // else another device was faster
+      {
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (is_solved[t]) return ForestResult();  // another device was faster
+        tiles_[t] = std::move(solved), is_solved[t] = true;
+      }
+      spiller.add(lent, t, tiles_[t].final, sizes.n(problem), sizes.m(problem));
       return ForestResult();
     });
+    if (spiller.goes_on()) pool_.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) { spiller.settle(lent); });
     wanted.clear();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t)
       if (tiles_[t].final.on_device() && pool_.report(tiles_[t].device).lost) wanted.push_back(t);
   }
-}
-
-/// Spills tiles of the device if the next one might not fit beside them; and if that is not enough, gives back what
-/// can be had again, which takes longer for the whole input than for a tile. A device's tiles are touched by its
-/// thread alone.
-void TiledRun::make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
-  const auto fits = [&] { return lent.runtime.meter().now + forest_bytes(1, n, m) <= lent.capacity; };
-  for (SolvedTile& tile : tiles_)
-    if (!fits() && tile.final.on_device() && tile.device == lent.device)
-      tile.final.spill(lent.runtime, pool_.spill_directory());
-  if (!fits()) task_.staged.leave(lent.device);
 }
 
 std::vector<Constraint> TiledRun::solve_seam() {

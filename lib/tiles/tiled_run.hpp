@@ -45,7 +45,6 @@ class TiledRun {
   std::vector<Constraint> solve_parts(const std::vector<Role>& roles);
   void solve_uncrossed(const std::vector<Role>& roles);
   void solve_tiles(const Partition& all);
-  void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m);
   std::vector<Constraint> solve_seam();
   const ForestResult& made_seam() const { return *made_seam_.at(0).first; }
 

@@ -2,6 +2,7 @@
 // From solved tiles and seam to the result.
 #include "device/parts.hpp"
 #include "device/step.hpp"
+#include "tiles/spilled.hpp"
 #include "tiles/tiled_run.hpp"
 
 namespace gcdt::tiles {
@@ -32,29 +33,36 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
   }
 }
 
+/// What is spilled the host writes, and what is on devices these do, at once; but not where spilled tiles wait.
 bool TiledRun::write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before,
                            ForestResult& joined) {
   const Timed timed(report_.ms_write);
-  std::atomic<std::size_t> next_spilled{0};
+  std::vector<ToWrite> spilled;
+  std::vector<std::vector<ToWrite>> on_device(pool_.size());
+  const Triangle* first_waiting = nullptr;  // of the last tile in the result's arrays: nothing before it is free
+  for (std::size_t i = 0; i < range_.size(); ++i) {
+    SolvedTile& tile = tiles_[range_.first + i];
+    const TilePlaces& to = places.tiles[i];
+    const ToWrite one{tile.final, to, berth_of(joined).from(to.first - places.tiles[0].first), before[i]};
+    if (tile.final.is_in_result()) first_waiting = one.to.triangles;
+    if (tile.final.is_spilled()) spilled.push_back(one);
+    if (tile.final.on_device()) on_device[tile.device].push_back(one);
+  }
+  const std::shared_future<void> writing = begin_in_thread([&] { write_spilled(task_.input, spilled); }).share();
   const bool all = pool_.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
-    const auto write_one = [&](std::size_t i) {
-      FinalTriangles& final = tiles_[range_.first + i].final;
-      const TilePlaces& to = places.tiles[i];
-      const std::size_t at = to.first - places.tiles[0].first;
+    for (const ToWrite& one : on_device[lent.device]) {
+      if (std::less<>()(one.to.triangles, first_waiting)) writing.wait();
       task_.staged.leave(lent.device);
-      before[i] = write_tile(lent, final, to, elements_of<Triangle>(joined, GCDT_TRIANGLES) + at,
-                             elements_of<Neighbours>(joined, GCDT_NEIGHBOURS) + at,
-                             elements_of<std::uint8_t>(joined, GCDT_CONSTRAINED) + at);
-      final.release();
-    };
-    for (std::size_t i = 0; i < range_.size(); ++i) {
-      const SolvedTile& tile = tiles_[range_.first + i];
-      if (tile.final.on_device() && tile.device == lent.device) write_one(i);
+      if (one.final.spill_failed()) {
+        one.final.spill(lent.runtime, {pool_.spill_directory(), {}});
+        write_spilled(task_.input, {one});
+        continue;
+      }
+      one.before = write_tile(lent, one.final, one.places, one.to);
+      one.final.release();
     }
-    // Ends: each of them is taken once.
-    for (std::size_t i = next_spilled++; i < range_.size(); i = next_spilled++)
-      if (tiles_[range_.first + i].final.is_spilled()) write_one(i);
   });
+  writing.get();
   // A device may have been lost since it solved a tile.
   return all && std::none_of(tiles_.begin(), tiles_.end(),
                              [](const SolvedTile& tile) { return tile.final.on_device() || tile.final.is_spilled(); });

@@ -67,3 +67,20 @@ TEST_CASE("without threads, ranges or bytes nothing happens") {
   for (HostRoom* room : {&none, &no_threads, &no_ranges, &no_bytes}) room->stop();
   CHECK(byte == 0xee);
 }
+
+TEST_CASE("what is left to the caller is not written, whether it has been touched or not; the rest is touched") {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  for (int i = 0; i < 50; ++i) {
+    std::vector<unsigned char> memory(std::size_t{32} << 20);
+    const Fresh last(page);
+    HostRoom room({{memory.data(), memory.size()}, {last.first, last.bytes}}, 1 + i % 3);
+    if (i % 2) std::this_thread::sleep_for(std::chrono::microseconds(i * 10));
+    unsigned char* const own = memory.data() + static_cast<std::size_t>(i) * (std::size_t{1} << 18) + 5;
+    const std::size_t bytes = (std::size_t{5} << 20) + static_cast<std::size_t>(i) * 4099;
+    room.leave({own, bytes});
+    std::fill_n(own, bytes, static_cast<unsigned char>(0xee));
+    REQUIRE(comes_true([&] { return last.touched() == std::vector<bool>{true}; }));
+    room.stop();
+    REQUIRE(std::all_of(own, own + bytes, [](unsigned char b) { return b == 0xee; }));
+  }
+}

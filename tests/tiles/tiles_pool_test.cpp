@@ -138,11 +138,11 @@ TEST_CASE("tiles are spilled to files, of which nothing is left, and the mesh is
   };
   check();
 
-  // Files of the process may have no more than a megabyte: as on a full disk, writing fails.
+  // Files of the process may have no more than half a megabyte: as on a full disk, writing fails.
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{}, little{};
   REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
-  little = {1u << 20, before.rlim_max};
+  little = {1u << 19, before.rlim_max};
   REQUIRE(setrlimit(RLIMIT_FSIZE, &little) == 0);
   const BatchResult refused = small.triangulate(batch_of({work}), many);
   REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);

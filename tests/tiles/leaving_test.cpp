@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tiles that leave a device which has too little memory: in a queue beside the runs, to the result's arrays, to memory
+// of their own, to files; and when calls fail meanwhile.
+#include <random>
+#include <thread>
+
+#include "batch/pipeline.hpp"
+#include "faulty_device.hpp"
+#include "pool_cases.hpp"
+#include "scratch_folder.hpp"
+#include "tiles/spilled.hpp"
+#include "tiles/tiled.hpp"
+
+using namespace gcdt;
+using namespace gcdt::test;
+
+namespace {
+
+constexpr std::uint32_t tiles_wanted = 6;
+
+/// A device of which a further worker's queue is lent, with room for one tile, the input, and what so many tiles keep.
+runtime::CallHook small(const Workload& work, runtime::CallHook hook, double tiles_beside) {
+  const std::uint64_t n = work.points.size() / tiles_wanted;
+  const std::uint64_t tile = forest_bytes(1, n + n / 8, work.constraints.size() / 4);
+  const std::uint64_t capacity =
+      tile + 16 * work.points.size() + static_cast<std::uint64_t>(tiles_beside * 62 * static_cast<double>(n));
+  hook.tuning.memory_bytes = capacity / 3 * 4;  // of which a pool takes three quarters
+  hook.tuning.workers = 2;
+  hook.tuning.shares_context = hook.tuning.prepares_host_memory = true;
+  return hook;
+}
+
+/// Random points, and in their upper right corner a chain of constraints: so the last tile is the largest one, and is
+/// solved first.
+Workload last_is_first() {
+  Workload work = uniform(60000);
+  constexpr std::uint32_t links = 1500;
+  for (std::uint32_t i = 0; i < links; ++i) {
+    work.points.push_back({0.9 + i * 1e-5, 0.9 + (i % 2) * 1e-5});
+    const auto last = static_cast<std::uint32_t>(work.points.size() - 1);
+    if (i > 0) work.constraints.push_back({last - 1, last});
+  }
+  return work;
+}
+
+Options in_tiles() {
+  Options options;
+  options.tiles = tiles_wanted;
+  return options;
+}
+
+/// Spans of spills: by the queue of the runs, and by the one beside.
+struct Spills {
+  std::atomic<int> own{0}, beside{0};
+  Trace trace() {
+    return [this](const TraceSpan& span) {
+      if (!span.on_device && span.name == "spill") ++(span.device_number == 0 ? own : beside);
+    };
+  }
+};
+
+}  // namespace
+
+TEST_CASE(
+    "tiles leave in a queue beside the runs where the next one but one would have no room, and bytes are the same") {
+  for (const Workload& work : {uniform(60000), last_is_first(), workload("spiral", 60000)}) {
+    CAPTURE(work.constraints.size());
+    const RaggedBatch batch({work});
+    const Singles expected({work});
+    const testing::ScratchFolder folder;
+    for (const bool to_files : {false, true}) {
+      CAPTURE(to_files);
+      Spills spills;
+      DevicePool pool({{cl::Context(), app_device(), small(work, healthy(), 1.5)}}, {}, spills.trace());
+      if (to_files) pool.spill_to(folder / "");
+      for (int call = 0; call < 2; ++call) {
+        spills.own = spills.beside = 0;
+        expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+        CHECK(spills.beside > 0);
+        CHECK(folder.names().empty());
+      }
+    }
+  }
+}
+
+TEST_CASE("tiles leave a device treated as a GPU") {
+  const Workload work = uniform(60000);
+  const RaggedBatch batch({work});
+  runtime::CallHook hook = small(work, healthy(), 1.5);
+  hook.tuning.kind = DeviceKind::gpu;
+  hook.tuning.width = static_cast<std::uint32_t>(runtime::Runtime(app_device(), hook).geometry().max_groups);
+  Spills spills;
+  DevicePool pool({{cl::Context(), app_device(), hook}}, {}, spills.trace());
+  Singles({work}).check(tiles::triangulate(pool, batch.view(), in_tiles()));
+  CHECK(spills.beside > 0);
+}
+
+TEST_CASE("where there is no room beside a run, tiles leave before it; where there is for all, none does") {
+  const Workload work = uniform(60000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  const auto spilled = [&](double tiles_beside) {
+    Spills spills;
+    DevicePool pool({{cl::Context(), app_device(), small(work, healthy(), tiles_beside)}}, {}, spills.trace());
+    expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+    return spills.own + spills.beside;
+  };
+  CHECK(spilled(0.2) == tiles_wanted - 1);
+  CHECK(spilled(1.5) > 0);
+  CHECK(spilled(1.5) < static_cast<int>(tiles_wanted));
+  CHECK(spilled(8) == 0);
+}
+
+TEST_CASE("two such devices, which solve tiles out of turn, give the same bytes") {
+  const Workload work = uniform(60000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  DevicePool pool({{cl::Context(), app_device(), small(work, healthy(), 0.2)},
+                   {cl::Context(), app_device(), small(work, healthy(), 1.2)}},
+                  {}, {});
+  for (int call = 0; call < 3; ++call) expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+}
+
+TEST_CASE("a device that fails at its k-th OpenCL call while tiles leave it changes no byte") {
+  const Workload work = uniform(24000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  const auto run = [&](std::uint64_t k, bool for_good, cl_int code) {
+    *calls = 0;
+    DevicePool pool({{cl::Context(), app_device(), small(work, failing(calls, k, for_good, code), 1.5)},
+                     {cl::Context(), app_device(), healthy()}},
+                    {}, {});
+    expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+    const bool lost = pool.report(0).lost.has_value();
+    expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+    return lost;
+  };
+  CHECK(!run(0, false, CL_SUCCESS));
+  const std::uint64_t all = *calls / 2;
+  REQUIRE(all > 300);
+  std::uint64_t lost = 0;
+  for (std::uint64_t i = 0; i < 20; ++i) lost += run(1 + i * all / 20, i % 2 == 0, CL_INVALID_COMMAND_QUEUE);
+  CHECK(lost > 5);
+  for (std::uint64_t i = 0; i < 10; ++i) run(1 + i * all / 10, false, CL_OUT_OF_RESOURCES);
+}
+
+TEST_CASE("where reads beside the runs fail, a tile stays on its device, and is read when it is written") {
+  const Workload work = uniform(60000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  const auto failed = std::make_shared<std::atomic<int>>(0);
+  const auto making_tiles = std::make_shared<std::atomic<bool>>(false);
+  runtime::CallHook hook = healthy();
+  hook.before = [=](const char* call, const char*) {
+    static thread_local bool launches = false;  // what goes on beside the runs is in threads that do not
+    launches = launches || std::string(call) == "clEnqueueNDRangeKernel";
+    if (!*making_tiles || launches || std::string(call) != "clEnqueueReadBuffer") return CL_SUCCESS;
+    ++*failed;
+    return CL_OUT_OF_RESOURCES;
+  };
+  Options options = in_tiles();
+  options.progress = [=](const char* phase, double) {
+    if (std::string(phase) != "tiles") *making_tiles = false;
+    return true;
+  };
+  {
+    *making_tiles = true;
+    DevicePool pool({{cl::Context(), app_device(), small(work, hook, 1.5)}}, {}, {});
+    const PoolResult made = tiles::triangulate(pool, batch.view(), options);
+    REQUIRE(made.errors.count(0) == 1);
+    CHECK(made.errors.at(0).status() == Status::out_of_memory);
+    CHECK(*failed > 0);
+    CHECK(!pool.report(0).lost);
+    *failed = 0;
+  }
+  runtime::CallHook waiting = healthy();  // until a tile of the other device was to leave: that one makes its second
+  waiting.before = [=](const char*, const char*) {
+    for (int waits = 0; *making_tiles && *failed == 0 && waits < 50; ++waits)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return CL_SUCCESS;
+  };
+  for (int call = 0; call < 3; ++call) {
+    DevicePool pool({{cl::Context(), app_device(), small(work, hook, 1.5)}, {cl::Context(), app_device(), waiting}}, {},
+                    {});
+    *failed = 0;
+    *making_tiles = true;
+    expected.check(tiles::triangulate(pool, batch.view(), options));
+    CHECK(!pool.report(0).lost);
+    CHECK(*failed > 0);
+  }
+}
+
+TEST_CASE("shifts: how many of the seam's triangles come before each final one") {
+  std::mt19937 random(3);
+  for (const std::uint32_t finals : {0u, 1u, 255u, 256u, 257u, 5000u})
+    for (const std::size_t count : {0u, 1u, 7u, 3000u}) {
+      std::vector<std::uint32_t> before(count);
+      for (std::uint32_t& b : before) b = static_cast<std::uint32_t>(random() % (finals + 1));
+      std::sort(before.begin(), before.end());
+      const tiles::Shifts shifts(before, finals);
+      bool right = true;
+      for (std::uint32_t r = 0; r < finals; ++r) {
+        const auto shift = static_cast<std::uint32_t>(
+            std::count_if(before.begin(), before.end(), [&](std::uint32_t b) { return b <= r; }));
+        right = right && shifts.at(r) == shift && shifts.begin_of(shift) <= r && r < shifts.end_of(shift);
+      }
+      CHECK(right);
+    }
+}
