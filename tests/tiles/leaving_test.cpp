@@ -3,6 +3,7 @@
 // of their own, to files; and when calls fail meanwhile.
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "batch/pipeline.hpp"
 #include "faulty_device.hpp"
@@ -189,6 +190,33 @@ TEST_CASE("where reads beside the runs fail, a tile stays on its device, and is 
     CHECK(!pool.report(0).lost);
     CHECK(*failed > 0);
   }
+}
+
+TEST_CASE("a tile whose spill fails when its corners have got the input's numbers has these once") {
+  const Workload work = uniform(60000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  const auto numbered = std::make_shared<std::atomic<int>>(0), first = std::make_shared<std::atomic<int>>(0);
+  runtime::CallHook hook = healthy();
+  hook.before = [=](const char* call, const char* kernel) {
+    static thread_local bool launched = false;  // what follows waits for it
+    const bool launches = std::string(call) == "clEnqueueNDRangeKernel";
+    *first += launches;
+    if (std::exchange(launched, launches && std::string(kernel) == "tile_input_numbers") && ++*numbered == 1)
+      return CL_OUT_OF_RESOURCES;
+    return CL_SUCCESS;
+  };
+  runtime::CallHook waiting = healthy();
+  waiting.before = [=](const char*, const char*) {
+    for (int waits = 0; *first > 0 && *numbered == 0 && waits < 50; ++waits)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return CL_SUCCESS;
+  };
+  DevicePool pool({{cl::Context(), app_device(), small(work, hook, 1.5)}, {cl::Context(), app_device(), waiting}}, {},
+                  {});
+  expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+  CHECK(*numbered > 0);
+  CHECK(!pool.report(0).lost);
 }
 
 TEST_CASE("shifts: how many of the seam's triangles come before each final one") {
