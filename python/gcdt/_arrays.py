@@ -2,6 +2,7 @@
 """Arrays of the caller's as the extension takes them: contiguous, of a type that the library reads.
 
 What is so already is not copied. What is not is checked before it is converted, so that no number changes its value.
+What a mask hides is no number: numpy would give what lies below it.
 """
 
 from __future__ import annotations
@@ -16,7 +17,12 @@ from ._errors import make
 _COORDINATES = (np.dtype(np.float64), np.dtype(np.float32), np.dtype(np.int32), np.dtype(np.int64))
 
 
-def _array(values: ArrayLike, name: str) -> NDArray[Any]:
+def array_of(values: ArrayLike, name: str) -> NDArray[Any]:
+    """As numpy makes it."""
+    if np.ma.is_masked(values):
+        at = tuple(int(i) for i in np.argwhere(np.ma.getmaskarray(values))[0])
+        where = f"row {at[0]}" if at else "it"
+        raise make("invalid_argument", f"{name}: {where} is masked; leave out what is, or fill it", at)
     try:
         return np.asarray(values)
     except ValueError as error:  # rows of several lengths
@@ -25,7 +31,7 @@ def _array(values: ArrayLike, name: str) -> NDArray[Any]:
 
 def floats(values: ArrayLike, name: str) -> NDArray[np.float64]:
     """Numbers of any kind and shape as float64."""
-    array = _array(values, name)
+    array = array_of(values, name)
     if array.dtype.kind not in "fiubO":
         raise make("invalid_argument", f"{name} must be numbers, not {array.dtype}")
     try:
@@ -36,7 +42,7 @@ def floats(values: ArrayLike, name: str) -> NDArray[np.float64]:
 
 def coordinates(values: ArrayLike, name: str = "vertices") -> NDArray[Any]:
     """n x 2 coordinates: float64, float32, int32 or int64 as they are, anything else as float64."""
-    array = _array(values, name)
+    array = array_of(values, name)
     if array.size == 0 and array.ndim < 2:
         return np.empty((0, 2))
     if array.ndim != 2 or array.shape[1] != 2:
@@ -58,7 +64,7 @@ def numbers(values: ArrayLike | None, width: int, count: int, name: str, what: s
     """k x `width` numbers below `count`, as uint32; arrays of int32 and uint32 are not copied."""
     if values is None:
         return np.empty((0, width), np.uint32)
-    array = _array(values, name)
+    array = array_of(values, name)
     if array.size == 0:
         return np.empty((0, width), np.uint32)
     if array.ndim != 2 or array.shape[1] != width:
@@ -83,7 +89,7 @@ def numbers(values: ArrayLike | None, width: int, count: int, name: str, what: s
 
 def offsets(values: ArrayLike, last: int, name: str) -> NDArray[np.uint64]:
     """Ascending offsets from 0 to `last`, as uint64."""
-    array = _array(values, name)
+    array = array_of(values, name)
     if array.ndim != 1 or not (np.issubdtype(array.dtype, np.integer) or array.size == 0):
         raise make("invalid_argument", f"{name} must be whole numbers in one dimension")
     if array.size == 0:
@@ -110,7 +116,7 @@ def values_of(values: ArrayLike, count: int, name: str, what: str) -> NDArray[np
 
 def indices_to_judge(values: ArrayLike, shape: tuple[int, int], name: str, dtype: Any, wrong: int) -> NDArray[Any]:
     """Whole numbers of a shape (-1: any length); those that do not fit the type become `wrong`."""
-    array = _array(values, name)
+    array = array_of(values, name)
     if array.size == 0 and shape[0] <= 0:
         return np.empty((0, shape[1]), dtype)
     if array.ndim != 2 or array.shape[1] != shape[1] or shape[0] not in (-1, array.shape[0]):

@@ -46,7 +46,8 @@ class Delaunay:
         if furthest_site or incremental or qhull_options is not None:
             raise NotImplementedError("furthest_site, incremental and qhull_options are scipy's alone")
         given = np.ascontiguousarray(_arrays.coordinates(points, "points"), dtype=np.float64)
-        self.mesh: Mesh = triangulate_pslg(given, segments, solver=solver, device=device, **options)
+        pairs = _arrays.numbers(segments, 2, len(given), "segments")
+        self.mesh: Mesh = triangulate_pslg(given, pairs, solver=solver, device=device, **options)
         self.points: NDArray[np.float64] = self.mesh.points
         self.simplices: NDArray[np.int32] = self.mesh.triangles.view(np.int32)
         self.neighbors: NDArray[np.int32] = self.mesh.neighbours
@@ -126,7 +127,7 @@ class Delaunay:
         On an edge or corner it is the least triangle there. Points are rounded to the grid and located exactly there,
         so `bruteforce` and `tol` have no effect.
         """
-        where = np.asarray(xi, dtype=np.float64)
+        where = _arrays.floats(xi, "xi")
         if where.shape[-1:] != (2,):
             raise make("invalid_argument", f"xi must have the shape (..., 2), not {where.shape}")
         found = self.mesh.locate(where.reshape(-1, 2))

@@ -137,10 +137,9 @@ class Mesh:
         interpolated along their constraints; `outside`: the value where no triangle is. Returns (k,) float64.
         """
         where = _arrays.coordinates(points, "points")
-        count, given = len(self.representative), np.asarray(values)
+        count, given = len(self.representative), _arrays.floats(values, "values")
         if given.shape == (len(self.vertices),) and len(self.added):
-            known = _arrays.values_of(values, len(self.vertices), "values", "vertices")
-            given = np.concatenate([known, self.added_values(known)])
+            given = np.concatenate([given, self.added_values(given)])
         return self._result.interpolate(where, _arrays.values_of(given, count, "values", "vertices"), float(outside))
 
     def added_values(self, values: ArrayLike) -> NDArray[np.float64]:
@@ -210,8 +209,8 @@ class Mesh:
     def verify(self) -> Verification:
         """Proves on the host, by exact arithmetic and other code, that the mesh is what `triangulate_pslg` promises.
 
-        Of a refined mesh that its triangles are those of the domain, constraints chains within their bounds, and angles,
-        areas and lengths as wanted, or excused; not under crossing="split" (docs/refinement.md).
+        Of a refined mesh that its triangles are those of the domain, constraints chains within their bounds, and
+        angles, areas and lengths as wanted, or excused; not under crossing="split" (docs/refinement.md).
         """
         from ._pslg import Verification
 
@@ -234,9 +233,7 @@ class Mesh:
         return _gcdt.assess(self.vertices, self._given(), self.statistics["grid"])
 
     def _given(self) -> Any:
-        return _gcdt.GivenMesh(
-            self.triangles, self.neighbours, self.constrained, self.added_on_grid, self.added_origin
-        )
+        return _gcdt.GivenMesh(self.triangles, self.neighbours, self.constrained, self.added_on_grid, self.added_origin)
 
     # ---- For other packages -----------------------------------------------------------------------------------
 

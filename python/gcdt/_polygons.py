@@ -54,8 +54,7 @@ class PolygonTriangles:
 
     def to_geopandas(self, crs: Any = None) -> Any:
         """A geopandas.GeoDataFrame with one row for each triangle, and its polygon in the column "polygon"."""
-        import geopandas
-
+        geopandas = _views.imported("geopandas", "geo")
         return geopandas.GeoDataFrame({"polygon": self.polygon_of}, geometry=self.to_shapely(), crs=crs)
 
 
@@ -138,8 +137,7 @@ def from_shapely(
     Returns coords, ring_offsets and polygon_offsets for `triangulate_polygons`, and for each polygon the row of
     `geometries` that it is a part of. Missing and empty geometries have no polygons. Raises `TypeError` for others.
     """
-    import shapely
-
+    shapely = _views.imported("shapely", "geo")
     objects = np.atleast_1d(np.asarray(geometries, dtype=object))
     kinds = shapely.get_type_id(objects)
     wrong = np.flatnonzero((kinds != 3) & (kinds != 6) & (kinds != -1))

@@ -24,6 +24,9 @@ class Problem:
     def __init__(self, batch: Batch, number: int) -> None:
         self._batch, self.number = batch, number
 
+    def __repr__(self) -> str:
+        return f"<gcdt.Problem {self.number}: {self.error or f'{len(self.triangles)} triangles'}>"
+
     @property
     def error(self) -> Error | None:
         """What is wrong with it, in its own numbers; None if it was triangulated."""
@@ -55,6 +58,10 @@ class Batch(Sequence[Problem]):
     def __init__(self, native: Any) -> None:
         self._native = native
         self.statistics: dict[str, Any] = native.statistics()
+
+    def __repr__(self) -> str:
+        triangles, failed = self.statistics["triangles"], len(self.failed)
+        return f"<gcdt.Batch of {len(self)} problems, {triangles} triangles, {failed} failed>"
 
     def __len__(self) -> int:
         return len(self._native)
@@ -127,9 +134,8 @@ class Pool:
         """
         points = _arrays.coordinates(vertices)
         bounds = _arrays.offsets(vertex_offsets, len(points), "vertex_offsets")
-        pairs = np.asarray([] if constraints is None else constraints)
         # Ends are counted within each problem, whose error names them; here only that they are numbers of 32 bits.
-        lines = _arrays.numbers(pairs, 2, 1 << 32, "constraints")
+        lines = _arrays.numbers(constraints, 2, 1 << 32, "constraints")
         if constraint_offsets is None:
             if len(lines):
                 raise make("invalid_argument", "constraints need constraint_offsets")

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from . import _arrays, _gcdt
 from ._errors import make
 
-
-#: Why a triangle of a refined mesh is worse than wanted, by `Mesh.excuse` (docs/refinement.md, "Why triangles are left").
+#: Why a triangle of a refined mesh is worse than wanted, by `Mesh.excuse`
+#: (docs/refinement.md, "Why triangles are left").
 EXCUSES = ("none", "input angle", "beside angle", "short side", "limit", "target", "fixed", "refused")
 
 
@@ -46,7 +46,7 @@ class Refinement:
         def row(values: ArrayLike | None, name: str) -> Any:
             if values is None:
                 return np.empty(0)
-            given = np.asarray(values)
+            given = _arrays.array_of(values, name)
             return _arrays.values_of(given, given.size, name, "rows")
 
         if self.most_added is not None and self.most_added < 0:

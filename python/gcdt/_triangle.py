@@ -28,6 +28,10 @@ _NOT_DONE = {
 _KNOWN_KEYS = frozenset(
     ("vertices", "vertex_attributes", "vertex_markers", "segments", "segment_markers", "holes", "regions")
 )
+# Of a mesh that the caller has from an earlier call. Triangle reads the first three under r alone, the others never.
+_PASSED_OVER = frozenset(
+    ("triangles", "triangle_attributes", "triangle_max_area", "neighbors", "edges", "edge_markers")
+)
 
 
 @dataclass
@@ -176,6 +180,7 @@ def _mesh(given: Mapping[str, Any], switches: _Switches, how: dict[str, Any]) ->
     if "p" not in switches:
         refine = switches.refinement(None)
         return triangulate_pslg(_arrays.floats(given["vertices"], "vertices"), refine=refine, **how)
+    vertices = _arrays.coordinates(_arrays.floats(given["vertices"], "vertices"))
     regions, areas = None, None
     if ("A" in switches or switches.region_areas) and len(given.get("regions", ())):
         # The last of several points in a region counts, so that the least number is to be the last.
@@ -185,8 +190,8 @@ def _mesh(given: Mapping[str, Any], switches: _Switches, how: dict[str, Any]) ->
         areas = np.where(areas > 0, areas, np.inf)  # Triangle has -1 and 0 for none
     holes = given.get("holes")
     return triangulate_pslg(
-        _arrays.floats(given["vertices"], "vertices"),
-        given.get("segments"),
+        vertices,
+        _arrays.numbers(given.get("segments"), 2, len(vertices), "segments"),
         crossing="split",
         domain="holes" if "c" in switches else "outer-holes",
         holes=holes if holes is not None and len(holes) else None,
@@ -203,7 +208,7 @@ def triangulate(
 
     `tri`: a dictionary with `vertices`, (n, 2), and if there are any `vertex_attributes`, (n, a), `vertex_markers`,
     (n, 1), `segments`, (m, 2), `segment_markers`, (m, 1), `holes`, (h, 2), and `regions`, (r, 4): x, y, attribute and
-    largest area.
+    largest area. Other keys of a dictionary that was returned are passed over.
     `opts`: switches: p (segments, holes and regions are read; triangles outside the segments are removed), c (the
     convex hull is enclosed with segments, and nothing outside is removed), A (regions' attributes), e (edges), n
     (neighbors), j (vertices that are no corner are left out), B (no markers). Refinement: q or q30 (no angle below 20,
@@ -218,7 +223,7 @@ def triangulate(
     switches = _Switches.of(opts)
     if not isinstance(tri, Mapping):
         raise make("invalid_argument", f"the input is a dictionary with `vertices` and more, not {type(tri).__name__}")
-    unknown = set(tri) - _KNOWN_KEYS
+    unknown = set(tri) - _KNOWN_KEYS - _PASSED_OVER
     if "vertices" not in tri or unknown:
         raise make("invalid_argument", f"unknown key {sorted(unknown)[0]}" if unknown else "there are no vertices")
     mesh = _mesh(tri, switches, {"solver": solver, "device": device})

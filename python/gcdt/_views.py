@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,14 @@ from ._errors import make
 
 if TYPE_CHECKING:
     from ._mesh import Mesh
+
+
+def imported(module: str, extra: str) -> Any:
+    """A package that only some calls need; where it is missing the error says what brings it."""
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"{error}: pip install 'gcdt[{extra}]' brings it", name=error.name) from None
 
 
 def edges(triangles: NDArray[Any]) -> NDArray[np.uint32]:
@@ -40,11 +49,9 @@ def _constrained_ends(mesh: Mesh) -> NDArray[Any]:
 
 
 def plot(mesh: Mesh, ax: Any, values: Any, style: dict[str, Any]) -> Any:
-    import matplotlib.pyplot as plt
-    from matplotlib.collections import LineCollection
-
     if ax is None:
-        ax = plt.gca()
+        ax = imported("matplotlib.pyplot", "plot").gca()
+    lines = imported("matplotlib.collections", "plot")
     points = np.asarray(mesh.points, np.float64)
     if len(mesh.triangles):
         if values is None:
@@ -56,15 +63,14 @@ def plot(mesh: Mesh, ax: Any, values: Any, style: dict[str, Any]) -> Any:
                     "invalid_argument", f"values must have one number for each of {len(mesh.triangles)} triangles"
                 )
             ax.tripcolor(*points.T, mesh.triangles, facecolors=values, **style)
-    ax.add_collection(LineCollection(points[_constrained_ends(mesh)], colors="black", linewidths=1.2))
+    ax.add_collection(lines.LineCollection(points[_constrained_ends(mesh)], colors="black", linewidths=1.2))
     ax.set_aspect("equal")
     ax.autoscale_view()
     return ax
 
 
 def to_pyvista(mesh: Mesh) -> Any:
-    import pyvista
-
+    pyvista = imported("pyvista", "mesh")
     points = np.zeros((len(mesh.points), 3))
     points[:, :2] = mesh.points
     count = len(mesh.triangles)
@@ -77,8 +83,7 @@ def to_pyvista(mesh: Mesh) -> Any:
 
 
 def to_meshio(mesh: Mesh) -> Any:
-    import meshio
-
+    meshio = imported("meshio", "mesh")
     lines = _constrained_ends(mesh)
     cells = [("triangle", mesh.triangles.astype(np.int64))]
     if len(lines):
@@ -91,14 +96,12 @@ def to_meshio(mesh: Mesh) -> Any:
 
 
 def to_shapely(points: NDArray[Any], triangles: NDArray[Any]) -> NDArray[Any]:
-    import shapely
-
+    shapely = imported("shapely", "geo")
     if len(triangles) == 0:
         return np.empty(0, object)
     return shapely.polygons(np.asarray(points, np.float64)[triangles])
 
 
 def to_geopandas(mesh: Mesh, crs: Any) -> Any:
-    import geopandas
-
+    geopandas = imported("geopandas", "geo")
     return geopandas.GeoDataFrame(_cell_data(mesh), geometry=to_shapely(mesh.points, mesh.triangles), crs=crs)

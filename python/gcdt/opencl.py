@@ -13,16 +13,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pyopencl as cl
-import pyopencl.array as cl_array
 
-from . import _drivers, _gcdt
+from . import _drivers, _gcdt, _views
 from ._errors import make
 from ._options import options
 from ._solver import Log, Progress, Solver
+
+if TYPE_CHECKING:
+    import pyopencl as cl
+    import pyopencl.array as cl_array
+else:
+    cl = _views.imported("pyopencl", "opencl")
+    cl_array = _views.imported("pyopencl.array", "opencl")
 
 # PyOpenCL of PyPI has a loader of its own, which like any other reads the names of drivers when it is first called.
 with _drivers.with_installed() as _told:

@@ -40,7 +40,7 @@ CALLS_WITH_POINTS = {
     "triangulate": lambda m, p: gcdt.triangulate({"vertices": p}, "Q"),
     "triangulate, holes": lambda m, p: gcdt.triangulate({"vertices": POINTS, "segments": SEGMENTS, "holes": p}, "p"),
     "triangulate, regions": lambda m, p: gcdt.triangulate(
-        {"vertices": POINTS, "segments": SEGMENTS, "regions": np.hstack([p, np.ones((6, 2))])}, "pA"
+        {"vertices": POINTS, "segments": SEGMENTS, "regions": np.ma.hstack([p, np.ones((6, 2))])}, "pA"
     ),
     "triangulate_polygons": lambda m, p: gcdt.triangulate_polygons(p, RINGS, POLYGONS),
     "triangulate_polygons, nonzero": lambda m, p: gcdt.triangulate_polygons(p, RINGS, POLYGONS, domain="nonzero"),
@@ -62,6 +62,15 @@ def test_a_point_that_is_not_finite_is_named(mesh, name, bad, dtype, tmp_path):
     with pytest.raises(ValueError, match=r"\b(row|vertex|point) 4\b") as caught:
         CALLS_WITH_POINTS[name](mesh, points)
     assert isinstance(caught.value, gcdt.CoordinateError) and caught.value.indices == (4, 1)
+
+
+@pytest.mark.parametrize("name", CALLS_WITH_POINTS)
+def test_a_point_that_is_masked_is_named(mesh, name):
+    points = np.ma.array(POINTS)
+    points[4, 1] = np.ma.masked
+    with pytest.raises(ValueError, match=r"\brow 4 is masked"):
+        CALLS_WITH_POINTS[name](mesh, points)
+    assert len(gcdt.triangulate_pslg(np.ma.array(POINTS)).triangles) == 6, "nothing is masked"
 
 
 def test_a_point_of_a_batch_that_is_not_finite_is_an_error_of_its_problem():
@@ -96,7 +105,8 @@ def test_a_vertex_that_does_not_exist_is_named(name, number, dtype, tmp_path):
     pairs = np.array(SEGMENTS, dtype)
     pairs[3, 1] = number
     pairs = kept(tmp_path, pairs)
-    with pytest.raises(IndexError, match=rf"row 3 has vertex {number}\b") as caught:
+    argument = "segments" if name in ("Delaunay", "triangulate") else "constraints"
+    with pytest.raises(IndexError, match=rf"^{argument}: row 3 has vertex {number}\b") as caught:
         CALLS_WITH_PAIRS[name](pairs)
     assert isinstance(caught.value, gcdt.IndexOutOfRange) and caught.value.indices == (3, 1)
 
@@ -133,6 +143,7 @@ def test_a_neighbour_that_does_not_exist_is_a_fault():
         {"values": ["a"] * 6},
         {"values": [1j] * 6},
         {"values": np.zeros((6, 2))},
+        {"values": np.ma.masked_greater(np.arange(6.0), 3)},
     ],
 )
 def test_values_that_do_not_fit_are_refused(mesh, what):

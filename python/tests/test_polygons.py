@@ -136,6 +136,7 @@ def test_batches_of_problems():
     with pytest.raises(IndexError):
         batch[100]
     assert len(batch[-2:]) == 2 and batch[0].statistics["grid"]["kind"]
+    assert repr(batch) == f"<gcdt.Batch of 100 problems, {len(triangles)} triangles, 0 failed>"
 
 
 def test_problems_have_their_own_errors():
@@ -145,6 +146,7 @@ def test_problems_have_their_own_errors():
     assert batch.failed.tolist() == [1, 2] and batch[0].error is None
     assert isinstance(batch[1].error, gcdt.ConstraintsCross) and isinstance(batch[2].error, IndexError)
     assert batch[2].error.indices == (0, 1) and len(batch[1].triangles) == 0
+    assert repr(batch[0]) == "<gcdt.Problem 0: 2 triangles>" and str(batch[2].error) in repr(batch[2])
     with pytest.raises(IndexError, match="row 3"):
         gcdt.Pool().triangulate(points, [0, 4, 8, 12], [*constraints[:3], (0, -1)], [0, 1, 3, 4])
     with pytest.raises(ValueError, match="constraint_offsets"):

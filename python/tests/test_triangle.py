@@ -131,6 +131,17 @@ def test_segments_that_cross(switches):
     same(crossed, switches)
 
 
+@pytest.mark.parametrize("switches", ["", "p", "pe", "pen"])
+def test_what_was_returned_goes_in_again(switches):
+    regions = {"regions": [[0.5, 0.5, 3, 0]]}
+    made = triangle.triangulate({**FRAME, **regions}, "peAc")
+    assert {"triangles", "triangle_attributes", "edges", "edge_markers"} <= set(made)
+    same(made, switches)
+    # With neighbors, too, which triangle takes for floats then.
+    again = gcdt.triangulate(gcdt.triangulate({**FRAME, **regions}, "peAn"), switches)
+    assert len(again["triangles"]) == len(gcdt.triangulate(FRAME, switches)["triangles"])
+
+
 def test_the_input_is_left_alone():
     given = {key: np.array(value) for key, value in FRAME.items()}
     kept = {key: value.copy() for key, value in given.items()}

@@ -2,6 +2,7 @@
 """Meshes for matplotlib, meshio and pyvista."""
 
 import importlib
+import sys
 
 import matplotlib
 import numpy as np
@@ -11,6 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 import gcdt
+import gcdt.opencl
 
 
 @pytest.fixture
@@ -42,6 +44,24 @@ def test_meshio_writes_what_it_reads(mesh, tmp_path):
     assert len(read.cells_dict["line"]) == len(mesh.pieces)
     assert (read.cell_data_dict["region"]["triangle"] == mesh.region).all()
     assert (read.points[:, :2] == np.asarray(mesh.points)).all()
+
+
+@pytest.mark.parametrize(
+    "call, package, extra",
+    [
+        (lambda m: m.plot(), "matplotlib.pyplot", "plot"),
+        (lambda m: m.to_meshio(), "meshio", "mesh"),
+        (lambda m: m.to_pyvista(), "pyvista", "mesh"),
+        (lambda m: m.to_shapely(), "shapely", "geo"),
+        (lambda m: m.to_geopandas(), "geopandas", "geo"),
+        (lambda m: gcdt.from_shapely([]), "shapely", "geo"),
+        (lambda m: importlib.reload(gcdt.opencl), "pyopencl", "opencl"),
+    ],
+)
+def test_what_brings_a_missing_package_is_said(mesh, monkeypatch, call, package, extra):
+    monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
+    with pytest.raises(ModuleNotFoundError, match=rf"{package}.*pip install 'gcdt\[{extra}\]'"):
+        call(mesh)
 
 
 @pytest.mark.whole
