@@ -2,6 +2,7 @@
 #include "json_line.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace gcdt::io {
 
@@ -73,7 +74,50 @@ bool enter(Scan& scan, const JsonStep& step) {
   return found;
 }
 
+using Json = nlohmann::json;
+
+/// Looks at nothing but the fault. Json::parse() tells the place of some of them only, and that within a sentence.
+class FaultFinder : public nlohmann::json_sax<Json> {
+ public:
+  std::size_t read = 0;  ///< characters, up to the fault and with it
+  std::string what;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return true; }
+  bool key(string_t&) override { return true; }
+  bool end_object() override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t position, const std::string&, const Json::exception& error) override {
+    read = position;
+    what = error.what();
+    return false;
+  }
+};
+
 }  // namespace
+
+JsonFault json_fault(std::string_view text) {
+  FaultFinder finder;
+  Json::sax_parse(text, &finder);
+  // "[json.exception.parse_error.101] parse error at line 3, column 4: what", or "[...] what".
+  std::string_view what = finder.what;
+  for (const std::string_view before : {std::string_view("[json."), std::string_view("parse error at ")}) {
+    if (what.substr(0, before.size()) != before) continue;
+    const std::size_t end = what.find(before[0] == '[' ? "] " : ": ");
+    if (end != std::string_view::npos) what.remove_prefix(end + 2);
+  }
+  const std::string_view good = text.substr(0, finder.read == 0 ? 0 : finder.read - 1);
+  const auto ends = std::count(good.begin(), good.end(), '\n');
+  const std::size_t begin = ends == 0 ? 0 : good.rfind('\n') + 1;
+  return {1 + static_cast<std::size_t>(ends), 1 + good.size() - begin, std::string(what)};
+}
 
 std::size_t json_line(std::string_view text, const std::vector<JsonStep>& path) {
   Scan scan(text);

@@ -19,4 +19,13 @@ struct JsonStep {
 /// the way that there is.
 std::size_t json_line(std::string_view text, const std::vector<JsonStep>& path);
 
+/// Why a text is no JSON.
+struct JsonFault {
+  std::size_t line = 0, column = 0;  ///< of the last character that the parser has read, from 1
+  std::string what;
+};
+
+/// The first fault of a text that the parser has refused.
+JsonFault json_fault(std::string_view text);
+
 }  // namespace gcdt::io

@@ -32,8 +32,10 @@ class Reader {
     Json root;
     try {
       root = Json::parse(text);
-    } catch (const Json::exception& error) {
-      throw Failure(Exit::input, fmt::format("{}: no JSON that can be read: {}", name_, error.what()));
+    } catch (const Json::exception&) {
+      const JsonFault fault = json_fault(text);
+      throw Failure(Exit::input, fmt::format("{}{}: no JSON that can be read, at column {}: {}", name_,
+                                             lines_ ? fmt::format(":{}", fault.line) : "", fault.column, fault.what));
     }
     if (root.is_array())
       bare_rings(root);
