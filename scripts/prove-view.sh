@@ -57,6 +57,14 @@ assert max(at(20, 20)) < 90, at(20, 20)  # a constraint
 assert image.getpixel((500, 590)) == (255, 255, 255)  # outside
 END
 
+# Points alone are one region, which says nothing: they are coloured by angle, and the legend says so.
+printf '0,0\n40,0\n40,40\n0,39\n11,7\n' >"$work/points.csv"
+"$gcdt" view "$work/points.csv" -o "$work/points.html"
+browser --dump-dom "file://$work/points.html" >"$work/dom"
+grep -q '<div id="legend">.*<span id="most">60°</span>' "$work/dom" || fail "points are not coloured by angle"
+browser --dump-dom "file://$work/points.html#colour=region" >"$work/dom"
+grep -q '<div id="legend" hidden="">' "$work/dom" || fail "the address does not say the colour"
+
 picture=${2:-$work/countries.png}
 "$gcdt" view "$root/examples/data/countries-50m.poly" -o "$work/countries.html"
 browser --screenshot="$(realpath -m "$picture")" "file://$work/countries.html" >/dev/null

@@ -93,7 +93,8 @@ class Page {
     for (const name of ["x", "y", "scale"])
       if (said.has(name) && Number.isFinite(+said.get(name))) this.view[name] = +said.get(name);
     const names = Array.from($("colour").options, option => option.value);
-    $("colour").value = names.includes(said.get("colour")) ? said.get("colour") : this.mesh.region ? "region" : "smallest angle";
+    const regions = this.mesh.region?.some(region => region != this.mesh.region[0]);
+    $("colour").value = names.includes(said.get("colour")) ? said.get("colour") : regions ? "region" : "smallest angle";
     this.recolour();
     if (said.has("pick")) {
       const [x, y] = said.get("pick").split(",").map(Number);
