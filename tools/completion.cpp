@@ -11,26 +11,51 @@ namespace gcdt::command {
 
 namespace {
 
-/// An option as shells see it.
+enum class Value { none, choice, file, other };
+
+/// An option or an argument as shells see it.
 struct Shown {
   std::vector<std::string> names;    ///< with dashes
   std::string about;                 ///< its first sentence
+  std::string type;                  ///< of its value, as the help has it
   std::vector<std::string> choices;  ///< of its value, if those are known
-  bool value = false;
+  Value value = Value::none;
 };
-
-std::string first_sentence(const std::string& text) {
-  std::string sentence = text.substr(0, std::min(text.find_first_of(";\n"), text.find(": ")));
-  for (char& c : sentence)
-    if (c == '\'' || c == '"' || c == '[' || c == ']' || c == '`' || c == '$') c = ' ';
-  return sentence;
-}
 
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
   std::istringstream in(text);
   for (std::string part; std::getline(in, part, at);) parts.push_back(part);
   return parts;
+}
+
+/// Ends before what is in parentheses, where the sentence ends within them.
+std::string first_sentence(const std::string& text) {
+  std::string sentence = text.substr(0, std::min(text.find_first_of(";\n"), text.find(": ")));
+  std::replace(sentence.begin(), sentence.end(), '[', '(');  // zsh has brackets around it
+  std::replace(sentence.begin(), sentence.end(), ']', ')');
+  while (std::count(sentence.begin(), sentence.end(), '(') > std::count(sentence.begin(), sentence.end(), ')'))
+    sentence.erase(sentence.rfind(" ("));
+  return sentence;
+}
+
+/// In single quotes, in which `quote` stands for one.
+std::string quoted(const std::string& text, const char* quote) {
+  std::string all = "'";
+  for (const char c : text) all += c == '\'' ? quote : std::string(1, c);
+  return all + "'";
+}
+constexpr const char *quote_of_zsh = "'\\''", *quote_of_fish = "\\'";
+
+Value value_of(const std::string& type, Shown& shown) {
+  static const std::vector<std::string> files = {"OUTPUT", "FILE",  "FILE.json", "PAGE.html", "OUTPUT.poly",
+                                                 "DIR",    "INPUT", "POINTS",    "DIRECTORY"};
+  if (type.find('|') != std::string::npos) shown.choices = split(type, '|');
+  if (type == "SHELL") shown.choices = {"bash", "zsh", "fish", "man"};
+  if (type.substr(0, 4) == "SPEC") shown.choices = {"auto", "cpu", "gpu"};
+  if (type == "SPEC,...") shown.choices.emplace_back("all");
+  if (!shown.choices.empty()) return Value::choice;
+  return std::find(files.begin(), files.end(), type) != files.end() ? Value::file : Value::other;
 }
 
 std::vector<Shown> options_of(const CLI::App& app) {
@@ -41,12 +66,19 @@ std::vector<Shown> options_of(const CLI::App& app) {
     for (const std::string& name : option->get_snames()) shown.names.push_back("-" + name);
     for (const std::string& name : option->get_lnames()) shown.names.push_back("--" + name);
     shown.about = first_sentence(option->get_description());
-    shown.value = option->get_items_expected_max() > 0;
-    const std::string type = option->get_type_name();
-    if (type.find('|') != std::string::npos) shown.choices = split(type, '|');
+    shown.type = option->get_type_name();
+    if (option->get_items_expected_max() > 0) shown.value = value_of(shown.type, shown);
     all.push_back(shown);
   }
   return all;
+}
+
+/// What stands without an option's name: files, or one of some words.
+Shown argument_of(const CLI::App& command) {
+  Shown shown;
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_positional()) shown.value = value_of(option->get_name(true), shown);
+  return shown;
 }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
@@ -68,28 +100,32 @@ std::string names_of(const CLI::App& app) {
 }
 
 std::string bash(const CLI::App& app) {
-  std::string commands, cases, values;
+  std::string commands, cases;
   for (const CLI::App* command : commands_of(app)) {
     commands += (commands.empty() ? "" : " ") + command->get_name();
-    cases += fmt::format("    {}) words='{}' ;;\n", command->get_name(), names_of(*command));
+    const Shown argument = argument_of(*command);
+    const std::string words = joined(argument.choices, " ") + (argument.choices.empty() ? "" : " ");
+    cases += fmt::format("    {})\n      words='{}{}'{}\n      case $before in\n", command->get_name(), words,
+                         names_of(*command), argument.value == Value::file ? "" : " offers=words");
     for (const Shown& option : options_of(*command)) {
-      const std::string line = fmt::format("    {}) COMPREPLY=($(compgen -W '{}' -- \"$word\")); return ;;\n",
-                                           joined(option.names, " | "), joined(option.choices, " "));
-      if (!option.choices.empty() && values.find(line) == std::string::npos) values += line;
+      if (option.value == Value::none) continue;
+      cases += fmt::format("        {}) {} ;;\n", joined(option.names, " | "),
+                           option.value == Value::file
+                               ? "offers=files"
+                               : fmt::format("offers=words words='{}'", joined(option.choices, " ")));
     }
+    cases += "      esac ;;\n";
   }
   return fmt::format(R"(# gcdt(1) completion for bash
 _gcdt() {{
-  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} words=''
+  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} words='' offers=''
   if ((COMP_CWORD == 1)); then
     COMPREPLY=($(compgen -W '{} {}' -- "$word"))
     return
   fi
-  case $before in
-{}  esac
   case ${{COMP_WORDS[1]}} in
 {}  esac
-  if [[ $word == -* ]]; then
+  if [[ $offers == words || (! $offers && $word == -*) ]]; then
     COMPREPLY=($(compgen -W "$words" -- "$word"))
   else
     compopt -o filenames
@@ -98,22 +134,30 @@ _gcdt() {{
 }}
 complete -F _gcdt gcdt
 )",
-                     commands, names_of(app), values, cases);
+                     commands, names_of(app), cases);
+}
+
+/// What zsh offers for a value; a blank: nothing, but its name is shown.
+std::string action(const Shown& shown) {
+  return shown.value == Value::choice ? "(" + joined(shown.choices, " ") + ")"
+         : shown.value == Value::file ? "_files"
+                                      : " ";
 }
 
 std::string zsh(const CLI::App& app) {
   std::string commands, cases;
   for (const CLI::App* command : commands_of(app)) {
-    commands += fmt::format("    '{}:{}'\n", command->get_name(), first_sentence(command->get_description()));
+    commands += fmt::format(
+        "    {}\n", quoted(command->get_name() + ":" + first_sentence(command->get_description()), quote_of_zsh));
     cases += fmt::format("    {}) _arguments", command->get_name());
     for (const Shown& option : options_of(*command))
       for (const std::string& name : option.names) {
-        const std::string value = !option.value            ? ""
-                                  : option.choices.empty() ? ":value:_files"
-                                                           : fmt::format(":value:({})", joined(option.choices, " "));
-        cases += fmt::format(" \\\n      '*{}[{}]{}'", name, option.about, value);
+        const std::string value = option.value == Value::none ? "" : fmt::format(":{}:{}", option.type, action(option));
+        cases += " \\\n      " + quoted(fmt::format("*{}[{}]{}", name, option.about, value), quote_of_zsh);
       }
-    cases += " \\\n      '*:file:_files' ;;\n";
+    if (const Shown argument = argument_of(*command); argument.value != Value::none)
+      cases += fmt::format(" \\\n      '*:{}:{}'", argument.value == Value::file ? "file" : "what", action(argument));
+    cases += " ;;\n";
   }
   return fmt::format(R"(#compdef gcdt
 # gcdt(1) completion for zsh
@@ -135,19 +179,22 @@ fi
 std::string fish(const CLI::App& app) {
   std::string text = "# gcdt(1) completion for fish\n";
   for (const CLI::App* command : commands_of(app))
-    text += fmt::format("complete -c gcdt -n __fish_use_subcommand -f -a {} -d '{}'\n", command->get_name(),
-                        first_sentence(command->get_description()));
-  for (const CLI::App* command : commands_of(app))
+    text += fmt::format("complete -c gcdt -n __fish_use_subcommand -f -a {} -d {}\n", command->get_name(),
+                        quoted(first_sentence(command->get_description()), quote_of_fish));
+  for (const CLI::App* command : commands_of(app)) {
+    const std::string begin = fmt::format("complete -c gcdt -n '__fish_seen_subcommand_from {}'", command->get_name());
+    const Shown argument = argument_of(*command);
+    if (argument.value == Value::none) text += begin + " -f\n";
+    if (argument.value == Value::choice) text += fmt::format("{} -f -a '{}'\n", begin, joined(argument.choices, " "));
     for (const Shown& option : options_of(*command)) {
-      text += fmt::format("complete -c gcdt -n '__fish_seen_subcommand_from {}'", command->get_name());
+      text += begin;
       for (const std::string& name : option.names)
         text += name.size() == 2 ? fmt::format(" -s {}", name.substr(1)) : fmt::format(" -l {}", name.substr(2));
-      if (!option.choices.empty())
-        text += fmt::format(" -x -a '{}'", joined(option.choices, " "));
-      else if (option.value)
-        text += " -r";
-      text += fmt::format(" -d '{}'\n", option.about);
+      if (option.value != Value::none) text += option.value == Value::file ? " -r -F" : " -x";
+      if (option.value == Value::choice) text += fmt::format(" -a '{}'", joined(option.choices, " "));
+      text += fmt::format(" -d {}\n", quoted(option.about, quote_of_fish));
     }
+  }
   return text;
 }
 
@@ -181,7 +228,7 @@ std::string man(const CLI::App& app, const std::string& version) {
     for (const Shown& option : options_of(*command)) {
       const CLI::Option* own = command->get_option(option.names.back());
       text += fmt::format(".TP\n.B {}{}\n{}.\n", troff(joined(option.names, ", ")),
-                          option.value ? fmt::format(" \\fI{}\\fR", troff(own->get_type_name())) : "",
+                          option.value != Value::none ? fmt::format(" \\fI{}\\fR", troff(own->get_type_name())) : "",
                           troff(own->get_description()));
     }
     const std::string footer = command->get_footer();

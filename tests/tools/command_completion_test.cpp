@@ -11,7 +11,8 @@ const std::vector<std::string> commands = {"triangulate", "batch",   "verify", "
 
 /// What bash offers for the last of these words.
 std::string offered(const Session& session, const std::string& words, int number) {
-  session.write("ask.sh", "eval \"$(\"$1\" completion bash)\"\nCOMP_WORDS=(" + words +
+  // Outside of a completion there is no compopt.
+  session.write("ask.sh", "compopt() { :; }\neval \"$(\"$1\" completion bash)\"\nCOMP_WORDS=(" + words +
                               ")\nCOMP_CWORD=" + std::to_string(number) + "\n_gcdt\necho \"${COMPREPLY[*]}\"\n");
   const Outcome outcome = session.shell("bash ask.sh \"$gcdt\"");
   CHECK(outcome.err == "");
@@ -43,6 +44,16 @@ TEST_CASE("bash completes commands, options, and values that are known") {
   CHECK(offered(session, "gcdt triangulate --crossing ''", 3) == "reject drop split\n");
   CHECK(offered(session, "gcdt triangulate in.poly --domain outer", 4) == "outer outer-holes\n");
   CHECK(offered(session, "gcdt raster --no", 2) == "--no-data\n");
+  CHECK(offered(session, "gcdt triangulate --device ''", 3) == "auto cpu gpu all\n");
+  CHECK(offered(session, "gcdt locate --device ''", 3) == "auto cpu gpu\n");
+  CHECK(offered(session, "gcdt completion f", 2) == "fish\n");
+  // Files are offered where files are due, and nothing where a number is.
+  session.write("map.poly", "");
+  CHECK(offered(session, "gcdt triangulate ma", 2) == "map.poly\n");
+  CHECK(offered(session, "gcdt triangulate -o ma", 3) == "map.poly\n");
+  CHECK(offered(session, "gcdt triangulate --spill ''", 3) == "ask.sh map.poly\n");
+  CHECK(offered(session, "gcdt triangulate --max-area ''", 3) == "\n");
+  CHECK(offered(session, "gcdt bench ''", 2) == "-h --help --device --seconds --vertices\n");
 }
 
 TEST_CASE("every shell and the man page know all commands and all their options") {
@@ -53,7 +64,7 @@ TEST_CASE("every shell and the man page know all commands and all their options"
     CAPTURE(command);
     CHECK(contains(fish, "-f -a " + command + " "));
     CHECK(contains(zsh, "    '" + command + ":"));
-    CHECK(contains(bash, "    " + command + ") words="));
+    CHECK(contains(bash, "\n    " + command + ")\n      words="));
     CHECK(contains(man, "\n.SH " + command + "\n"));
     for (const std::string& option : options_of(session, command)) {
       CAPTURE(option);
@@ -63,6 +74,10 @@ TEST_CASE("every shell and the man page know all commands and all their options"
       CHECK(contains(man, option));
     }
   }
+  // Texts end whole, and are quoted as each shell does.
+  CHECK(contains(zsh, "'*--regions[Find region, depth and winding number of each triangle]'"));
+  CHECK(contains(zsh, "[The largest areas are those of the input'\\''s regions, where they have one]'"));
+  CHECK(contains(fish, "'The largest areas are those of the input\\'s regions, where they have one'"));
   session.bad(2, "completion tcsh");
 }
 
