@@ -66,6 +66,24 @@ TEST_CASE("a picture has the constraints dark, other edges lighter, regions in c
   CHECK(lower == std::array<int, 3>{0xcf, 0xe3, 0xc8});
 }
 
+TEST_CASE("the bar below a picture is as long as its number says") {
+  ScratchFolder folder;
+  Square square;  // of 7 units, of which the bar may take a fourth: 1
+  for (auto& vertex : square.input.vertices)
+    for (double& coordinate : vertex) coordinate *= 7;
+  written(folder, "bar.png", square);
+  const Picture picture(folder / "bar.png");
+  const double y = side + 2 * margin + 10;
+  for (double x = 0; x < side / 2; x += 1) {
+    const double end = side / 7, number = end + 30, after = number + 30;
+    if (x < end) CHECK(picture.dark(margin + x, y));
+    if ((x > end + 4 && x < number) || x > after) CHECK(picture.at(margin + x, y) == white);
+  }
+  const std::string svg = written(folder, "bar.svg", square);
+  CHECK(svg.find("width=\"14286\"") != std::string::npos);  // 10^5 / 7
+  CHECK(svg.find(">1</text>") != std::string::npos);
+}
+
 TEST_CASE("triangles have the colours of their least angles, and the histogram has a bar for each degree") {
   ScratchFolder folder;
   Square square;
@@ -95,11 +113,12 @@ TEST_CASE("triangles have the colours of their least angles, and the histogram h
   };
   CHECK(count(svg, "fill=\"#b2182b\"") == 2);  // a triangle and its bar
   CHECK(count(svg, "fill=\"#dcecd5\"") == 2);
-  CHECK(count(svg, "</text>") == 7);
-  CHECK(count(plain, "#b2182b") + count(plain, "</text>") == 0);
+  CHECK(count(svg, "</text>") == 1 + 7);  // of the scale, 0 to 60
+  CHECK(count(plain, "#b2182b") == 0);
+  CHECK(count(plain, "</text>") == 1);
   CHECK(by_angle("angle.pdf").substr(0, 5) == "%PDF-");
   square.mesh = {};  // nothing has an angle
-  CHECK(count(by_angle("none.svg"), "</text>") == 0);
+  CHECK(count(by_angle("none.svg"), "</text>") == 1);
   by_angle("none.png");
 }
 

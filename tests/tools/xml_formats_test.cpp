@@ -108,7 +108,7 @@ TEST_CASE("an svg file draws every edge once, with y up") {
   // Vertex (0, 0) is at the lower left of the canvas, which is (0, e).
   CHECK(segments ==
         std::vector<std::array<long, 4>>{{0, 0, 0, e}, {0, 0, e, 0}, {0, e, e, 0}, {0, e, e, e}, {e, 0, e, e}});
-  CHECK(svg.find("viewBox=\"-2000 -2000 104000 104000\"") != std::string::npos);
+  CHECK(svg.find("viewBox=\"-2000 -2000 104000 107000\"") != std::string::npos);
 }
 
 TEST_CASE("an svg file of an empty result is a picture all the same") {

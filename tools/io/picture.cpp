@@ -18,7 +18,7 @@ namespace gcdt::io {
 namespace {
 
 constexpr double margin = 0.02 * Canvas::longer_side;
-constexpr double footer = 0.03 * Canvas::longer_side;  // below the picture, for the scale
+constexpr double footer = ScaleBar::high;              // below the picture
 constexpr double png_pixels = 2000, pdf_points = 720;  // of the longer side of what is drawn
 constexpr double pdf_shade_pixels = 4000;              // of the shade, which is an image in the .pdf
 constexpr std::size_t many = 100000;                   // edges, from which on short ones become shade

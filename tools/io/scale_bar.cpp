@@ -55,16 +55,22 @@ void draw_text(cairo_t* pen, std::string_view text, double x, double y, double h
   cairo_stroke(pen);
 }
 
-void draw_scale(cairo_t* pen, const Canvas& canvas, double y, double height) {
+std::optional<ScaleBar> ScaleBar::of(const Canvas& canvas) {
   const double room = largest_share * std::max(canvas.width, Canvas::longer_side / 4) * canvas.unit;
-  if (!(room > 0) || !std::isfinite(room) || !std::isnormal(room)) return;
+  if (!(room > 0) || !std::isfinite(room) || !std::isnormal(room)) return std::nullopt;
   double length = std::pow(10, std::floor(std::log10(room)));
   for (const double factor : {5., 2.})
     if (length * factor <= room) {
       length *= factor;
       break;
     }
-  const double across = length / canvas.unit, tick = height / 3, middle = y + height / 2;
+  return ScaleBar{length / canvas.unit, fmt::format("{:.3g}", length)};
+}
+
+void draw_scale(cairo_t* pen, const Canvas& canvas, double y, double height) {
+  const std::optional<ScaleBar> bar = ScaleBar::of(canvas);
+  if (!bar) return;
+  const double across = bar->across, tick = height / 3, middle = y + height / 2;
   cairo_set_source_rgb(pen, 0, 0, 0);
   cairo_set_line_width(pen, height / 16);
   cairo_move_to(pen, 0, middle - tick / 2);
@@ -74,7 +80,7 @@ void draw_scale(cairo_t* pen, const Canvas& canvas, double y, double height) {
   cairo_move_to(pen, across, middle - tick / 2);
   cairo_line_to(pen, across, middle + tick / 2);
   cairo_stroke(pen);
-  draw_text(pen, fmt::format("{:.3g}", length), across + height / 2, middle - height / 4, height / 2);
+  draw_text(pen, bar->length, across + height / 2, middle - height / 4, height / 2);
 }
 
 }  // namespace gcdt::io

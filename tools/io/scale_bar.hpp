@@ -2,6 +2,8 @@
 // The bar that says how long things in a picture are.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "canvas.hpp"
@@ -10,8 +12,18 @@ typedef struct _cairo cairo_t;
 
 namespace gcdt::io {
 
-/// Draws a bar from the left, `y` units down, within `height`; nothing where the canvas has no unit. Its length in the
-/// input's units is 1, 2 or 5 times a power of ten, and stands beside it. Digits are lines: pictures need no fonts.
+/// The bar of a canvas: its length in the input's units is 1, 2 or 5 times a power of ten, and stands beside it.
+struct ScaleBar {
+  static constexpr double high = 0.03 * Canvas::longer_side;  ///< of all that is drawn for it
+
+  double across = 0;  ///< in units of the canvas
+  std::string length;
+
+  /// None where the canvas has no unit.
+  static std::optional<ScaleBar> of(const Canvas& canvas);
+};
+
+/// Draws it from the left, `y` units down, within `height`. Digits are lines: pictures need no fonts.
 void draw_scale(cairo_t* pen, const Canvas& canvas, double y, double height);
 
 /// Draws digits and the like, so high, with their upper left corner there.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "histogram.hpp"
+#include "scale_bar.hpp"
 #include "strokes.hpp"
 
 namespace gcdt::io {
@@ -44,6 +45,21 @@ void fill_triangles(OutputFile& file, const Canvas& canvas, const Triangulation&
     borders.draw(path);
     file.print("\"/>\n");
   }
+}
+
+/// As draw_scale() does, `y` units down.
+void draw_bar(OutputFile& file, const Canvas& canvas, double y) {
+  const std::optional<ScaleBar> bar = ScaleBar::of(canvas);
+  if (!bar) return;
+  constexpr double high = ScaleBar::high, line = high / 16, tick = high / 3;
+  const double middle = y + high / 2;
+  const auto rectangle = [&](double x, double from, double width, double height) {
+    file.print("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\"/>\n", x, from, width, height);
+  };
+  for (const double x : {0., bar->across}) rectangle(x - line / 2, middle - tick / 2, line, tick);
+  rectangle(0, middle - line / 2, bar->across, line);
+  file.print("<text x=\"{:.0f}\" y=\"{:.0f}\" font-size=\"{:.0f}\" font-family=\"sans-serif\">{}</text>\n",
+             bar->across + high / 2, middle + high / 4, 0.7 * high, bar->length);
 }
 
 void draw_histogram(OutputFile& file, const Histogram& histogram) {
@@ -88,7 +104,7 @@ void write_svg(OutputFile& file, const Result& result) {
   std::vector<Edge> unconstrained = unconstrained_edges(result.mesh);
   const double thin = thin_stroke(canvas, unconstrained, result.mesh.pieces), bold = 4 * thin;
   const double border = margin * Canvas::longer_side;
-  const double legend = result.coloured_by_angle ? Histogram::height + border : 0;
+  const double legend = ScaleBar::high + (result.coloured_by_angle ? Histogram::height : 0);
   const double width = canvas.width + 2 * border, height = canvas.height + 2 * border + legend;
   const double pixels = shown_pixels / std::max(width, height);
   file.print(
@@ -102,7 +118,8 @@ void write_svg(OutputFile& file, const Result& result) {
   draw_edges(file, canvas, {result.mesh.pieces.begin(), result.mesh.pieces.end()}, "#103", bold);
   if (result.mesh.triangles.empty()) draw_dots(file, canvas, 2 * bold);
   file.print("</g>\n");
-  draw_histogram(file, Histogram(canvas, fill, canvas.height + border));
+  draw_bar(file, canvas, canvas.height + border / 2);
+  draw_histogram(file, Histogram(canvas, fill, canvas.height + border / 2 + ScaleBar::high));
   file.print("</svg>\n");
 }
 
