@@ -43,6 +43,12 @@ def solver(queue: cl.CommandQueue, *, log: Log | None = None) -> Solver:
     return Solver._of(_gcdt.solver_on_queue(queue.int_ptr, log))
 
 
+def _check_on_device(array: Any, name: str) -> None:
+    if not isinstance(array, cl_array.Array):
+        kind = f"{type(array).__module__}.{type(array).__qualname__}"
+        raise make("invalid_argument", f"{name} must be a pyopencl.array.Array, not {kind}")
+
+
 def _range(array: cl_array.Array, name: str) -> Any:
     """The k x 2 numbers of an array."""
     if array.ndim != 2 or array.shape[1] != 2 or not array.flags.c_contiguous:
@@ -76,6 +82,9 @@ class DeviceMesh:
         self._result = native
         self._given = given  # read while the result is asked
 
+    def __repr__(self) -> str:
+        return f"<gcdt.opencl.DeviceMesh of {self.shape('triangles')[0]} triangles>"
+
     def shape(self, name: str) -> tuple[int, ...]:
         """The shape of an array."""
         number, width, _ = _array(name)
@@ -104,6 +113,7 @@ class DeviceMesh:
 
     def locate(self, points: cl_array.Array, *, weights: bool = False, wait_for: Sequence[cl.Event] = ()) -> Any:
         """As `gcdt.Mesh.locate`, from device memory to device memory; weights are float32."""
+        _check_on_device(points, "points")
         queue = points.queue
         count = points.shape[0]
         found = cl_array.empty(queue, count, np.int32)
@@ -155,6 +165,9 @@ def triangulate(
     `vertices`: (n, 2) float64, float32 or int64; int32 are grid points as they are, none negative. `constraints`:
     (m, 2) uint32. Both are read in place, or copied within the device if they do not begin with their buffers.
     """
+    _check_on_device(vertices, "vertices")
+    if constraints is not None:
+        _check_on_device(constraints, "constraints")
     if constraints is not None and constraints.dtype != np.uint32:
         raise make("invalid_argument", f"constraints must be uint32, not {constraints.dtype}")
     none = _gcdt.BufferRange(0, 0, 0)

@@ -77,4 +77,17 @@ def test_wrong_arrays_are_named(queue, solver):
         gcdt.opencl.triangulate(solver, points, cl_array.to_device(queue, np.array([[0, 3]], np.uint32)))
     with pytest.raises(ValueError, match="no array triangle"):
         gcdt.opencl.triangulate(solver, points).copy("triangle", queue)
-    assert gcdt.opencl.triangulate(solver, points).copy("triangles", queue).get().tolist() == [[0, 1, 2]]
+    mesh = gcdt.opencl.triangulate(solver, points)
+    assert mesh.copy("triangles", queue).get().tolist() == [[0, 1, 2]]
+    assert repr(mesh) == "<gcdt.opencl.DeviceMesh of 1 triangles>"
+    # Of the host's memory.
+    host = points.get()
+    for call, name in (
+        (lambda: gcdt.opencl.triangulate(solver, host), "vertices"),
+        (lambda: gcdt.opencl.triangulate(solver, points, [(0, 1)]), "constraints"),
+        (lambda: mesh.locate(host), "points"),
+    ):
+        with pytest.raises(
+            ValueError, match=rf"{name} must be a pyopencl\.array\.Array, not (numpy\.ndarray|builtins\.list)"
+        ):
+            call()
