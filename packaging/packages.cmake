@@ -55,7 +55,14 @@ set(CPACK_COMPONENT_COMMAND_DESCRIPTION "The command gcdt, its man page, and com
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-gcdt)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.10), python3-numpy")
+# An extension is for one version of Python, unless it is for the stable ABI.
+set(python "python3 (>= 3.12)")
+file(GLOB extension ${GCDT_PYTHON_TREE}/gcdt/_gcdt.cpython-3*.so)
+if(GCDT_PYTHON_TREE AND extension MATCHES "cpython-3([0-9]+)-")
+  math(EXPR next "${CMAKE_MATCH_1} + 1")
+  set(python "python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next})")
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python}, python3-numpy (>= 1:1.23)")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS ${any_device})
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst
     ${PROJECT_SOURCE_DIR}/packaging/python/prerm)

@@ -47,6 +47,12 @@ if compgen -G "$bare/debs/python3-gcdt_*.deb" >/dev/null; then
   say "Python"
   add $(cd "$bare" && printf '/%s ' debs/python3-gcdt_*.deb)
   inside python3 /root/triangulate.py
+  # Another Python must not get what it cannot import.
+  version=$(inside python3 -c 'import sys; print(f"3.{sys.version_info.minor}")')
+  # shellcheck disable=SC2016
+  wanted=$(inside dpkg-query -W -f '${Depends}' python3-gcdt)
+  [[ $wanted == *"python3 (>= $version), python3 (<< 3.$((${version#3.} + 1)))"* || $wanted == *"python3 (>= 3.12),"* ]] ||
+    { echo "prove-deb: python3-gcdt depends on $wanted" >&2; exit 1; }
 fi
 say "and away again"
 # shellcheck disable=SC2016
