@@ -4,6 +4,7 @@
 // returns a status that its header names, and a solver goes on working after it.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <initializer_list>

@@ -70,7 +70,7 @@ void check_table(const Ordered& read) {
   for (std::uint32_t v = 0; v < read.n(); ++v) {
     const std::uint32_t rank = read.rank(v);
     REQUIRE(rank < read.n());
-    REQUIRE_FALSE(seen[rank]);
+    REQUIRE(!seen[rank]);
     seen[rank] = true;
     REQUIRE(read.vertex(rank) == v);
     if (v + 1 < read.n() && read.level(v) == read.level(v + 1)) REQUIRE(rank < read.rank(v + 1));

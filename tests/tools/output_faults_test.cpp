@@ -18,8 +18,10 @@ struct Targets {
 
   Contents read() const {
     Contents all;
-    for (const std::string& name : names)
-      all.push_back(std::filesystem::exists(folder / name) ? std::optional(folder.read(name)) : std::nullopt);
+    for (const std::string& name : names) {
+      all.emplace_back();
+      if (std::filesystem::exists(folder / name)) all.back() = folder.read(name);
+    }
     return all;
   }
   /// Nothing else is in the folder.
