@@ -34,6 +34,11 @@ chmod +x "$work/filter"
 } >"$work/Doxyfile"
 doxygen "$work/Doxyfile" >"$work/doxygen.log" 2>&1 || { cat "$work/doxygen.log" >&2; exit 1; }
 [[ ! -s $work/doxygen.log ]] || { cat "$work/doxygen.log" >&2; echo "site: doxygen warns" >&2; exit 1; }
+# Enums that have no name: Doxygen 1.9.4 numbers them, 1.9.8 leaves the name empty, which breathe takes for a fault.
+for page in "$work"/xml/*_8h.xml; do
+  awk '{ while (sub(/<name><\/name>/, "<name>@" count + 0 "</name>")) ++count } 1' "$page" >"$work/numbered"
+  mv "$work/numbered" "$page"
+done
 python=/usr/bin/python3
 [[ -x $python ]] || python=python3
 "$python" -m sphinx -q -W --keep-going -b html "$work/source" "$work/html"

@@ -59,7 +59,7 @@ case $name in
     exit ;;
   tiles)
     make_targets gcdt_bench_tiles
-    device=${GCDT_TEST_DEVICE-pthread}
+    device=${GCDT_TEST_DEVICE-Portable}
     on_little() { "$build/bench/gcdt_bench_tiles" --device "$device" --tiles 0 --memory 512 --runs 1 "$@" uniform:10000000; }
     on_little --most-host-bytes 100
     on_little --most-host-bytes 20 --spill "$folder"

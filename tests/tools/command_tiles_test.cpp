@@ -24,7 +24,7 @@ TEST_CASE("an input in tiles, or on several devices, gives the same files") {
   Session session;
   session.write("in.poly", grid_poly());
   session.good("triangulate in.poly --crossing split -o whole.ele -o whole.neigh -o whole.poly --quiet");
-  for (const std::string how : {"--tiles 2", "--tiles 7", "--device pthread,pthread", "--tiles 3 --memory 512MB"}) {
+  for (const std::string how : {"--tiles 2", "--tiles 7", "--device Portable,Portable", "--tiles 3 --memory 512MB"}) {
     CAPTURE(how);
     session.good("triangulate in.poly --crossing split --verify --quiet -o cut.ele -o cut.neigh -o cut.poly " + how);
     session.run("for kind in ele neigh poly node; do cmp whole.$kind cut.$kind; done");
@@ -79,7 +79,7 @@ TEST_CASE("hole and region points of the file mean the same in tiles") {
   for (const std::string domain : {"holes", "outer-holes", "hull --regions"}) {
     CAPTURE(domain);
     session.good("triangulate in.poly -o whole.ele -o whole.vtu --quiet --domain " + domain);
-    for (const std::string how : {"--tiles 2", "--tiles 3", "--tiles 7", "--device pthread,pthread"}) {
+    for (const std::string how : {"--tiles 2", "--tiles 3", "--tiles 7", "--device Portable,Portable"}) {
       CAPTURE(how);
       session.good("triangulate in.poly --verify --quiet -o cut.ele -o cut.vtu --domain " + domain + " " + how);
       session.run("cmp whole.ele cut.ele && cmp whole.vtu cut.vtu");
