@@ -3,6 +3,7 @@
 // Pointers that are not null have as many elements as the counts say, or counts are too large to be taken. Every call
 // returns a status that its header names, and a solver goes on working after it.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
