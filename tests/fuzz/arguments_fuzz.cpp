@@ -198,8 +198,7 @@ class Arguments {
 
  private:
   const gcdt_refinement* refinement() {
-    refinement_ = GCDT_REFINEMENT_INIT;
-    gcdt_refinement& c = refinement_;
+    gcdt_refinement& c = refinement_ = GCDT_REFINEMENT_INIT;
     c.least_angle = number(), c.most_area = often() ? HUGE_VAL : number(), c.least_length = number();
     c.most_added = byte(), c.splits = choice(3), c.conforming = choice(2);
     if (rarely()) c.size_count = byte() % 16u, c.sizes = array(c.size_count, &Arguments::number);
