@@ -10,15 +10,17 @@
 #define GCDT_ON_EDGE 1u        // what: a side code of an unconstrained edge
 #define GCDT_ON_SUBSEGMENT 2u  // what: the edge
 #define GCDT_FAR 4u            // added to the last: rounded the other way
-#define GCDT_LISTED 8u         // added to the first two: the faces of the cavity stand in blocks
+#define GCDT_LISTED 8u         // added: the faces that it claims stand in blocks
+#define GCDT_TIED 16u          // added to the first two: x may be on the circle of a face beside the cavity
 
 static inline uint kind_of_candidate(uint4 candidate) { return candidate.w & 7u; }
 
 // ---- Lists of cavities ------------------------------------------------------------------------------------
 // The faces of cavities in blocks of eight words: seven faces, less in the last one, which has GCDT_NONE behind them,
-// and who aims, by its place in the list `aiming`. Who claims them has a work-item for each block, so that a large
-// cavity takes no longer than a small one. What is not listed, because blocks have run out or it is a subsegment's, is
-// gone through again.
+// and whose they are: who aims, by its place in the list `aiming`, or the candidate of a subsegment. Who claims them
+// has a work-item for each block, so that a large cavity takes no longer than a small one. What is not listed, because
+// blocks have run out or it is a subsegment's on a CPU, is gone through again.
+#define GCDT_OF_SUBSEGMENT 0x80000000u  // added to the number of the candidate
 
 typedef struct CavityList {
   global uint* words;

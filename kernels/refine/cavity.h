@@ -20,10 +20,11 @@ static inline Vertex corner_vertex(Mesh mesh, uint4 corners, uint k) {
   return load_vertex(mesh.points, mesh.n, element(corners, k));
 }
 
-static inline bool in_circle_of(Mesh mesh, uint face, Vertex x) {
+// Above 0 if x is strictly inside the face's circle, 0 if on it.
+static inline int side_of_circle(Mesh mesh, uint face, Vertex x) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(face)];
   return gcdt_incircle(load_vertex(mesh.points, mesh.n, c.x), load_vertex(mesh.points, mesh.n, c.y),
-                       load_vertex(mesh.points, mesh.n, c.z), x) > 0;
+                       load_vertex(mesh.points, mesh.n, c.z), x);
 }
 
 // A tour around the tree of a cavity, depth first. At each step it looks over side `corner` of `face`: if the cavity
@@ -43,6 +44,7 @@ typedef struct Tour {
   uint code;  // of the side looked over
   bool constrained;
   bool entered;  // the face is looked at for the first time
+  bool tied;     // x is on the circle of a face that was not entered
   bool forgets;
   uint left, depth, known;
   u64 left_above;
@@ -73,7 +75,7 @@ static inline Tour begin_tour_at(Mesh mesh, volatile global const uint* marks, u
   tour.root = root;
   tour.first = first;
   tour.entered = true;
-  tour.forgets = false;
+  tour.tied = tour.forgets = false;
   tour.left = 3u;
   tour.depth = tour.known = 0u;
   tour.left_above = 0u;
@@ -106,11 +108,21 @@ static inline void go_back(Tour* tour) {
   if (tour->known > 0u) --tour->known;
 }
 
+// Does the tour, which has forgotten by which sides it came, go back over its side? It does if x, which sees a face
+// through the side by which it is reached (R1), is beyond it. (Only the root's sides have x on them.)
+static inline bool leads_back(const Tour* tour, uint face) {
+  return face == tour->root ||
+         gcdt_orient2d(corner_vertex(tour->mesh, tour->corners, next_corner(tour->corner)),
+                       corner_vertex(tour->mesh, tour->corners, previous_corner(tour->corner)), tour->x) < 0;
+}
+
 // To the next side; false when all have been looked over. Ends: see above; `steps` stops a mesh that is wrong.
 static inline bool go_on(Tour* tour) {
   const uint far = tour->constrained ? GCDT_NONE : tour->mesh.edge_faces[tour->code ^ 1u];
-  tour->entered = far != GCDT_NONE && in_circle_of(tour->mesh, GCDT_REF_FACE(far), tour->x);
-  if (tour->entered) {
+  const int side = far == GCDT_NONE ? -1 : side_of_circle(tour->mesh, GCDT_REF_FACE(far), tour->x);
+  tour->entered = side > 0 && !(tour->forgets && leads_back(tour, GCDT_REF_FACE(far)));
+  tour->tied |= side == 0;
+  if (side > 0) {
     enter(tour, GCDT_REF_FACE(far), next_corner(GCDT_REF_CORNER(far)));
     tour->left_above = (tour->left_above << 2) | (tour->left - 1u);
     tour->known = min(tour->known + 1u, GCDT_TOUR_KNOWN);

@@ -2,8 +2,8 @@
 // Quality refinement, the second half of a round: candidates claim their cavities, and those that hold all of theirs
 // are inserted (docs/refinement.md, A).
 #include "common/split_face.h"
-#include "flip/flip.h"
-#include "refine/candidates.h"
+#include "refine/star.h"
+#include "refine/team.h"
 
 // ---- Precedence -------------------------------------------------------------------------------------------
 
@@ -55,24 +55,68 @@ kernel void refine_rank(uint count, GCDT_MESH_PARAMETERS, global const ulong* ke
   }
 }
 
-// ---- Claims -----------------------------------------------------------------------------------------------
+// Where a team of work-items counts what comes before its candidate: keys are few, and all are read by all.
 
-typedef struct Ticket {
-  uint stamp, bits, place;     // of the candidate in the order
-  global const uint* numbers;  // of candidates in order
-  volatile global uint* won;   // by number
-} Ticket;
+#define GCDT_COUNTING_TEAMS 16u  // of a work-group at most
 
-// Claims the face. Of two that claim one face the lesser loses, and is told by whichever comes second: it finds the
-// other in the word, or its own value there is replaced by the other. So all but the greatest are told, in any order.
-static inline void claim_face(Mesh mesh, uint face, Ticket t) {
-  const uint ticket = (t.stamp << t.bits) | t.place, old = atomic_max(claim_word(mesh.face_data, face), ticket);
-  if (old == ticket || old >> t.bits != t.stamp) return;
-  atomic_xchg(t.won + t.numbers[old > ticket ? t.place : old & ((1u << t.bits) - 1u)], 0u);
+// One team of work-items per candidate. The same as sort and refine_rank, in one launch, for a few thousand candidates:
+// its place is how many come before it. Of equal ones by keys, points and ends the one that was found first. No race:
+// each candidate has a word of local memory, its place no other has, and its words of `ranks` and `won` are its own.
+kernel void refine_count_ranks(uint count, GCDT_MESH_PARAMETERS, global const ulong* keys,
+                               global const uint4* candidates, global uint* numbers, global uint* ranks,
+                               global uint* won, global const uint* asked, global uint* edge_marks,
+                               global const RefineReport* report) {
+  local uint before[GCDT_COUNTING_TEAMS];
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const uint marked = report->asked, items = (uint)get_local_size(0), lanes = min(GCDT_COUNTING_TEAM, items);
+  const uint teams = min(GCDT_COUNTING_TEAMS, items / lanes), team = (uint)get_local_id(0) / lanes;
+  const uint lane = (uint)get_local_id(0) % lanes;
+  FOR_EACH(i, marked) edge_marks[asked[i]] &= ~GCDT_MARK_ASKED;
+  FOR_EACH_TILE_OF(tile, teams, count) {
+    const uint i = tile + team;
+    const bool counts = team < teams && i < count;
+    if (team < teams && lane == 0u) before[team] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (counts) {
+      const u64 key = keys[i];
+      // Eight loads at once: one after the other each would wait for its own.
+      uint sum = 0u, equal = 0u, j = lane;
+      for (; j + 7u * lanes < count; j += 8u * lanes) {
+        u64 other[8];
+        for (uint k = 0; k < 8u; ++k) other[k] = keys[j + k * lanes];
+        for (uint k = 0; k < 8u; ++k) {
+          sum += other[k] < key ? 1u : 0u;
+          equal += other[k] == key ? 1u : 0u;
+        }
+      }
+      for (; j < count; j += lanes) {
+        sum += keys[j] < key ? 1u : 0u;
+        equal += keys[j] == key ? 1u : 0u;
+      }
+      for (j = lane; equal > 0u && j < count; j += lanes) {
+        if (keys[j] != key) continue;
+        --equal;
+        if (j != i && (comes_before(mesh, candidates[j], candidates[i]) ||
+                       (j < i && !comes_before(mesh, candidates[i], candidates[j]))))
+          ++sum;
+      }
+      atomic_add(before + team, sum);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (counts && lane == 0u) {
+      const uint place = before[team];
+      ranks[i] = place;
+      numbers[place] = i;
+      won[i] = 1u;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
 }
 
+// ---- Claims -----------------------------------------------------------------------------------------------
+
 // A face is met once for each of its sides that are looked over.
-static void claim_cavity(Mesh mesh, global const uint* marks, uint root, Vertex x, Ticket t,
+static void claim_cavity(Mesh mesh, volatile global const uint* marks, uint root, Vertex x, Ticket t,
                          volatile global RefineReport* report) {
   Tour tour = begin_tour(mesh, marks, root, x);
   do claim_face(mesh, tour.face, t);
@@ -83,7 +127,7 @@ static void claim_cavity(Mesh mesh, global const uint* marks, uint root, Vertex 
 // All that a candidate needs. Of a subsegment: the faces on both sides, whose flags change; the face that x is in if it
 // is not these; and the cavities of all. A face in which x is, or on whose unconstrained side, is of a cavity: strictly
 // inside a circle is all of the closed face but its corners.
-static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Ticket t,
+static void claim_all(Mesh mesh, volatile global const uint* marks, uint4 candidate, Ticket t,
                       volatile global RefineReport* report) {
   const Vertex x = candidate_point(candidate);
   const uint kind = kind_of_candidate(candidate);
@@ -94,7 +138,7 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Tick
   } else {
     for (uint side = 0; side < 2u; ++side) {
       const uint ref = mesh.edge_faces[2u * candidate.z + side], face = GCDT_REF_FACE(ref);
-      if (in_circle_of(mesh, face, x))
+      if (side_of_circle(mesh, face, x) > 0)
         claim_cavity(mesh, marks, face, x, t, report);
       else
         claim_face(mesh, face, t);
@@ -104,11 +148,48 @@ static void claim_all(Mesh mesh, global const uint* marks, uint4 candidate, Tick
   }
 }
 
-// One work-item per candidate that is not listed, and per block of the lists. Claims faces, the later candidate in
-// order with precedence: tickets are places there. Blocks of faces that aimed in vain have no candidate. Reads the
-// mesh, of corners not the claim word beside them. Writes claim words by atomic_max, and won[i] = 0 of those that lose,
-// which were 1, by atomics; what they end with does not depend on the order. After: the faces of those with won[i] = 1
-// are disjoint; the last in order is one of them.
+// Whose the block is, by number; GCDT_NONE of a face that aimed in vain, or of whom the list is not whole.
+static inline uint candidate_of(global const uint* block, global const uint* chosen, global const uint4* candidates) {
+  const uint owner = block[GCDT_BLOCK - 1u];
+  if (!(owner & GCDT_OF_SUBSEGMENT)) return chosen[owner];
+  return candidates[owner & ~GCDT_OF_SUBSEGMENT].w & GCDT_LISTED ? owner & ~GCDT_OF_SUBSEGMENT : GCDT_NONE;
+}
+
+#ifdef GCDT_GPU
+// The candidates that are not listed, one by a team.
+GCDT_GIVEN_LOCAL void claim_by_teams(Judge judge, uint count, global const uint* ranks, global const uint4* candidates,
+                                     Ticket t, volatile global RefineReport* report, volatile local Team* memory,
+                                     volatile local uint* busy) {
+  const Mesh mesh = judge.mesh;
+  const TeamOf of = team_of(memory);
+  const TeamList none = {.words = 0, .blocks = 0u, .report = report};
+  FOR_EACH_TILE_OF(tile, of.teams, count) {
+    const uint i = tile + of.number;
+    const bool leads = of.lane == 0u && of.number < of.teams;
+    const bool claims = leads && i < count && !(candidates[i].w & GCDT_LISTED);
+    if (leads) of.team->pending = 0u;
+    if (claims) {
+      const uint4 candidate = candidates[i];
+      const uint kind = kind_of_candidate(candidate);
+      t.place = ranks[i];
+      begin_team(of.team, candidate_point(candidate), ~0ul, t.place);
+      if (kind & GCDT_ON_SUBSEGMENT)
+        add_roots_of_subsegment(mesh, of.team, candidate.z, candidate_point(candidate), none, t);
+      else
+        add_root(mesh, of.team, kind == GCDT_IN_FACE ? candidate.z : GCDT_REF_FACE(mesh.edge_faces[candidate.z]), true,
+                 none, t);
+    }
+    tour_by_teams(of, judge, none, t, busy);
+    if (claims && (of.team->flags & (TEAM_FULL | TEAM_FAILED))) claim_all(mesh, judge.marks, candidates[i], t, report);
+  }
+}
+#endif
+
+// One work-item per candidate that is not listed (on a GPU a team of them), and per block of the lists. Claims faces,
+// the later candidate in order with precedence: tickets are places there. Reads the mesh, of corners not the claim word
+// beside them. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what they
+// end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last in order is
+// one of them.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
                          global const uint* numbers, global const uint* ranks, global const uint4* candidates,
                          uint blocks, global const uint* cavities, global const uint* chosen, volatile global uint* won,
@@ -117,16 +198,25 @@ kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS
   Ticket t;
   t.stamp = stamp;
   t.bits = bits;
+  t.place = 0u;
   t.numbers = numbers;
   t.won = won;
-  FOR_EACH(i, count + blocks) {
-    if (i < count) {
-      t.place = ranks[i];
-      if (!(candidates[i].w & GCDT_LISTED)) claim_all(mesh, edge_marks, candidates[i], t, report);
-      continue;
-    }
-    global const uint* block = cavities + GCDT_BLOCK * (i - count);
-    const uint candidate = chosen[block[GCDT_BLOCK - 1u]];
+#ifdef GCDT_GPU
+  local Team memory[GCDT_TEAMS];
+  local uint busy;
+  Judge judge;
+  judge.mesh = mesh;
+  judge.marks = (volatile global uint*)edge_marks;
+  claim_by_teams(judge, count, ranks, candidates, t, report, memory, &busy);
+#else
+  FOR_EACH(i, count) {
+    t.place = ranks[i];
+    if (!(candidates[i].w & GCDT_LISTED)) claim_all(mesh, edge_marks, candidates[i], t, report);
+  }
+#endif
+  FOR_EACH(b, blocks) {
+    global const uint* block = cavities + GCDT_BLOCK * b;
+    const uint candidate = candidate_of(block, chosen, candidates);
     if (candidate == GCDT_NONE) continue;
     t.place = ranks[candidate];
     for (uint k = 0; k + 1u < GCDT_BLOCK && block[k] != GCDT_NONE; ++k) claim_face(mesh, block[k], t);
@@ -147,22 +237,6 @@ kernel void refine_last_in_order(uint count, uint winners, uint most, global con
 
 // ---- Insertion ----------------------------------------------------------------------------------------------
 
-typedef struct Insertion {
-  Mesh mesh;
-  volatile global uint* marks;
-  global uint* edge_pieces;
-  global uint* queue;  // of edges to be tested: flip.cl
-  volatile global Counters* counters;
-} Insertion;
-
-// The edge may be illegal from now on. An edge on the border between winners is queued once: the mark decides.
-static inline void queue_side(Insertion in, uint code) {
-  const uint e = GCDT_SIDE_EDGE(code);
-  if (in.marks[e] & GCDT_MARK_CONSTRAINED) return;
-  if (!(atomic_or(in.marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED))
-    in.queue[atomic_inc(&in.counters->list_test[0])] = e;
-}
-
 static inline void set_label(Mesh mesh, uint face, uint label) { mesh.face_data[GCDT_SIDES(face)].w = label; }
 
 static inline void make_subsegment(Insertion in, uint code, uint piece) {
@@ -176,27 +250,21 @@ static void insert_in_face(Insertion in, uint v, uint t, uint claim) {
   split_face(in.mesh, v, t, claim, false);
   set_label(in.mesh, t, s.w);
   for (uint i = 0; i < 2u; ++i) set_label(in.mesh, new_face(in.mesh, v, i), s.w);
-  for (uint k = 0; k < 3u; ++k) queue_side(in, element(s, k));
 }
 
 // v on edge e.
 static void insert_on_edge(Insertion in, uint v, uint e, uint claim) {
-  uint face[2], outer[4];
-  uint label[2];
+  uint face[2], label[2];
   for (uint side = 0; side < 2u; ++side) {
     const uint ref = in.mesh.edge_faces[2u * e + side];
     face[side] = GCDT_REF_FACE(ref);
-    const uint4 s = in.mesh.face_data[GCDT_SIDES(face[side])];
-    label[side] = s.w;
-    outer[2u * side] = element(s, next_corner(GCDT_REF_CORNER(ref)));
-    outer[2u * side + 1u] = element(s, previous_corner(GCDT_REF_CORNER(ref)));
+    label[side] = label_of(in.mesh, face[side]);
   }
   split_edge(in.mesh, v, e, claim, false);
   for (uint side = 0; side < 2u; ++side) {
     set_label(in.mesh, face[side], label[side]);
     set_label(in.mesh, new_face(in.mesh, v, side), label[side]);
   }
-  for (uint i = 0; i < 4u; ++i) queue_side(in, outer[i]);
 }
 
 // v in the face beyond a side of face t that is across from pq's corner r; then the side is flipped, so that v is
@@ -213,7 +281,6 @@ static void insert_beyond(Insertion in, uint v, uint code, Vertex x, uint claim)
   const uint2 refs = ((global const uint2*)mesh.edge_faces)[e];
   flip_edge(mesh, e, refs, mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
             mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))], around);
-  for (uint i = 0; i < 4u; ++i) queue_side(in, around[i]);
 }
 
 // v for subsegment e = pq: on it, or beside it. Then the triangle v, p, q takes the label from beyond pq, its sides pv
@@ -237,7 +304,6 @@ static void insert_for_subsegment(Insertion in, uint v, uint e, Vertex x, uint c
                r = corner_vertex(mesh, corners, k);
   atomic_and(in.marks + e, ~GCDT_MARK_CONSTRAINED);
   in.edge_pieces[e] = GCDT_NONE;
-  queue_side(in, near);
   const uint other = code_beyond(mesh, near_ref, x);
   if (other != GCDT_NONE)
     insert_beyond(in, v, other, x, claim);
@@ -281,22 +347,31 @@ static uint wanted_at(Mesh mesh, uint4 origin, Vertex x, global const uint* size
                              sizes[origin.z]);
 }
 
-// One work-item per candidate; `before` is the scan of the winners by number. Inserts them, and numbers their vertices
-// from `first` on in the order in which candidates were found, which is that of faces: so what is near in the mesh is
-// near in memory. Writes the words of its faces and edges and those that its vertex brings, which others do not have
-// (L1: winners' faces are disjoint), and marks of the edges around by atomics. After: a valid mesh; edges that may be
-// illegal are queued, and listed.
+// One work-item per candidate; `before` is the scan of the winners by number. Inserts them, numbers their vertices from
+// `first` on in the order in which candidates were found, which is that of faces, so that what is near in the mesh is
+// near in memory; and makes the stars of these Delaunay. Writes the words of its faces and edges and those that its
+// vertex brings, which others do not have (L1: winners' faces are disjoint), and marks of the edges around by atomics.
+// Of a face beyond these it reads whose it is, which stays, and all of it if nobody changes it. After: a valid mesh;
+// edges that may be illegal are queued, and listed; list_insert[0] is the number of winners.
 kernel void refine_insert(uint count, uint first, uint stamp, uint bits, uint sized, GCDT_MESH_PARAMETERS,
-                          global uint* edge_marks, global uint* edge_pieces, global const uint* ranks,
-                          global const uint4* candidates, global const uint* before, global int2* new_points,
-                          uint inputs, global uint4* origins, global uint* sizes, global uint* queue,
-                          volatile global Counters* counters, volatile global RefineReport* report) {
+                          global uint* edge_marks, global uint* edge_pieces, global const uint* numbers,
+                          global const uint* ranks, global const uint4* candidates, global const uint* before,
+                          global int2* new_points, uint inputs, global uint4* origins, global uint* sizes,
+                          global uint* queue, volatile global Counters* counters,
+                          volatile global RefineReport* report) {
+  local uint sum;
   Insertion in;
   in.mesh = make_mesh(n, points, face_data, edge_faces);
   in.marks = edge_marks;
   in.edge_pieces = edge_pieces;
   in.queue = queue;
   in.counters = counters;
+  in.old_faces = new_face(in.mesh, first, 0u);
+  in.round = make_claim(stamp, bits);
+  in.numbers = numbers;
+  in.before = before;
+  uint flips = 0;
+  if (get_global_id(0) == 0) counters->list_insert[0] = before[count];
   FOR_EACH(number, count) {
     if (before[number + 1u] == before[number]) continue;
     const uint v = first + before[number], claim = (stamp << bits) | ranks[number];
@@ -322,5 +397,7 @@ kernel void refine_insert(uint count, uint first, uint stamp, uint bits, uint si
       if (kind & GCDT_FAR) atomic_inc(&report->far);
       insert_for_subsegment(in, v, candidate.z, x, claim);
     }
+    flips += settle_star(in, v, x, claim, (kind & GCDT_ON_SUBSEGMENT) != 0u, (candidate.w & GCDT_TIED) != 0u);
   }
+  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }

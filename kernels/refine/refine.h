@@ -19,6 +19,8 @@ namespace gcdt::device {
 
 // Words of a block of the list of a cavity.
 #define GCDT_BLOCK 8u
+// Work-items that rank one candidate by counting those before it (refine.cl).
+#define GCDT_COUNTING_TEAM 32u
 
 // Marks of edges beside those of shared.h.
 #define GCDT_MARK_ASKED 4u  // stands in the list of subsegments that someone wants split

@@ -79,19 +79,25 @@ static inline bool leads_to_worse(Mesh mesh, volatile global const uint* marks, 
   return goes_before(ref, own, urgency);
 }
 
-// The way to a face that goes before it two or three steps over side k, or none.
-static uint way_beyond(Mesh mesh, volatile global const uint* marks, uint code, uint k, uint own,
+// The way to a face that goes before it two or three steps over the side with reference `one`, number k, and there over
+// side a, or none.
+static uint way_beyond(Mesh mesh, volatile global const uint* marks, uint one, uint k, uint a, uint own,
                        global const uint* urgency) {
-  const uint one = ref_beyond(mesh, marks, code);
-  if (one == GCDT_NONE) return GCDT_NO_WAY;
-  for (uint a = 0; a < 2u; ++a) {
-    const uint two = ref_beyond(mesh, marks, other_side(mesh, one, a));
-    if (two == GCDT_NONE) continue;
-    if (goes_before(two, own, urgency)) return way(2u, k, a, 0u);
-    for (uint b = 0; b < 2u; ++b)
-      if (goes_before(ref_beyond(mesh, marks, other_side(mesh, two, b)), own, urgency)) return way(3u, k, a, b);
-  }
+  const uint two = ref_beyond(mesh, marks, other_side(mesh, one, a));
+  if (two == GCDT_NONE) return GCDT_NO_WAY;
+  if (goes_before(two, own, urgency)) return way(2u, k, a, 0u);
+  for (uint b = 0; b < 2u; ++b)
+    if (goes_before(ref_beyond(mesh, marks, other_side(mesh, two, b)), own, urgency)) return way(3u, k, a, b);
   return GCDT_NO_WAY;
+}
+
+// The way to one over side k and, if there are more, side a: all six find all that there is.
+static inline uint way_by(Mesh mesh, volatile global const uint* marks, uint face, uint k, uint a, uint own,
+                          global const uint* urgency) {
+  const uint one = ref_beyond(mesh, marks, face_side(mesh, face, k));
+  if (one == GCDT_NONE) return GCDT_NO_WAY;
+  if (goes_before(one, own, urgency)) return way(1u, k, 0u, 0u);
+  return way_beyond(mesh, marks, one, k, a, own, urgency);
 }
 
 // The way to a face for which it must wait, or none. Looks at 21 others at most, and first where `last` leads, the way
@@ -106,8 +112,11 @@ static uint way_to_worse(Mesh mesh, volatile global const uint* marks, uint face
   for (uint k = 0; k < 3u; ++k)
     if (goes_before(ref_beyond(mesh, marks, element(s, k)), own, urgency)) return way(1u, k, 0u, 0u);
   for (uint k = 0; k < 3u; ++k) {
-    const uint found = way_beyond(mesh, marks, element(s, k), k, own, urgency);
-    if (found != GCDT_NO_WAY) return found;
+    const uint one = ref_beyond(mesh, marks, element(s, k));
+    for (uint a = 0; a < 2u && one != GCDT_NONE; ++a) {
+      const uint found = way_beyond(mesh, marks, one, k, a, own, urgency);
+      if (found != GCDT_NO_WAY) return found;
+    }
   }
   return GCDT_NO_WAY;
 }

@@ -42,6 +42,8 @@ struct Tuning {
   /// 64-bit keys up to which groups sort blocks in local memory, which are merged two by two: a launch for each
   /// doubling where a sort by digits has three for each four bits (NOTES, "Sorting few keys").
   std::uint32_t most_merged = 1u << 17;
+  /// Candidates of a round of refinement that a GPU ranks by comparing all with all, in one launch instead of a sort's.
+  std::uint32_t most_ranked_by_count = 1u << 13;
   /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
   /// microsecond, two launches cost ten times that.
   std::uint32_t one_group_vertices = 1024;

@@ -63,6 +63,15 @@ class Flipping {
     return result;
   }
 
+  /// The rounds by lists, of which the host does not know yet how many edges the first has. One work-group begins.
+  FlipResult finish_unread(Ticker& ticker) {
+    rounds_in_one_group();
+    const std::uint32_t in_group = counters_.read().rounds;
+    round_ += in_group;
+    stamps_.take(in_group);
+    return finish(counters_.last().list_test[round_ % 3], ticker);
+  }
+
   /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
   FlipResult finish(std::uint32_t pending, Ticker& ticker) {
     std::uint64_t total = round_;
@@ -167,6 +176,12 @@ FlipResult flip_queued(runtime::Runtime& runtime, const Plan& plan, const Vertic
                        Ticker& ticker) {
   return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh)
       .finish(counters.last().list_test[0], ticker);
+}
+
+FlipResult flip_few_queued(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                           const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh,
+                           Ticker& ticker) {
+  return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh).finish_unread(ticker);
 }
 
 }  // namespace gcdt

@@ -29,6 +29,8 @@ constexpr std::uint32_t faces_per_block = 16;
 // Faces of a cavity that any triangle may go through (wait.h, Lots). Ordinary cavities have about six. Fewer would make
 // more rounds; more cost dense outlines in proportion.
 constexpr cl_uint most_faces = 8;
+// Sides that a winner may leave to the rounds of flips, about, with those that it comes upon.
+constexpr std::uint32_t sides_per_winner = 4;
 // Doubled so often, that is more than any mesh has.
 constexpr std::uint32_t most_doublings = 28;
 
@@ -157,7 +159,7 @@ void Refiner::find_candidates(std::uint32_t idle) {
                  urgency_, most_faces << std::min(idle, most_doublings), result_.searches, blocks(), cavities_,
                  chosen());
     launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
-                 edge_pieces_, sharp_);
+                 edge_pieces_, sharp_, blocks(), cavities_);
     last_ = read_report();
     if (last_.candidates <= capacity()) break;
     const std::size_t room = last_.candidates + last_.candidates / 4;
@@ -174,16 +176,19 @@ void Refiner::find_candidates(std::uint32_t idle) {
 // Brings the candidates into order. All of them have won so far. Subsegments are not asked for any more.
 void Refiner::rank_candidates() {
   const cl_uint candidates = last_.candidates;
-  primitives_.sort(keys_, numbers_, candidates);
+  const bool by_count = runtime_.kind() == DeviceKind::gpu && candidates <= runtime_.tuning().most_ranked_by_count;
+  if (!by_count) primitives_.sort(keys_, numbers_, candidates);
   runtime_.reserve(won_, "winners", std::size_t{candidates} + 1);
   runtime_.reserve(ranks_, "ranks of candidates", keys_.size());
-  runtime_.launch("refine", "refine_rank", over(std::max(candidates, last_.asked)), candidates, mesh_.n,
-                  vertices_.points, mesh_.face_data, mesh_.edge_faces, keys_, candidates_, numbers_, ranks_, won_,
-                  asked_, mesh_.edge_marks, report_);
+  const std::size_t items = by_count ? std::size_t{candidates} * GCDT_COUNTING_TEAM : candidates;
+  runtime_.launch("refine", by_count ? "refine_count_ranks" : "refine_rank",
+                  over(std::max<std::size_t>(items, last_.asked)), candidates, mesh_.n, vertices_.points,
+                  mesh_.face_data, mesh_.edge_faces, keys_, candidates_, numbers_, ranks_, won_, asked_,
+                  mesh_.edge_marks, report_);
 }
 
-// Returns how many candidates hold all that they claim; won_ is their scan.
-std::uint32_t Refiner::choose_winners() {
+// won_ becomes the scan of the candidates that hold all that they claim.
+void Refiner::choose_winners() {
   const cl_uint candidates = last_.candidates, listed = std::min(last_.blocks, blocks());
   Stamps stamps(runtime_, candidates);
   stamps.go_on_above(mesh_.claims_below);
@@ -197,7 +202,7 @@ std::uint32_t Refiner::choose_winners() {
   runtime_.launch("refine", "refine_claim", over(std::size_t{candidates} + listed), candidates, stamp_, bits_, mesh_.n,
                   vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, numbers_, ranks_, candidates_,
                   listed, cavities_, chosen(), won_, report_);
-  return primitives_.scan_total(won_, candidates);
+  primitives_.exclusive_scan(won_, won_, candidates);
 }
 
 // Leaves of the winners those with the greatest tickets.
@@ -211,21 +216,38 @@ void Refiner::keep_greatest(std::uint32_t winners, std::uint32_t most) {
   primitives_.scan_total(won_, candidates);
 }
 
-// Inserts the first `most` of the winners, and makes the mesh Delaunay.
-void Refiner::insert(std::uint32_t winners, std::uint32_t most) {
-  const std::uint32_t more = std::min(winners, most);
-  if (more < winners) keep_greatest(winners, most);
-  if (count() + more > mesh_.n) {
-    const std::uint64_t room = std::max<std::uint64_t>(more, count() / 2 + least_room);
-    make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, room)));
+// Inserts winners, `most` of them at most, those with the greatest tickets. How many there are is read before only
+// where not all candidates may be inserted, or have room.
+void Refiner::insert(std::uint32_t most) {
+  if (last_.candidates > std::min(most, mesh_.n - count())) {
+    const std::uint32_t winners = runtime_.read_one(won_, last_.candidates);
+    if (winners > most) keep_greatest(winners, most);
+    const std::uint32_t more = std::min(winners, most);
+    if (more > mesh_.n - count()) {
+      const std::uint64_t room = std::max<std::uint64_t>(more, count() / 2 + least_room);
+      make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, room)));
+    }
   }
   counters_.zero();
   runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, count(), stamp_, bits_,
                   rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
-                  edge_pieces_, ranks_, candidates_, won_, vertices_.points, origins_begin_, origins_, sizes_,
+                  edge_pieces_, numbers_, ranks_, candidates_, won_, vertices_.points, origins_begin_, origins_, sizes_,
                   lists_.first, counters_.buffer(), report_);
-  added_ += more;
-  counters_.read();
+}
+
+// Makes the mesh Delaunay, and counts the winners. A GPU does without the read before the flips where one work-group
+// takes all of them: in the many small rounds at the end.
+void Refiner::settle(Ticker& ticker) {
+  const bool few = runtime_.kind() == DeviceKind::gpu && last_.candidates <= plan_.group_edges / sides_per_winner;
+  if (!few) counters_.read();
+  const FlipResult flipped = (few ? flip_few_queued : flip_queued)(
+      runtime_, plan_, vertices_, mesh_, lists_, counters_, std::min(mesh_.n, count() + last_.candidates), ticker);
+  const device::Counters& c = counters_.last();
+  if (c.failed) throw Error(Status::round_limit, "refine: a tour around a vertex did not end");
+  if (c.list_insert[0] == 0) throw Error(Status::round_limit, "refine: a round inserted nothing");
+  added_ += c.list_insert[0];
+  result_.flips += wide(c.flips_low, c.flips_high);
+  result_.flip_rounds += flipped.rounds;
 }
 
 RefineResult Refiner::run(Ticker& ticker) {
@@ -246,14 +268,11 @@ RefineResult Refiner::run(Ticker& ticker) {
     const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, GCDT_NONE));
     result_.complete = most > 0;
     if (most == 0) break;
-    const std::uint32_t winners = choose_winners();
-    if (winners == 0 || result_.rounds == round_limit)
-      throw Error(Status::round_limit, "refine: a round inserted nothing, or there were too many");
+    if (result_.rounds == round_limit) throw Error(Status::round_limit, "refine: there were too many rounds");
+    choose_winners();
     result_.candidates += last_.candidates;
-    insert(winners, most);
-    const FlipResult flipped = flip_queued(runtime_, plan_, vertices_, mesh_, lists_, counters_, count(), ticker);
-    result_.flips += flipped.flips;
-    result_.flip_rounds += flipped.rounds;
+    insert(most);
+    settle(ticker);
     ++result_.rounds;
   }
   explain();

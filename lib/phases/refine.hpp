@@ -68,9 +68,10 @@ class Refiner {
   void make_room(std::uint32_t capacity);
   void find_candidates(std::uint32_t idle);
   void rank_candidates();
-  std::uint32_t choose_winners();
+  void choose_winners();
   void keep_greatest(std::uint32_t winners, std::uint32_t most);
-  void insert(std::uint32_t winners, std::uint32_t most);
+  void insert(std::uint32_t most);
+  void settle(Ticker& ticker);
   void explain();
   double farthest();
   device::RefineReport read_report();

@@ -70,6 +70,23 @@ TEST_CASE("who aims is drawn alike on every device and for every order of the ve
   }
 }
 
+TEST_CASE("cavities of any size are gone through alike on every device") {
+  for (const bool within : {true, false})
+    for (const Workload& work : {letters(1500), outline(800, 1 << 29, 1 << 29)}) {
+      CAPTURE(within);
+      CAPTURE(work.points.size());
+      Options options = refining_on_grid();
+      if (within) options.domain = Domain::nonzero;
+      const RefinedResult expected = result_of(usual(), work, options);
+      for (Treated& device : devices_as_all_kinds()) {
+        CAPTURE(device.name);
+        const RefinedResult r = result_of(*device.runtime, work, options);
+        CHECK(r.refined.rounds == expected.refined.rounds);
+        CHECK(same(r, expected));
+      }
+    }
+}
+
 TEST_CASE("if all sit out, all may aim at more the next time") {
   std::uint64_t in_vain = 0;
   for (std::uint32_t n = 20; n < 60; ++n) {
