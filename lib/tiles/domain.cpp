@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "tiles/indices.hpp"
 #include "tiles/seeds.hpp"
 
 namespace gcdt::tiles {
@@ -29,6 +30,7 @@ class Selection {
   }
 
   void run() {
+    check_numbers();
     label();
     count_turns();
     list_arcs();
@@ -70,6 +72,18 @@ class Selection {
   std::uint64_t open_parity = 0, open_winding = 0;
 
  private:
+  /// Devices have written what comes from now on as indices.
+  void check_numbers() const {
+    const std::uint64_t vertices = input_.n() + added_.size();
+    const auto count = static_cast<std::int64_t>(triangles_.size());
+    check_each(triangles_.size(), "a triangle has a corner or a neighbour that is not there", [&](std::size_t t) {
+      bool fits = true;
+      for (std::size_t k = 0; k < 3; ++k)
+        fits = fits && triangles_[t][k] < vertices && neighbours_[t][k] >= -1 && neighbours_[t][k] < count;
+      return fits;
+    });
+  }
+
   GridPoint at(std::uint32_t v) const {
     return v < input_.n() ? input_.at(v) : added_[static_cast<std::size_t>(v - input_.n())];
   }

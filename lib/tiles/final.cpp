@@ -2,6 +2,7 @@
 #include "tiles/final.hpp"
 
 #include "device/step.hpp"
+#include "tiles/indices.hpp"
 #include "tiles/tiles.h"
 
 namespace gcdt::tiles {
@@ -76,6 +77,16 @@ void FinalTriangles::spill(Runtime& runtime, const SpillTo& to) {
   end_spill();
 }
 
+void FinalTriangles::leave_result() {
+  const Berth from = berth();
+  Berth& to = spilled_->berth;
+  to = {spilled_->triangles.make<Triangle>(count), spilled_->neighbours.make<Neighbours>(count),
+        spilled_->constrained.make<std::uint8_t>(count)};
+  std::copy(from.triangles, from.triangles + count, to.triangles);
+  std::copy(from.neighbours, from.neighbours + count, to.neighbours);
+  std::copy(from.constrained, from.constrained + count, to.constrained);
+}
+
 void FinalTriangles::release() {
   corners = {}, neighbours = {}, constrained = {}, ids = {}, points = {};
   codes = {};
@@ -108,6 +119,7 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   std::vector<std::uint32_t> counts(seam);
   runtime.read(before, counts.data(), seam);
   writing.end();
+  check_before(counts, final.count);
   return counts;
 }
 

@@ -65,6 +65,8 @@ class FinalTriangles {
   /// What has been spilled: in this file, or in memory.
   Spill* file() { return spilled_->file ? &*spilled_->file : nullptr; }
   const Berth& berth() const { return spilled_->berth; }
+  /// From the result's arrays to memory of its own.
+  void leave_result();
   /// Gives all memory back; `count` stays.
   void release();
 

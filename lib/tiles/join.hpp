@@ -22,6 +22,7 @@ T* elements_of(ForestResult& result, std::int32_t array) {
 template <class T>
 Span<T> array_of(const ForestResult& result, std::int32_t array) {
   const auto slot = static_cast<std::size_t>(array);
+  if (result.begins[slot].empty()) return {};
   return {reinterpret_cast<const T*>(result.arrays[slot].bytes.get()),
           static_cast<std::size_t>(result.begins[slot].back())};
 }

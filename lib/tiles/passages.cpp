@@ -3,11 +3,12 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <unordered_map>
 #include <unordered_set>
 
-#include "device/parts.hpp"
+#include "tiles/indices.hpp"
 
 namespace gcdt::tiles {
 
@@ -19,16 +20,33 @@ struct Corner {
   unsigned at;
 };
 
-/// A triangle at each vertex that has one: any, since all find the same way on.
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+/// A triangle at each vertex that has one: any, since all find the same way on. Throws check_failed if the mesh names
+/// vertices or triangles that are not there: so walks need not look.
 class Starts {
  public:
   explicit Starts(const WalkedTile& mesh) : triangle_at_(new std::atomic<std::uint32_t>[mesh.points.size()]) {
-    for_each_in_threads(mesh.triangles.size(), [&](std::size_t t) {
-      for (const std::uint32_t v : mesh.triangles[t])
-        triangle_at_[v].store(static_cast<std::uint32_t>(t), std::memory_order_relaxed);
-    });
+    const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
+    for_each_in_threads(mesh.points.size(),
+                        [&](std::size_t v) { triangle_at_[v].store(none, std::memory_order_relaxed); });
+    check_each(mesh.triangles.size(), "a triangle of a tile has a corner or a neighbour that is not there",
+               [&](std::size_t t) {
+                 bool fits = true;
+                 for (std::size_t k = 0; k < 3; ++k) {
+                   const std::uint32_t v = mesh.triangles[t][k];
+                   const std::int32_t other = mesh.neighbours[t][k];
+                   fits = fits && v < mesh.points.size() && other >= -1 && other < triangles;
+                   if (fits) triangle_at_[v].store(static_cast<std::uint32_t>(t), std::memory_order_relaxed);
+                 }
+                 return fits;
+               });
   }
-  std::uint32_t operator[](std::uint32_t v) const { return triangle_at_[v].load(std::memory_order_relaxed); }
+  std::uint32_t operator[](std::uint32_t v) const {
+    const std::uint32_t triangle = triangle_at_[v].load(std::memory_order_relaxed);
+    if (triangle == none) refuse("a constraint ends at a vertex that no triangle of the tile has");
+    return triangle;
+  }
 
  private:
   std::unique_ptr<std::atomic<std::uint32_t>[]> triangle_at_;
@@ -38,11 +56,16 @@ class Walker {
  public:
   Walker(const WalkedTile& mesh, const Starts& starts) : mesh_(mesh), points_(mesh.points), starts_(starts) {}
 
-  // Ends: each step leads to a vertex that is nearer to the end, and a mesh has finitely many.
+  // Ends: each step leads to a vertex that is nearer to the end, and a mesh has finitely many; in what is no mesh, when
+  // there were more.
   void walk(std::uint32_t from, std::uint32_t to, bool wide) {
     to_ = to;
     passed_.clear();
-    for (std::uint32_t v = from; v != to;) v = next_vertex(v);
+    std::size_t left = points_.size();
+    for (std::uint32_t v = from; v != to; --left) {
+      if (left == 0) lost();
+      v = next_vertex(v);
+    }
     if (wide) widen(from, to);
     all_.insert(all_.end(), passed_.begin(), passed_.end());
   }
@@ -63,20 +86,25 @@ class Walker {
     return orient2d(points_[a], points_[b], points_[c]);
   }
 
-  /// Kept, since many passages may begin in one vertex. Ends: the mesh is valid, so a turn around a vertex comes back
-  /// to its first triangle, or to the hull.
+  [[noreturn]] static void lost() { refuse("a walk along a constraint left the mesh"); }
+
+  /// Kept, since many passages may begin in one vertex. Ends: a turn around a vertex of a mesh comes back to its first
+  /// triangle, or to the hull; in what is no mesh, after as many triangles as there are.
   const Fan& fan_of(std::uint32_t v) {
     const auto [found, is_new] = fans_.try_emplace(v);
     Fan& fan = found->second;
     if (!is_new) return fan;
     const std::uint32_t any = starts_[v];
     std::uint32_t first = any;
+    std::size_t left = 2 * mesh_.triangles.size();
     for (std::int32_t t = static_cast<std::int32_t>(any); t >= 0;) {
+      if (left-- == 0) lost();
       first = static_cast<std::uint32_t>(t);
       t = across({first, corner_of(first, v)}, 2);
       if (t == static_cast<std::int32_t>(any)) break;
     }
     for (std::int32_t t = static_cast<std::int32_t>(first); t >= 0;) {
+      if (left-- == 0) lost();
       const auto here = static_cast<std::uint32_t>(t);
       fan.push_back({here, corner_of(here, v)});
       t = across(fan.back(), 1);
@@ -184,7 +212,7 @@ class Walker {
       // To the left of the way: on through the edge between the apex and the right end, which is across from the left.
       here = {triangle, (apex.at + (side > 0 ? 1u : 2u)) % 3};
     }
-    throw Error(Status::check_failed, "tiles: a walk along a constraint left the mesh");
+    lost();
   }
 
   const WalkedTile& mesh_;

@@ -42,11 +42,17 @@ std::int32_t placed(const ChosenGrid& chosen, std::uint64_t bits, int axis) {
 
 }  // namespace
 
+void GivenVertices::throw_absent() {
+  throw Error(Status::check_failed, "tiles: a vertex is asked for where it is not");
+}
+
 std::size_t GivenVertices::place_of(std::uint64_t vertex) const {
-  if (numbers.empty()) return static_cast<std::size_t>(vertex - first);
+  if (numbers.empty()) {
+    if (vertex - first >= points.size()) throw_absent();
+    return static_cast<std::size_t>(vertex - first);
+  }
   const auto found = std::lower_bound(numbers.begin(), numbers.end(), vertex);
-  if (found == numbers.end() || *found != vertex)
-    throw Error(Status::check_failed, "tiles: a vertex is asked for where it is not");
+  if (found == numbers.end() || *found != vertex) throw_absent();
   return static_cast<std::size_t>(found - numbers.begin());
 }
 

@@ -40,6 +40,7 @@ struct GivenVertices {
 
   /// The place of a vertex among `points`. Throws check_failed if it is not there.
   std::size_t place_of(std::uint64_t vertex) const;
+  [[noreturn]] static void throw_absent();
 };
 
 /// Which constraints of the input a process has.
@@ -66,9 +67,12 @@ struct GridInput {
 
   /// Of all processes.
   std::uint64_t n() const { return given.count + added.size(); }
-  /// A vertex that the process has, by its number. Anything if it is outside the grid, which the tiles find out.
+  /// A vertex that the process has, by its number; throws check_failed if it has none such. Anything if it is outside
+  /// the grid, which the tiles find out.
   GridPoint at(std::uint64_t vertex) const {
-    return vertex < given.count ? at_place(given.place_of(vertex)) : added[vertex - given.count];
+    if (vertex < given.count) return at_place(given.place_of(vertex));
+    if (vertex >= n()) GivenVertices::throw_absent();
+    return added[vertex - given.count];
   }
   /// The vertex at a place among those given.
   GridPoint at_place(std::size_t place) const;

@@ -41,10 +41,15 @@ class ResultRoom {
   }
   ResultRoom(const ResultRoom&) = delete;
 
-  /// Where triangles from number `first` on wait until take(), which leaves them there. From any thread.
+  /// What there is room for while tiles are solved: as many triangles as the vertices can have. A rank may get more,
+  /// of the seam.
+  std::size_t most() const { return 2 * vertices_; }
+  /// Where triangles from number `first` on wait until take(), which leaves them there if it is for most() at the
+  /// most; null if there is no room. From any thread.
   Berth berth(std::size_t first, std::size_t count) {
+    if (first > most() || count > most() - first) return {};
     const std::lock_guard<std::mutex> lock(mutex_);
-    make(2 * vertices_);
+    make(most());
     if (room_)
       for (const runtime::HostRoom::Range& range : ranges(first, count)) room_->leave(range);
     return berth_of(made_).from(first);

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "device/parts.hpp"
+#include "tiles/indices.hpp"
 
 namespace gcdt::tiles {
 
@@ -107,6 +107,8 @@ Order::Order(const Solved& solved)
     const std::size_t tile = solved.seam.tile_of(corners[0]);
     of_seam_[t] = {static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(keys_[tile].size())};
     keys_[tile].push_back({code_of(solved.seam.points[corners[0]]), code_of(solved.seam.points[corners[1]])});
+    if (keys_[tile].size() > 1 && keys_[tile].back() < keys_[tile].end()[-2])
+      refuse("the seam's triangles are not in their order");
   }
   for (std::size_t tile = 0; tile < keys_.size(); ++tile)
     firsts_.push_back(firsts_.back() + solved.tiles[tile].final.count + static_cast<std::uint32_t>(keys_[tile].size()));

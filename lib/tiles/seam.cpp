@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/seam.hpp"
 
-#include "device/parts.hpp"
+#include "tiles/indices.hpp"
 
 namespace gcdt::tiles {
 
@@ -42,7 +42,10 @@ TileShare share_of(const std::vector<SolvedTile>& tiles, std::size_t t) {
   TileShare share;
   std::vector<SeamVertex> ends;
   const auto end_at = [&](std::uint32_t v) {
-    return *std::lower_bound(tile.hull_vertices.begin(), tile.hull_vertices.end(), SeamVertex{v, 0, {}}, by_number);
+    const auto& all = tile.hull_vertices;
+    const auto found = std::lower_bound(all.begin(), all.end(), SeamVertex{v, 0, {}}, by_number);
+    if (found == all.end() || found->vertex != v) refuse("an end of an edge of a tile's hull is not known");
+    return *found;
   };
   for (const BorderEdge& edge : tile.border) {
     if (edge.is_on_hull()) {
@@ -161,7 +164,24 @@ Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const 
   return seam;
 }
 
+void ProblemMesh::check(std::size_t vertices, std::size_t constraints) const {
+  const auto count = static_cast<std::int64_t>(triangles.size());
+  if (neighbours.size() != triangles.size() || constrained.size() != triangles.size())
+    refuse("the seam's mesh is not whole");
+  check_each(triangles.size(), "a triangle of the seam has a corner or a neighbour that is not there",
+             [&](std::size_t t) {
+               bool fits = true;
+               for (std::size_t k = 0; k < 3; ++k)
+                 fits = fits && triangles[t][k] < vertices && neighbours[t][k] >= -1 && neighbours[t][k] < count;
+               return fits;
+             });
+  check_ends_below(pieces, vertices, "the end of a piece is no vertex of the seam");
+  check_offsets(source_offsets, pieces.size(), sources.size(), "the sources of a piece of the seam are not there");
+  check_below(sources, constraints, "a source of a piece is no constraint of the seam");
+}
+
 SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
+  mesh.check(seam.points.size(), seam.constraints.size());
   SolvedSeam solved;
   const std::size_t count = mesh.triangles.size();
   solved.border.assign(count, {-1, -1, -1});

@@ -10,6 +10,8 @@ namespace gcdt::tiles {
 struct ProblemMesh {
   ProblemMesh() = default;
   explicit ProblemMesh(const ForestResult& made);
+  /// Throws check_failed if a number is none of a vertex, of a constraint, of a triangle: anything else may be wrong.
+  void check(std::size_t vertices, std::size_t constraints) const;
 
   Span<Triangle> triangles;
   Span<Neighbours> neighbours;
@@ -83,7 +85,8 @@ struct SolvedSeam {
   std::vector<std::uint8_t> constrained;  ///< by triangle: bit k is set if an input constraint runs along edge k
 };
 
-/// Throws check_failed if the border does not part what is of the seam from the rest.
+/// Throws check_failed if numbers in the mesh name what is not there, or the border does not part what is of the seam
+/// from the rest.
 SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh);
 
 }  // namespace gcdt::tiles

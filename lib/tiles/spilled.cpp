@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstring>
 
-#include "device/parts.hpp"
+#include "tiles/indices.hpp"
 #include "tiles/tiles.h"
 
 namespace gcdt::tiles {
@@ -40,7 +40,9 @@ void place_neighbours(const Shifts& shifts, const Neighbours* from, std::uint32_
     const auto place_of = [&](std::int32_t other) {
       if (other < 0) return -1;
       const auto r = static_cast<std::uint32_t>(other);
-      return static_cast<std::int32_t>(first_place + r + (r >= least && r < most ? shift : shifts.at(r)));
+      if (r >= least && r < most) return static_cast<std::int32_t>(first_place + r + shift);
+      if (r >= shifts.finals()) refuse("a final triangle has a neighbour that is not there");
+      return static_cast<std::int32_t>(first_place + r + shifts.at(r));
     };
     for (std::uint32_t r = first; r < next; ++r) {
       const Neighbours& own = from[r - begin];
@@ -191,6 +193,7 @@ void write_from_file(const GridInput& input, const ToWrite& tile) {
 }  // namespace
 
 Shifts::Shifts(const std::vector<std::uint32_t>& before, std::uint32_t finals) : before_(before), finals_(finals) {
+  check_before(before, finals);
   const std::size_t buckets = finals / of_bucket + 1;
   firsts_.reserve(buckets + 1);
   std::size_t i = 0;

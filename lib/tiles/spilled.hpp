@@ -10,9 +10,11 @@ namespace gcdt::tiles {
 /// How many of the seam's triangles come before each final one of a tile: a step function.
 class Shifts {
  public:
-  /// `before`: how many of `finals` final triangles come before each of the seam's; ascending. Must outlive the object.
+  /// `before`: how many of `finals` final triangles come before each of the seam's. Must outlive the object. Throws
+  /// check_failed unless they ascend, and there are so many.
   Shifts(const std::vector<std::uint32_t>& before, std::uint32_t finals);
 
+  std::uint32_t finals() const { return finals_; }
   std::uint32_t at(std::uint32_t final) const {
     const std::uint32_t bucket = final / of_bucket;
     return static_cast<std::uint32_t>(

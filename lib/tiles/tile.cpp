@@ -4,6 +4,7 @@
 #include "device/parts.hpp"
 #include "device/step.hpp"
 #include "solve/triangulate.hpp"
+#include "tiles/indices.hpp"
 #include "tiles/passages.hpp"
 #include "tiles/take.hpp"
 
@@ -80,9 +81,17 @@ class TileRun {
     InputSource source = {all_, share_.constraints.size(), {}};
     source.load = [&] { return DeviceInput{std::move(taken), local_constraints()}; };
     made_ = gcdt::triangulate(runtime_, primitives_, source, options);
+    if (triangles() > 2 * std::uint64_t{all_}) refuse("a tile has more triangles than its vertices can have");
     solved_.final.points = runtime_.allocate<cl_int2>("points of a tile", all_);
     runtime_.launch("tiles", "tile_gather_points", over(all_), all_, made_.vertices.input_vertex, made_.vertices.points,
                     solved_.final.points);
+  }
+
+  /// Replaces flags, which are up to `most`, by their sums before each and in all; returns that of all.
+  cl_uint scan(const Buffer<cl_uint>& flags, cl_uint count, cl_uint most = 1) {
+    const cl_uint sum = primitives_.scan_total(flags, count);
+    if (sum > std::uint64_t{most} * count) refuse("a tile's device has counted more than there are");
+    return sum;
   }
 
   Buffer<cl_uint2> local_constraints() {
@@ -106,12 +115,13 @@ class TileRun {
   void list_merged() {
     const auto before = runtime_.allocate<cl_uint>("merged vertices before", std::size_t{solved_.own} + 1);
     runtime_.launch("tiles", "tile_merged_flags", over(solved_.own), solved_.own, made_.representatives, before);
-    const cl_uint count = primitives_.scan_total(before, solved_.own);
+    const cl_uint count = scan(before, solved_.own);
     if (count == 0) return;
     const auto merged = runtime_.allocate<cl_uint2>("merged vertices", count);
     runtime_.launch("tiles", "tile_merged", over(solved_.own), solved_.own, before, made_.representatives, ids(),
                     merged);
     solved_.merged = read_all_of<Constraint>(runtime_, merged, count);
+    check_ends_below(solved_.merged, task_.input.n(), "a merged vertex is none of the input");
   }
 
   /// The tile's vertices that stand for those of these input numbers.
@@ -122,13 +132,16 @@ class TileRun {
                standing = runtime_.allocate<cl_uint>("representatives", count);
     runtime_.launch("tiles", "tile_numbers", over(count), count, solved_.own, all_, ids(), list, found);
     runtime_.launch("tiles", "tile_gather", over(count), count, found, made_.representatives, standing);
-    return read_all_of<std::uint32_t>(runtime_, standing, count);
+    auto vertices = read_all_of<std::uint32_t>(runtime_, standing, count);
+    check_below(vertices, all_, "what stands for the end of a constraint is no vertex of the tile");
+    return vertices;
   }
 
   // Of passages and of what was dropped, which passes from now on, too. All that are its own are open ends.
   void find_ends() {
-    for (const std::uint32_t c : read_all_of<std::uint32_t>(runtime_, made_.dropped, made_.dropped.size()))
-      solved_.dropped.push_back({share_.constraint_ids[c], share_.constraints[c]});
+    const auto dropped = read_all_of<std::uint32_t>(runtime_, made_.dropped, made_.dropped.size());
+    check_below(dropped, share_.constraints.size(), "a dropped constraint is none of the tile");
+    for (const std::uint32_t c : dropped) solved_.dropped.push_back({share_.constraint_ids[c], share_.constraints[c]});
     std::vector<std::uint32_t>& ends = solved_.ends = share_.open_ends;
     for (const Dropped& constraint : solved_.dropped)
       ends.insert(ends.end(), constraint.ends.begin(), constraint.ends.end());
@@ -179,7 +192,7 @@ class TileRun {
                       made_.mesh.constrained, made_.vertices.levels_buffer, made_.vertices.input_vertex, pieces,
                       pieces_as_vertices(), wanted, kept);
     solved_.kept = read_array<std::uint32_t>(runtime_, kept, pieces);
-    const cl_uint count = primitives_.scan_total(wanted, solved_.own);
+    const cl_uint count = scan(wanted, solved_.own);
     const auto list = runtime_.allocate<cl_uint>("vertices of the seam", count);
     primitives_.compact_indices(wanted, list, solved_.own);
     solved_.vertices = seam_vertices(list, count);
@@ -201,8 +214,11 @@ class TileRun {
     const auto numbered = runtime_.allocate<cl_uint2>("pieces as input numbers", count);
     if (words > 0) runtime_.launch("tiles", "tile_gather", over(words), words, pieces.ends, ids(), numbered);
     solved_.piece_ids = read_array<Constraint>(runtime_, numbered, count);
+    check_ends_below(solved_.piece_ids, task_.input.n(), "the end of a piece is no vertex of the input");
     solved_.source_offsets = read_array<std::uint32_t>(runtime_, pieces.source_offsets, std::size_t{count} + 1);
     solved_.sources = read_array<std::uint32_t>(runtime_, pieces.sources, pieces.source_count);
+    check_offsets(solved_.source_offsets, count, solved_.sources.size(), "the sources of a piece are not there");
+    check_below(solved_.sources, share_.constraint_ids.size(), "a source of a piece is no constraint of the tile");
     for_each_in_threads(solved_.sources.size(),
                         [&](std::size_t i) { solved_.sources[i] = share_.constraint_ids[solved_.sources[i]]; });
   }
@@ -216,6 +232,9 @@ class TileRun {
     const auto vertices = read_all_of<std::uint32_t>(runtime_, list, count),
                input_numbers = read_all_of<std::uint32_t>(runtime_, numbers, count);
     const auto grid_points = read_all_of<GridPoint>(runtime_, where, count);
+    check_below(input_numbers, task_.input.n(), "a vertex of the seam is none of the input");
+    check_each(count, "a vertex of the seam is not on the grid",
+               [&](std::size_t i) { return grid_points[i][0] >= 0 && grid_points[i][1] >= 0; });
     std::vector<SeamVertex> made(count);
     for (std::size_t i = 0; i < count; ++i) made[i] = {vertices[i], input_numbers[i], grid_points[i]};
     return made;
@@ -223,7 +242,7 @@ class TileRun {
 
   void keep_final() {
     FinalTriangles& final = solved_.final;
-    final.count = primitives_.scan_total(final_, triangles());
+    final.count = scan(final_, triangles());
     OrderedMesh mesh = std::move(made_.mesh);
     made_ = {};
     final.corners = runtime_.allocate<cl_uint>("final corners", 3 * std::size_t{final.count});
@@ -234,11 +253,15 @@ class TileRun {
     runtime_.launch("tiles", "tile_finals", over(mesh.triangles), mesh.triangles, final_, mesh.corners, mesh.neighbours,
                     mesh.constrained, final.corners, final.neighbours, final.constrained, sides);
     mesh = {};
-    const cl_uint count = primitives_.scan_total(sides, final.count);
+    const cl_uint count = scan(sides, final.count, 3);
     const auto border = runtime_.allocate<cl_uint4>("border", count);
     runtime_.launch("tiles", "tile_border", over(final.count), final.count, sides, final.corners, final.neighbours,
                     final.constrained, border);
     solved_.border = read_all_of<BorderEdge>(runtime_, border, count);
+    check_each(count, "an edge of the border is of no final triangle", [&](std::size_t i) {
+      const BorderEdge& edge = solved_.border[i];  // final triangles have no vertex of another tile
+      return edge.triangle < final.count && edge.k() < 3 && edge.from < solved_.own && edge.to < solved_.own;
+    });
     std::vector<std::uint32_t> ends;
     for (const BorderEdge& edge : solved_.border)
       if (edge.is_on_hull()) ends.push_back(edge.from), ends.push_back(edge.to);

@@ -6,6 +6,7 @@
 #include "batch/single.hpp"
 #include "device/step.hpp"
 #include "phases/crossings.hpp"
+#include "tiles/indices.hpp"
 #include "tiles/spiller.hpp"
 
 namespace gcdt::tiles {
@@ -86,6 +87,7 @@ Routed TiledRun::route(const std::vector<Constraint>& crossings) {
   for (std::size_t before = 0; before < wide.size();) {
     before = wide.size();
     solve_parts(roles_of(wide, Role::wide));
+    if (team_.is_first()) check_split_seam();
     owners.clear();
     for (std::size_t i = 0; team_.is_first() && i < made_seam().routed.size(); ++i) {
       const std::vector<std::uint32_t> sources = seam_.sources_of(made_seam().routed[i], tiles_);
@@ -109,6 +111,20 @@ Routed TiledRun::route(const std::vector<Constraint>& crossings) {
   broadcast(team_, move);
   routed.largest_move = move[0];
   return routed;
+}
+
+/// What splitting the seam has told, before it is used as indices.
+void TiledRun::check_split_seam() const {
+  const std::size_t constraints = seam_.constraints.size();
+  const auto added = array_of<GridPoint>(made_seam(), GCDT_ADDED);
+  ProblemMesh(made_seam()).check(seam_.points.size() + added.size(), constraints);
+  check_below(made_seam().routed, constraints, "a constraint with a route is none of the seam");
+  const auto crossing = array_of<Constraint>(made_seam(), GCDT_ADDED_CROSSINGS);
+  if (crossing.size() != added.size()) refuse("an added vertex has no crossing");
+  check_each(crossing.size(), "an added vertex is not where two constraints cross", [&](std::size_t i) {
+    const auto is_of_input = [&](std::uint32_t c) { return c >= seam_.first_part() && c < constraints; };
+    return is_of_input(crossing[i][0]) && is_of_input(crossing[i][1]);
+  });
 }
 
 /// The role for the constraints of these numbers, which ascend, that the rank has. Those have not been routed yet.
@@ -222,6 +238,7 @@ PoolResult TiledRun::run(const char* phase, double from, double to, const BatchI
 /// constraints meet in one point, so each pair occurs once.
 std::vector<Constraint> TiledRun::pairs_of(const std::vector<std::uint64_t>& indices) const {
   std::vector<Constraint> pairs;
+  check_below(indices, seam_.constraints.size(), "a constraint that crosses another one is none of the seam");
   for (std::size_t i = 0; i + 1 < indices.size(); i += 2)
     for (const std::uint32_t c : seam_.sources_of(indices[i], tiles_))
       for (const std::uint32_t d : seam_.sources_of(indices[i + 1], tiles_))

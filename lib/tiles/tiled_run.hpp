@@ -40,6 +40,7 @@ class TiledRun {
   ResultPart split(const std::vector<Constraint>& crossings);
   ResultPart solve_again(const GridInput& input, const Options& options);
   Routed route(const std::vector<Constraint>& crossings);
+  void check_split_seam() const;
   std::vector<Role> roles_of(const std::vector<std::uint32_t>& numbers, Role role) const;
 
   std::vector<Constraint> solve_parts(const std::vector<Role>& roles);

@@ -18,6 +18,8 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < range_.size(); ++i)
       triangles += tiles_[range_.first + i].final.count + static_cast<std::uint32_t>(places.tiles[i].keys.size());
+    for (SolvedTile& tile : tiles_)
+      if (triangles > room_.most() && tile.final.is_in_result()) tile.final.leave_result();
     ResultPart part;
     part.result = room_.take(triangles);
     part.first = places.tiles[0].first;
