@@ -105,7 +105,7 @@ void add_unused(const io::Input& input, const Options& options, std::vector<std:
 std::string together_note(const io::Input& input, std::uint64_t count, const std::array<std::uint32_t, 2>& first);
 
 /// What is to be said of added vertices that files cannot hold; empty if they can.
-std::string rounding_note(const Triangulation& mesh);
+std::string rounding_note(const io::MeshArrays& mesh);
 
 /// The status for an error that is not about one input.
 io::Exit exit_for(Status status);

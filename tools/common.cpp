@@ -144,7 +144,7 @@ void add_unused(const io::Input& input, const Options& options, std::vector<std:
 }
 
 // Files hold doubles, and where those are farther apart than the grid's lines, not all grid points are one.
-std::string rounding_note(const Triangulation& mesh) {
+std::string rounding_note(const io::MeshArrays& mesh) {
   const auto back = grid_points(mesh.statistics.grid, mesh.added);
   std::size_t moved = 0;
   for (std::size_t i = 0; i < back.size(); ++i) moved += back[i] != mesh.added_on_grid[i];

@@ -5,7 +5,7 @@
 
 namespace gcdt::command {
 
-MeshView view_of(const Triangulation& mesh) {
+MeshView view_of(const io::MeshArrays& mesh) {
   MeshView view;
   view.triangles = mesh.triangles;
   view.neighbours = mesh.neighbours.data();
@@ -22,7 +22,7 @@ namespace {
 bool may_be(std::uint8_t said, std::uint8_t found) { return said == GCDT_EXCUSE_LIMIT && found == GCDT_EXCUSE_REFUSED; }
 
 /// As the mesh is, and why triangles were left as the result says.
-Verification prove_refined(const io::Input& input, const Triangulation& mesh, const Options& options) {
+Verification prove_refined(const io::Input& input, const io::MeshArrays& mesh, const Options& options) {
   const RefinedVerification found =
       verify_refined(input.vertices, input.constraints, view_of(mesh), mesh.statistics.grid, options);
   if (!found.valid) return found;
@@ -36,7 +36,7 @@ Verification prove_refined(const io::Input& input, const Triangulation& mesh, co
 
 }  // namespace
 
-Verification prove(const io::Input& input, const Triangulation& mesh, const Options& options) {
+Verification prove(const io::Input& input, const io::MeshArrays& mesh, const Options& options) {
   const MeshView view = view_of(mesh);
   const Grid& grid = mesh.statistics.grid;
   if (options.refine) return prove_refined(input, mesh, options);

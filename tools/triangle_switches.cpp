@@ -124,7 +124,10 @@ std::pair<io::Input, Triangulation> jettisoned(const io::Result& result) {
   for (const auto& corners : result.mesh.triangles)
     for (const std::uint32_t v : corners) number[v] = 0;
   io::Input input = result.input;
-  Triangulation mesh = result.mesh;
+  Triangulation mesh;
+  mesh.statistics = result.mesh.statistics;
+#define GCDT_ARRAY(number, name, ...) mesh.name.assign(result.mesh.name.begin(), result.mesh.name.end());
+#include <gcdt/arrays.def>
   input.vertices.clear(), input.attributes.clear(), input.vertex_markers.clear();
   for (std::size_t v = 0; v < number.size(); ++v) {
     if (number[v] == none) continue;

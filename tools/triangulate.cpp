@@ -52,8 +52,8 @@ void check_overwrites_no_input(const TriangulateArguments& arguments, const std:
         throw Failure(Exit::usage, fmt::format("{}: is an input, and cannot be an output", path));
 }
 
-Triangulation computed(const io::Input& input, const TriangulateArguments& arguments, Options& options,
-                       TraceRecord& trace, Measured& measured) {
+Computed computed(const io::Input& input, const TriangulateArguments& arguments, Options& options, TraceRecord& trace,
+                  Measured& measured) {
   ProgressLine line(!arguments.quiet);
   options.progress = [&](const char* phase, double done) {
     line.show(phase, done);
@@ -74,7 +74,7 @@ Triangulation computed(const io::Input& input, const TriangulateArguments& argum
       Solver solver(device_number(arguments.device, arguments.quiet), log, sink());
       const Result result = solver.solve(input.vertices, input.constraints, options);
       if (!arguments.statistics.empty()) measured.quality = result.quality();
-      return result.download();
+      return {result.download(), {}};
     } catch (const Error& error) {
       if (error.status() != Status::out_of_memory || options.refine) throw;
       if (!arguments.quiet) note(fmt::format("in tiles, since {}", error.what()));
@@ -130,21 +130,21 @@ void triangulate(const TriangulateArguments& arguments) {
   TraceRecord trace;
   Measured measured;
   measured.refined = options.refine.has_value();
-  Triangulation mesh = computed(input, arguments, options, trace, measured);
-  mesh.statistics.ms.read = read_milliseconds;
-  mesh.statistics.notes.insert(mesh.statistics.notes.begin(), input.notes.begin(), input.notes.end());
-  add_unused(input, options, mesh.statistics.notes);
-  if (const std::string together =
-          together_note(input, mesh.statistics.vertices_rounded_together, mesh.statistics.rounded_pair);
+  const Computed made = computed(input, arguments, options, trace, measured);
+  io::MeshArrays mesh = made.arrays();
+  Statistics& statistics = mesh.statistics;
+  statistics.ms.read = read_milliseconds;
+  statistics.notes.insert(statistics.notes.begin(), input.notes.begin(), input.notes.end());
+  add_unused(input, options, statistics.notes);
+  if (const std::string together = together_note(input, statistics.vertices_rounded_together, statistics.rounded_pair);
       !together.empty())
-    mesh.statistics.notes.push_back(together);
-  if (const std::string rounding = rounding_note(mesh); !rounding.empty()) mesh.statistics.notes.push_back(rounding);
+    statistics.notes.push_back(together);
+  if (const std::string rounding = rounding_note(mesh); !rounding.empty()) statistics.notes.push_back(rounding);
   if (arguments.verify)
     if (const Verification proof = prove(input, mesh, options); !proof.valid)
       throw Failure(Exit::check, fmt::format("the result failed its verification: {}", proof.reason));
-  if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), mesh.statistics.grid);
+  if (arguments.assess) measured.given = assess(input.vertices, view_of(mesh), statistics.grid);
   stop_if_interrupted();
-  Statistics statistics = mesh.statistics;
   const std::vector<std::string> paths = io::with_nodes(arguments.outputs, !mesh.added.empty(), input.files);
   io::Result result(input, mesh);
   result.coloured_by_angle = arguments.colour == "angle";

@@ -40,7 +40,7 @@ struct Square {
 };
 
 inline std::string written(const ScratchFolder& folder, const std::string& name, const io::Input& input,
-                           const Triangulation& mesh) {
+                           const io::MeshArrays& mesh) {
   io::OutputFiles files;
   io::writer_for(io::lower_extension(name))(files.add(folder / name), {input, mesh});
   files.commit();

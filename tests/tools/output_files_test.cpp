@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Output files come into being all together or not at all; and those of empty results.
 #include "format_cases.hpp"
+#include "solver_fixture.hpp"
 
 using namespace gcdt;
 using namespace gcdt::testing;
@@ -14,6 +15,37 @@ TEST_CASE("every format writes an empty result, and what can be read back is emp
   CHECK(io::read_input(folder / "o.poly").vertices.empty());
   CHECK(io::read_mesh(folder / "o.neigh", 0, 0).triangles.empty());
   CHECK(io::read_vtu(folder / "o.vtu").triangles.empty());
+}
+
+TEST_CASE("a batch's arrays are written from where the batch has them") {
+  Batch two;
+  two.add({{0, 0}, {1, 0}, {0, 1}});
+  two.add({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}}, {{0, 2}, {1, 3}});
+  Pool pool(test::test_device());
+  Options options;
+  options.crossing = Crossing::split;
+  options.regions = true;
+  const BatchResult batch = pool.triangulate(two.view(), options);
+  REQUIRE(!batch.error(1));
+  const Triangulation copy = detail::triangulation(batch, 1);
+  Triangulation rest;
+  rest.statistics = copy.statistics, rest.added = copy.added;
+  const io::MeshArrays arrays(batch, 1, rest), copied(copy);
+#define GCDT_ARRAY(number, name, ...)                                                            \
+  CHECK(arrays.name.data() == batch.name(1).data());                                             \
+  CHECK(copied.name.data() == copy.name.data());                                                 \
+  CHECK(std::equal(arrays.name.begin(), arrays.name.end(), copy.name.begin(), copy.name.end())); \
+  CHECK(copied.name.size() == arrays.name.size());
+#include <gcdt/arrays.def>
+  CHECK(arrays.added.data() == rest.added.data());
+  CHECK(arrays.added.size() == 1);
+
+  ScratchFolder folder;
+  io::Input input;
+  input.vertices = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}};
+  input.constraints = {{0, 2}, {1, 3}};
+  for (const char* name : {"o.ele", "o.node", "o.poly", "o.vtu", "o.npz", "o.ply", "o.svg"})
+    CHECK(written(folder, name, input, arrays) == written(folder, name, input, copied));
 }
 
 TEST_CASE("output files appear only at commit, and nothing is left without it") {

@@ -8,7 +8,7 @@ namespace gcdt::io {
 
 namespace {
 
-std::vector<std::uint8_t> colours_of_regions(const Triangulation& mesh) {
+std::vector<std::uint8_t> colours_of_regions(const MeshArrays& mesh) {
   std::uint32_t count = 0;
   for (const std::uint32_t region : mesh.region) count = std::max(count, region + 1);
   std::vector<std::array<std::uint32_t, 2>> pairs;  // a region, and a lesser one across an edge
@@ -46,7 +46,7 @@ double least_angle(const std::array<double, 2>& a, const std::array<double, 2>& 
 
 }  // namespace
 
-Fill fill_by_region(const Triangulation& mesh) {
+Fill fill_by_region(const MeshArrays& mesh) {
   Fill fill;
   if (mesh.region.empty()) return fill;
   fill.colours.assign(region_colours.begin(), region_colours.end());
@@ -55,7 +55,7 @@ Fill fill_by_region(const Triangulation& mesh) {
   return fill;
 }
 
-Fill fill_by_angle(const Triangulation& mesh, const std::vector<std::array<double, 2>>& vertices) {
+Fill fill_by_angle(const MeshArrays& mesh, const std::vector<std::array<double, 2>>& vertices) {
   Fill fill;
   fill.colours.assign(angle_colours.begin(), angle_colours.end());
   fill.histogram.resize(60);
@@ -67,7 +67,7 @@ Fill fill_by_angle(const Triangulation& mesh, const std::vector<std::array<doubl
   return fill;
 }
 
-Borders borders_of(const Canvas& canvas, const Triangulation& mesh, const Fill& fill, std::size_t c) {
+Borders borders_of(const Canvas& canvas, const MeshArrays& mesh, const Fill& fill, std::size_t c) {
   const std::vector<std::uint8_t>& colour = fill.colour;
   Borders borders(canvas);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

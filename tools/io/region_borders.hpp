@@ -3,8 +3,7 @@
 #pragma once
 
 #include "canvas.hpp"
-
-#include <gcdt/gcdt.hpp>
+#include "mesh_arrays.hpp"
 
 namespace gcdt::io {
 
@@ -27,9 +26,9 @@ struct Fill {
 
 /// By region: the first colour that no earlier region across an edge has; else any. So regions that share an edge have
 /// different colours, as long as those suffice. Without regions nothing.
-Fill fill_by_region(const Triangulation& mesh);
+Fill fill_by_region(const MeshArrays& mesh);
 /// By the least angle of each triangle, five degrees a colour. `vertices`: all of them.
-Fill fill_by_angle(const Triangulation& mesh, const std::vector<std::array<double, 2>>& vertices);
+Fill fill_by_angle(const MeshArrays& mesh, const std::vector<std::array<double, 2>>& vertices);
 
 /// The outlines of all triangles of one colour, on a path (move, line, close). Each has its inside to the left, so that
 /// as many edges come to a vertex as leave it: a walk over unused edges ends where it began, and only there.
@@ -78,6 +77,6 @@ class Borders {
 };
 
 /// The borders of all triangles of colour `c`.
-Borders borders_of(const Canvas& canvas, const Triangulation& mesh, const Fill& fill, std::size_t c);
+Borders borders_of(const Canvas& canvas, const MeshArrays& mesh, const Fill& fill, std::size_t c);
 
 }  // namespace gcdt::io

@@ -87,7 +87,7 @@ inline std::vector<std::array<double, 2>> all_vertices(const Result& result) {
   return vertices;
 }
 
-inline std::vector<Edge> unconstrained_edges(const Triangulation& mesh) {
+inline std::vector<Edge> unconstrained_edges(const MeshArrays& mesh) {
   std::vector<Edge> edges;
   for_each_edge(mesh, [&](std::uint32_t a, std::uint32_t b, bool constrained) {
     if (!constrained) edges.push_back({a, b});

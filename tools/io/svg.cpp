@@ -36,7 +36,7 @@ class Path {
   bool first_ = true;
 };
 
-void fill_triangles(OutputFile& file, const Canvas& canvas, const Triangulation& mesh, const Fill& fill) {
+void fill_triangles(OutputFile& file, const Canvas& canvas, const MeshArrays& mesh, const Fill& fill) {
   for (std::size_t c = 0; c < fill.colours.size(); ++c) {
     Borders borders = borders_of(canvas, mesh, fill, c);
     if (borders.empty()) continue;

@@ -10,6 +10,7 @@
 
 #include <gcdt/gcdt.hpp>
 
+#include "mesh_arrays.hpp"
 #include "output_files.hpp"
 #include "records.hpp"
 
@@ -69,11 +70,11 @@ std::vector<double> attribute_of(const Input& input, std::uint32_t k);
 /// One result to be written, in the input's numbering.
 struct Result {
   const Input& input;
-  const Triangulation& mesh;
+  const MeshArrays mesh;
   std::vector<double> added_attributes;  ///< as the input's, of added vertices: see gcdt::added_values
   bool coloured_by_angle = false;        ///< pictures colour triangles by their least angle, else by region
 
-  Result(const Input& of, const Triangulation& made);
+  Result(const Input& of, const MeshArrays& made);
 
   /// The vertices of the input, then those that splitting and refinement added.
   std::size_t vertex_count() const { return input.vertices.size() + mesh.added.size(); }
@@ -106,7 +107,7 @@ void write_poly(OutputFile& file, const Result& result);
 
 /// Calls visit(a, b, constrained) for every edge of the mesh, once: from the lesser triangle of its two.
 template <class Visit>
-void for_each_edge(const Triangulation& mesh, Visit&& visit) {
+void for_each_edge(const MeshArrays& mesh, Visit&& visit) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const std::int32_t across = mesh.neighbours[t][k];

@@ -90,7 +90,7 @@ void add_seeds(Archive& archive, const Input& input) {
 }
 
 void add_regions(Archive& archive, const Result& result) {
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   const std::uint64_t count = mesh.triangles.size();
   archive.add<std::int32_t>("region", count, [&](std::uint64_t i) { return mesh.region[i]; });
   archive.add<std::int32_t>("depth", count, [&](std::uint64_t i) { return mesh.depth[i]; });
@@ -102,7 +102,7 @@ void add_regions(Archive& archive, const Result& result) {
 }  // namespace
 
 void write_npz(OutputFile& file, const Result& result) {
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   const std::uint64_t triangles = mesh.triangles.size();
   Archive archive(file);
   add_vertices(archive, result);

@@ -7,7 +7,7 @@
 namespace gcdt::io {
 
 void write_ply(OutputFile& file, const Result& result) {
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   file.print("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", result.vertex_count());
   file.print("property double x\nproperty double y\nproperty double z\n");
   file.print("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
@@ -37,7 +37,7 @@ void write_off(OutputFile& file, const Result& result) {
 }
 
 void write_msh(OutputFile& file, const Result& result) {
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   file.print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", result.vertex_count());
   for (std::size_t v = 0; v < result.vertex_count(); ++v)
     file.print("{} {} {} {}\n", v + 1, result.vertex(v)[0], result.vertex(v)[1], height(result, v));
@@ -59,7 +59,7 @@ void write_msh(OutputFile& file, const Result& result) {
 }
 
 void write_geojson(OutputFile& file, const Result& result) {
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   file.write("{\"type\": \"FeatureCollection\", \"features\": [");
   const auto position = [&](std::uint32_t v) {
     file.print("[{}, {}", result.vertex(v)[0], result.vertex(v)[1]);

@@ -33,7 +33,7 @@ std::vector<double> attribute_of(const Input& input, std::uint32_t k) {
   return values;
 }
 
-Result::Result(const Input& of, const Triangulation& made) : input(of), mesh(made) {
+Result::Result(const Input& of, const MeshArrays& made) : input(of), mesh(made) {
   added_attributes.resize(mesh.added.size() * input.attribute_count);
   if (added_attributes.empty()) return;
   for (std::uint32_t k = 0; k < input.attribute_count; ++k) {

@@ -8,7 +8,7 @@ namespace gcdt::io {
 namespace {
 
 void write_regions(OutputFile& file, const Result& result) {
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   const std::uint64_t count = mesh.triangles.size();
   write_array<std::uint32_t>(file, "Name=\"region\"", count, [&](std::uint64_t i) { return mesh.region[i]; });
   write_array<std::uint32_t>(file, "Name=\"depth\"", count, [&](std::uint64_t i) { return mesh.depth[i]; });
@@ -37,7 +37,7 @@ void write_point_data(OutputFile& file, const Result& result) {
 
 void write_vtu(OutputFile& file, const Result& result) {
   const std::uint64_t vertices = result.vertex_count();
-  const Triangulation& mesh = result.mesh;
+  const MeshArrays& mesh = result.mesh;
   const std::uint64_t triangles = mesh.triangles.size();
   file.print("{}<UnstructuredGrid>\n", vtk_head("UnstructuredGrid"));
   write_grid(file, mesh.statistics.grid);
