@@ -8,7 +8,8 @@
 #             of Natural Earth's countries 1:10 million (472,391 vertices and 472,592 segments with six decimals, from
 #             the npm package world-atlas 2, each border once)
 #   tiles     10M uniform vertices on a device that is said to have 512 MB: the bytes of one call on all of it, and at most
-#             100 bytes of the host's heap a vertex beside input and result, with tiles spilled to files 20
+#             100 bytes of the host's heap a vertex beside input and result, with tiles spilled to files 20; the same of
+#             inputs with as many constraints, but where much is in the seam 100
 #   shake     shake_test with 1000 shaken runs of its corpus on each way instead of 2 (GCDT_SHAKE_RUNS: another number;
 #             GCDT_SHAKE_FIRST: the first seed)
 #   faults    faults_test with each OpenCL call made to fail with each of its errors (GCDT_FAULT_STEP: every N-th call), shared
@@ -63,6 +64,9 @@ case $name in
     on_little() { "$build/bench/gcdt_bench_tiles" --device "$device" --tiles 0 --memory 512 --runs 1 "$@" uniform:10000000; }
     on_little --most-host-bytes 100
     on_little --most-host-bytes 20 --spill "$folder"
+    # As many constraints as vertices.
+    "$build/bench/gcdt_bench_tiles" --device "$device" --tiles 0 --memory 512 --runs 1 --most-host-bytes 20 --spill "$folder" coasts:4000000
+    "$build/bench/gcdt_bench_tiles" --device "$device" --tiles 9,64 --runs 1 --most-host-bytes 100 letters:970000
     exit ;;
   faults)
     make_targets faults_test call_layer kept_layer

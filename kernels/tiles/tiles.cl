@@ -186,6 +186,13 @@ kernel void tile_mark(const uint triangles, const uint own, global const uint* f
   }
 }
 
+// One work-item per piece. Makes the ends of those that are kept input numbers. Pair p is read and written by one
+// work-item.
+kernel void tile_kept_ends(const uint pieces, global const uint* kept, global const uint* ids, global uint2* ends) {
+  FOR_EACH(p, pieces)
+  if (kept[p]) ends[p] = (uint2)(ids[ends[p].x], ids[ends[p].y]);
+}
+
 // One work-item per triangle. Reads the scan of final, and the mesh. Writes the final triangles' arrays, where
 // neighbours are numbers of final triangles, GCDT_TILE_HULL or GCDT_TILE_BORDER; and sides[r], the number of edges of
 // final triangle r that have no final neighbour. Places differ, by the scan.

@@ -9,6 +9,12 @@
 
 namespace gcdt {
 
+/// Gives back the memory of a vector: `values = {}` keeps it.
+template <class Vector>
+void forget(Vector& values) {
+  Vector().swap(values);
+}
+
 /// Bytes, not initialised, of elements of any type.
 struct HostArray {
   struct Free {

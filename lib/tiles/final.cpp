@@ -89,7 +89,7 @@ void FinalTriangles::leave_result() {
 
 void FinalTriangles::release() {
   corners = {}, neighbours = {}, constrained = {}, ids = {}, points = {};
-  codes = {};
+  forget(codes);
   spilled_.reset();
 }
 

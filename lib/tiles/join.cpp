@@ -21,34 +21,29 @@ class SeamWriter {
         neighbours_(elements_of<Neighbours>(result, GCDT_NEIGHBOURS)),
         constrained_(elements_of<std::uint8_t>(result, GCDT_CONSTRAINED)) {}
 
-  void write() {
+  /// What the tile was told.
+  void write(bool check) const {
     const Returned& seam = tile_.seam;
-    for_each_in_threads(seam.triangles.size(), [&](std::size_t i) {
-      const std::size_t at = first_ + tile_.before[i] + i;
-      triangles_[at] = seam.triangles[i].corners;
-      neighbours_[at] = seam.triangles[i].neighbours;
-      constrained_[at] = static_cast<std::uint8_t>(seam.triangles[i].constrained);
-    });
-    for_each_in_threads(seam.across.size(), [&](std::size_t i) {
-      const Across& across = seam.across[i];
-      neighbours_[at_final(across)][across.k] = static_cast<std::int32_t>(across.place);
-    });
+    for_each_in_threads(seam.triangles.size(),
+                        [&](std::size_t i) { write(static_cast<std::uint32_t>(i), seam.triangles[i]); });
+    for_each_in_threads(
+        seam.across.size(), [&](std::size_t i) { write(seam.across[i], check); }, 256);
   }
 
-  void check() const {
-    for_each_in_threads(
-        tile_.seam.across.size(),
-        [&](std::size_t i) {
-          const Across& across = tile_.seam.across[i];
-          const std::size_t t = at_final(across);
-          if ((constrained_[t] >> across.k & 1) != 0) return;
-          const auto at = [&](std::uint32_t turn) {
-            return vertex_at(input_.at(triangles_[t][(across.k + turn) % 3]));
-          };
-          if (device::gcdt_must_flip(at(1), vertex_at(across.apex), at(2), at(0)))
-            throw Error(Status::check_failed, "tiles: an edge between a tile and the seam is not locally Delaunay");
-        },
-        256);
+  void write(std::uint32_t number, const SeamTriangle& triangle) const {
+    const std::size_t at = first_ + tile_.before[number] + number;
+    triangles_[at] = triangle.corners;
+    neighbours_[at] = triangle.neighbours;
+    constrained_[at] = static_cast<std::uint8_t>(triangle.constrained);
+  }
+
+  void write(const Across& across, bool check) const {
+    const std::size_t t = at_final(across);
+    neighbours_[t][across.k] = static_cast<std::int32_t>(across.place);
+    if (!check || (constrained_[t] >> across.k & 1) != 0) return;
+    const auto at = [&](std::uint32_t turn) { return vertex_at(input_.at(triangles_[t][(across.k + turn) % 3])); };
+    if (device::gcdt_must_flip(at(1), vertex_at(across.apex), at(2), at(0)))
+      throw Error(Status::check_failed, "tiles: an edge between a tile and the seam is not locally Delaunay");
   }
 
  private:
@@ -62,6 +57,22 @@ class SeamWriter {
   std::uint8_t* constrained_;
 };
 
+/// Writes what it is given.
+class Joiner final : public SeamTaker {
+ public:
+  Joiner(const std::vector<SeamWriter>& tiles, const std::vector<Seam::Border>& border, bool check)
+      : tiles_(tiles), border_(border), check_(check) {}
+  void take(std::size_t tile, std::uint32_t number, const SeamTriangle& triangle) override {
+    tiles_[tile].write(number, triangle);
+  }
+  void take(std::uint32_t border, const Across& across) override { tiles_[border_[border].tile].write(across, check_); }
+
+ private:
+  const std::vector<SeamWriter>& tiles_;
+  const std::vector<Seam::Border>& border_;
+  const bool check_;
+};
+
 /// The pieces of the result, in Z-order of their ends: those that the tiles keep, and those of the seam. Both are in
 /// that order, so parts of a tile's pieces are merged with those of the seam that lie between, each by a thread.
 class PieceWriter {
@@ -69,39 +80,37 @@ class PieceWriter {
   PieceWriter(const GridInput& input, const std::vector<WrittenTile>& tiles) : input_(input), tiles_(tiles) {}
 
   void write(ForestResult& result) {
-    std::vector<Merged> parts;
+    std::vector<Range> parts;
     for (const WrittenTile& tile : tiles_)
-      for (const Range& range : ranges(tile)) parts.push_back({range, {}, {}, {}});
+      for (const Range& range : ranges(tile)) parts.push_back(range);
+    std::vector<Counts> before(parts.size() + 1, Counts{0, 0});
     for_each_in_threads(
-        parts.size(), [&](std::size_t i) { merge(parts[i]); }, 1);
-    std::vector<std::array<std::size_t, 2>> before(parts.size() + 1, {0, 0});  // pieces and sources
+        parts.size(), [&](std::size_t i) { before[i + 1] = counts_of(parts[i]); }, 1);
     for (std::size_t i = 0; i < parts.size(); ++i)
-      before[i + 1] = {before[i][0] + parts[i].ends.size(), before[i][1] + parts[i].sources.size()};
-    auto* ends = room<Constraint>(result, GCDT_PIECES, before.back()[0]);
-    auto* offsets = room<std::uint32_t>(result, GCDT_SOURCE_OFFSETS, before.back()[0] + 1);
-    auto* sources = room<std::uint32_t>(result, GCDT_SOURCES, before.back()[1]);
+      before[i + 1] = {before[i][0] + before[i + 1][0], before[i][1] + before[i + 1][1]};
+    const Target to = {room<Constraint>(result, GCDT_PIECES, before.back()[0]),
+                       room<std::uint32_t>(result, GCDT_SOURCE_OFFSETS, before.back()[0] + 1),
+                       room<std::uint32_t>(result, GCDT_SOURCES, before.back()[1])};
     for_each_in_threads(
-        parts.size(),
-        [&](std::size_t i) {
-          std::copy(parts[i].ends.begin(), parts[i].ends.end(), ends + before[i][0]);
-          std::copy(parts[i].sources.begin(), parts[i].sources.end(), sources + before[i][1]);
-          for (std::size_t p = 0; p < parts[i].begins.size(); ++p)
-            offsets[before[i][0] + p] = static_cast<std::uint32_t>(before[i][1] + parts[i].begins[p]);
-        },
-        1);
-    offsets[before.back()[0]] = static_cast<std::uint32_t>(before.back()[1]);
+        parts.size(), [&](std::size_t i) { merge(parts[i], before[i], to); }, 1);
+    to.offsets[before.back()[0]] = static_cast<std::uint32_t>(before.back()[1]);
   }
 
  private:
+  using Counts = std::array<std::size_t, 2>;  ///< pieces and sources
   /// Pieces of a tile, and pieces of the seam that begin there.
   struct Range {
     const WrittenTile* from;
     std::size_t first, end, first_of_seam, end_of_seam;
   };
-  struct Merged {
-    Range range;
-    std::vector<Constraint> ends;
-    std::vector<std::uint32_t> begins, sources;
+  struct Target {
+    Constraint* ends;
+    std::uint32_t *offsets, *sources;
+    void add(const Constraint& piece, Span<std::uint32_t> from, Counts& at) const {
+      ends[at[0]] = piece;
+      offsets[at[0]++] = static_cast<std::uint32_t>(at[1]);
+      for (const std::uint32_t c : from) sources[at[1]++] = c;
+    }
   };
 
   std::vector<Range> ranges(const WrittenTile& tile) const {
@@ -110,46 +119,54 @@ class PieceWriter {
     std::vector<Range> all;
     for (std::size_t i = 0; i < parts; ++i) {
       const std::size_t first = count * i / parts, end = count * (i + 1) / parts;
-      const std::size_t of_seam = i == 0 ? 0 : of_seam_before(tile, tile.tile.piece_ids[first]);
+      const std::size_t of_seam = i == 0 ? 0 : of_seam_before(tile, first);
       if (!all.empty()) all.back().end_of_seam = of_seam;
       all.push_back({&tile, first, end, of_seam, tile.seam.pieces.size()});
     }
     return all;
   }
 
-  /// How many pieces of the seam come before a piece of the tile.
-  std::size_t of_seam_before(const WrittenTile& tile, const Constraint& ends) const {
+  /// How many pieces of the seam come before the tile's kept pieces from `first` on: all, if there are none. Ends: the
+  /// tile has finitely many.
+  std::size_t of_seam_before(const WrittenTile& tile, std::size_t first) const {
+    while (first < tile.tile.pieces.size() && tile.tile.kept[first] == 0) ++first;
     const auto& keys = tile.seam.piece_keys;
-    return static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key_of(ends)) - keys.begin());
+    if (first == tile.tile.pieces.size()) return keys.size();
+    return static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key_of(tile.tile.pieces[first])) -
+                                    keys.begin());
   }
 
-  void merge(Merged& part) const {
-    const Range& range = part.range;
+  static Counts counts_of(const Range& range) {
+    const SolvedTile& tile = range.from->tile;
+    const auto& offsets = range.from->seam.source_offsets;
+    Counts counts = {range.end_of_seam - range.first_of_seam,
+                     std::size_t{offsets[range.end_of_seam]} - offsets[range.first_of_seam]};
+    for (std::size_t piece = range.first; piece < range.end; ++piece)
+      if (tile.kept[piece] != 0) ++counts[0], counts[1] += tile.sources_of(piece).size();
+    return counts;
+  }
+
+  /// `at`: how many pieces and sources come before the range.
+  void merge(const Range& range, Counts at, const Target& to) const {
     const SolvedTile& tile = range.from->tile;
     const Returned& seam = range.from->seam;
     std::size_t next = range.first_of_seam;
+    const auto add_of_seam = [&] {
+      const std::uint32_t begin = seam.source_offsets[next], end = seam.source_offsets[next + 1];
+      to.add(seam.pieces[next++], {seam.sources.data() + begin, end - begin}, at);
+    };
     for (std::size_t piece = range.first; piece < range.end; ++piece) {
       if (tile.kept[piece] == 0) continue;
       if (next < range.end_of_seam) {
-        const Key here = key_of(tile.piece_ids[piece]);
-        while (next < range.end_of_seam && seam.piece_keys[next] < here) add_of_seam(seam, next++, part);
+        const Key here = key_of(tile.pieces[piece]);
+        while (next < range.end_of_seam && seam.piece_keys[next] < here) add_of_seam();
       }
-      part.ends.push_back(tile.piece_ids[piece]);
-      part.begins.push_back(static_cast<std::uint32_t>(part.sources.size()));
-      part.sources.insert(part.sources.end(), tile.sources.begin() + tile.source_offsets[piece],
-                          tile.sources.begin() + tile.source_offsets[piece + 1]);
+      to.add(tile.pieces[piece], tile.sources_of(piece), at);
     }
-    while (next < range.end_of_seam) add_of_seam(seam, next++, part);
+    while (next < range.end_of_seam) add_of_seam();
   }
 
   Key key_of(const Constraint& ends) const { return {code_of(input_.at(ends[0])), code_of(input_.at(ends[1]))}; }
-
-  static void add_of_seam(const Returned& seam, std::size_t piece, Merged& part) {
-    part.ends.push_back(seam.pieces[piece]);
-    part.begins.push_back(static_cast<std::uint32_t>(part.sources.size()));
-    part.sources.insert(part.sources.end(), seam.sources.begin() + seam.source_offsets[piece],
-                        seam.sources.begin() + seam.source_offsets[piece + 1]);
-  }
 
   const GridInput& input_;
   const std::vector<WrittenTile>& tiles_;
@@ -157,11 +174,16 @@ class PieceWriter {
 
 }  // namespace
 
-void join(const GridInput& input, const std::vector<WrittenTile>& tiles, bool check, ForestResult& result) {
+void join(const GridInput& input, const std::vector<WrittenTile>& tiles, bool check, ForestResult& result,
+          const std::vector<Seam::Border>& border, const std::function<void(SeamTaker& to)>& give) {
+  std::vector<SeamWriter> writers;
   for (const WrittenTile& tile : tiles) {
-    SeamWriter writer(input, tile, tiles.front().first, result);
-    writer.write();
-    if (check) writer.check();
+    writers.emplace_back(input, tile, tiles.front().first, result);
+    writers.back().write(check);
+  }
+  if (give) {
+    Joiner joiner(writers, border, check);
+    give(joiner);
   }
   PieceWriter(input, tiles).write(result);
 }

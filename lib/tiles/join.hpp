@@ -30,15 +30,17 @@ Span<T> array_of(const ForestResult& result, std::int32_t array) {
 /// A tile whose final triangles are written.
 struct WrittenTile {
   const SolvedTile& tile;
-  std::uint32_t first;                ///< the place of its first triangle in the result
-  std::vector<std::uint32_t> before;  ///< what write_tile() returned
+  std::uint32_t first;                       ///< the place of its first triangle in the result
+  const std::vector<std::uint32_t>& before;  ///< what write_tile() returned; must outlive the object
   Returned seam;
 };
 
 /// What is left to do when the tiles of a rank have written their final triangles: the seam's triangles, the border
 /// between, and the pieces, as one device would have made them (docs/scale.md, T4). The arrays of triangles begin with
 /// the first tile's. With `check`, throws check_failed unless the mesh is locally Delaunay at the border; what is on
-/// either side, the runs have checked.
-void join(const GridInput& input, const std::vector<WrittenTile>& tiles, bool check, ForestResult& result);
+/// either side, the runs have checked. `give`, if it is not null, gives the seam's triangles and what is across at the
+/// border, of which the tiles have none then; `border`: the tile of each edge of that.
+void join(const GridInput& input, const std::vector<WrittenTile>& tiles, bool check, ForestResult& result,
+          const std::vector<Seam::Border>& border = {}, const std::function<void(SeamTaker& to)>& give = {});
 
 }  // namespace gcdt::tiles

@@ -52,8 +52,7 @@ void put(Packer& to, const SolvedTile& tile) {
   for (std::size_t p = 0; p < tile.pieces.size(); ++p) {
     if (tile.kept[p] != 0) continue;
     pieces.push_back(tile.pieces[p]);
-    sources.insert(sources.end(), tile.sources.begin() + tile.source_offsets[p],
-                   tile.sources.begin() + tile.source_offsets[p + 1]);
+    for (const std::uint32_t c : tile.sources_of(p)) sources.push_back(c);
     offsets.push_back(static_cast<std::uint32_t>(sources.size()));
   }
   to.put(pieces);
@@ -121,17 +120,17 @@ void gather_tiles(Team& team, std::vector<SolvedTile>& tiles) {
   }
 }
 
-OwnPlaces scatter_places(Team& team, std::size_t tiles, const Order* order) {
+OwnPlaces scatter_places(Team& team, std::size_t tiles, Order* order) {
   OwnPlaces own;
   if (team.is_alone()) {
-    for (std::size_t t = 0; t < tiles; ++t) own.tiles.push_back(order->places_of(t));
+    for (std::size_t t = 0; t < tiles; ++t) own.tiles.push_back(order->take_places(t));
     own.triangles = order->triangles();
     return own;
   }
   std::vector<Bytes> messages;
   if (order)
     messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) {
-      const TilePlaces places = order->places_of(t);
+      const TilePlaces places = order->take_places(t);
       to.put_one(order->triangles());
       to.put_one(places.first);
       to.put(places.keys);
@@ -147,7 +146,11 @@ OwnPlaces scatter_places(Team& team, std::size_t tiles, const Order* order) {
   return own;
 }
 
-void gather_before(Team& team, std::size_t tiles, const std::vector<std::vector<std::uint32_t>>& own, Order* order) {
+void gather_before(Team& team, std::size_t tiles, std::vector<std::vector<std::uint32_t>>& own, Order* order) {
+  if (team.is_alone()) {
+    for (std::size_t t = 0; t < tiles; ++t) order->set_before(t, std::move(own[t]));
+    return;
+  }
   Packer packer;
   for (const std::vector<std::uint32_t>& before : own) packer.put(before);
   const std::vector<Bytes> all = team.gather(packer.take());

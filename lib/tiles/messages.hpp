@@ -30,10 +30,11 @@ struct OwnPlaces {
   std::vector<TilePlaces> tiles;
   std::uint32_t triangles = 0;
 };
-OwnPlaces scatter_places(Team& team, std::size_t tiles, const Order* order);
+OwnPlaces scatter_places(Team& team, std::size_t tiles, Order* order);
 
-/// Tells the first rank's order what write_tile() has returned for the tiles of each rank.
-void gather_before(Team& team, std::size_t tiles, const std::vector<std::vector<std::uint32_t>>& own, Order* order);
+/// Tells the first rank's order what write_tile() has returned for the tiles of each rank. A process by itself gives
+/// its own away.
+void gather_before(Team& team, std::size_t tiles, std::vector<std::vector<std::uint32_t>>& own, Order* order);
 
 /// Of what the first rank has for all tiles that of the rank's.
 std::vector<Returned> scatter_returned(Team& team, std::size_t tiles, std::vector<Returned> all);

@@ -54,7 +54,9 @@ class Starts {
 
 class Walker {
  public:
-  Walker(const WalkedTile& mesh, const Starts& starts) : mesh_(mesh), points_(mesh.points), starts_(starts) {}
+  /// `is_passed`: by triangle; set for those of its walks.
+  Walker(const WalkedTile& mesh, const Starts& starts, std::atomic<bool>* is_passed)
+      : mesh_(mesh), points_(mesh.points), starts_(starts), is_passed_(is_passed) {}
 
   // Ends: each step leads to a vertex that is nearer to the end, and a mesh has finitely many; in what is no mesh, when
   // there were more.
@@ -67,9 +69,8 @@ class Walker {
       v = next_vertex(v);
     }
     if (wide) widen(from, to);
-    all_.insert(all_.end(), passed_.begin(), passed_.end());
+    for (const std::uint32_t t : passed_) is_passed_[t].store(true, std::memory_order_relaxed);
   }
-  const std::vector<std::uint32_t>& passed() const { return all_; }
 
  private:
   /// The triangles around a vertex, counter-clockwise; from one edge of the hull to the other if the vertex is on it.
@@ -220,7 +221,8 @@ class Walker {
   const Starts& starts_;
   std::unordered_map<std::uint32_t, Fan> fans_;
   std::uint32_t to_ = 0;
-  std::vector<std::uint32_t> passed_, all_;  ///< triangles of this walk, and of all
+  std::atomic<bool>* const is_passed_;
+  std::vector<std::uint32_t> passed_;  ///< triangles of this walk
 };
 
 }  // namespace
@@ -229,14 +231,14 @@ std::vector<std::uint32_t> passed_by(const WalkedTile& mesh, const std::vector<P
   std::vector<std::uint32_t> passed;
   if (passages.empty() || mesh.triangles.empty()) return passed;
   const Starts starts(mesh);
-  const Parts parts(passages.size(), 64);
-  std::vector<std::vector<std::uint32_t>> found(parts.size());
-  parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
-    Walker walker(mesh, starts);
+  // Not lists of each walk's: many may pass the same triangles.
+  const std::unique_ptr<std::atomic<bool>[]> is_passed(new std::atomic<bool>[mesh.triangles.size()]());
+  Parts(passages.size(), 64).run([&](std::size_t, std::size_t first, std::size_t end) {
+    Walker walker(mesh, starts, is_passed.get());
     for (std::size_t i = first; i < end; ++i) walker.walk(passages[i].from, passages[i].to, passages[i].wide);
-    found[part] = walker.passed();
   });
-  for (const auto& some : found) passed.insert(passed.end(), some.begin(), some.end());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (is_passed[t].load(std::memory_order_relaxed)) passed.push_back(t);
   return passed;
 }
 

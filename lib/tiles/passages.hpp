@@ -14,7 +14,7 @@ struct WalkedTile {
 };
 
 /// All triangles that a passage crosses inside or runs along an edge of; of a wide one, also those that have a point
-/// less than one cell away from it on both axes. Some more than once. Passages end in vertices of the mesh, and may
+/// less than one cell away from it on both axes. Ascending. Passages end in vertices of the mesh, and may
 /// touch others.
 std::vector<std::uint32_t> passed_by(const WalkedTile& mesh, const std::vector<Passage>& passages);
 

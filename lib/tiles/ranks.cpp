@@ -26,7 +26,7 @@ void collect(Team& team, ForestResult& result, std::int32_t array) {
   for (Bytes& some : all) {
     if (!some.empty()) std::memcpy(to, some.data(), some.size());
     to += some.size();
-    some = {};
+    forget(some);
   }
 }
 
@@ -72,7 +72,7 @@ RankResult triangulate_rank(DevicePool& pool, Team& team, InputBlock block, cons
     const Timed exchanging(made.ms_exchange);
     input.constraints.end_points = end_points(team, input);
     made.own = exchange_vertices(team, input, made.cuts);
-    block.vertices = {};
+    forget(block.vertices);
     input.given = {Points(made.own.vertices), 0, made.own.numbers, block.all_vertices};
   }
   Staged staged(pool, input.given.points, tiles / team.size());

@@ -11,28 +11,46 @@ namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-/// The seam's triangles with the places of their neighbours, and for each edge of the border the place across from it.
-class TriangleWriter {
+/// Keeps all for the tiles.
+class Collector final : public SeamTaker {
  public:
-  TriangleWriter(const Solved& solved, const Order& order, std::vector<Returned>& returned)
-      : solved_(solved), order_(order), returned_(returned), across_(solved.seam.border.size()) {}
-
-  void write() {
-    for (std::size_t tile = 0; tile < returned_.size(); ++tile) returned_[tile].triangles.resize(order_.of_seam(tile));
+  Collector(const Solved& solved, const Order& order, std::vector<Returned>& returned)
+      : solved_(solved), returned_(returned), across_(solved.seam.border.size()) {
+    for (std::size_t tile = 0; tile < returned_.size(); ++tile) returned_[tile].triangles.resize(order.of_seam(tile));
     for (Across& across : across_) across.place = none;
-    for_each_in_threads(solved_.between.kept.size(), [&](std::size_t t) {
-      if (solved_.between.kept[t]) write_triangle(static_cast<std::uint32_t>(t));
-    });
+  }
+  void take(std::size_t tile, std::uint32_t number, const SeamTriangle& triangle) override {
+    returned_[tile].triangles[number] = triangle;
+  }
+  void take(std::uint32_t border, const Across& across) override { across_[border] = across; }
+  void finish() {
     for (std::size_t i = 0; i < across_.size(); ++i)
       if (across_[i].place != none) returned_[solved_.seam.border[i].tile].across.push_back(across_[i]);
   }
 
  private:
-  // No two of the seam's triangles are across from one side of a final triangle.
-  void write_triangle(std::uint32_t t) {
+  const Solved& solved_;
+  std::vector<Returned>& returned_;
+  std::vector<Across> across_;  ///< by edge of the border
+};
+
+/// The seam's triangles with the places of their neighbours, and for each edge of the border the place across from it.
+class TriangleGiver {
+ public:
+  TriangleGiver(const Solved& solved, const Order& order, SeamTaker& to) : solved_(solved), order_(order), to_(to) {}
+
+  void give() {
+    for_each_in_threads(solved_.between.kept.size(), [&](std::size_t t) {
+      if (solved_.between.kept[t]) give_triangle(static_cast<std::uint32_t>(t));
+    });
+  }
+
+ private:
+  // No two of the seam's triangles are across from one side of a final triangle: take_seam() has seen to it.
+  void give_triangle(std::uint32_t t) {
     const SolvedSeam& from = solved_.between;
     const auto [tile, number] = order_.of_tile(t);
-    SeamTriangle& made = returned_[tile].triangles[number];
+    SeamTriangle made;
     made.constrained = from.constrained[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = from.mesh.triangles[t][k];
@@ -42,19 +60,19 @@ class TriangleWriter {
       if (border >= 0) {
         const auto& [beyond, edge] = solved_.seam.border[static_cast<std::size_t>(border)];
         made.neighbours[k] = static_cast<std::int32_t>(order_.place_of_final(beyond, edge.triangle));
-        across_[static_cast<std::size_t>(border)] = {edge.triangle, edge.k(), order_.place_in_seam(t),
-                                                     solved_.seam.points[corner]};
+        to_.take(static_cast<std::uint32_t>(border),
+                 {edge.triangle, edge.k(), order_.place_in_seam(t), solved_.seam.points[corner]});
       } else {
         made.neighbours[k] =
             other < 0 ? -1 : static_cast<std::int32_t>(order_.place_in_seam(static_cast<std::uint32_t>(other)));
       }
     }
+    to_.take(tile, number, made);
   }
 
   const Solved& solved_;
   const Order& order_;
-  std::vector<Returned>& returned_;
-  std::vector<Across> across_;  ///< by edge of the border
+  SeamTaker& to_;
 };
 
 /// Shares out the seam's pieces, which are in Z-order: so each tile's follow each other.
@@ -78,10 +96,7 @@ void write_pieces(const Solved& solved, std::vector<Returned>& returned) {
 
 /// Edges of the hull of all: of the tiles' hulls those that the seam has nothing across from, and of the seam's.
 std::uint64_t hull_edges(const Solved& solved) {
-  std::uint64_t edges = 0;
-  for (const SolvedTile& tile : solved.tiles)
-    for (const BorderEdge& edge : tile.border) edges += edge.is_on_hull();
-  return edges + count_in_threads(solved.between.kept.size(), [&](std::size_t t) {
+  return solved.seam.tile_hull_edges + count_in_threads(solved.between.kept.size(), [&](std::size_t t) {
            std::int64_t more = 0;  // modulo 2^64, as the sum is
            for (std::size_t k = 0; solved.between.kept[t] && k < 3; ++k) {
              const std::int32_t border = solved.between.border[t][k];
@@ -110,8 +125,10 @@ Order::Order(const Solved& solved)
     if (keys_[tile].size() > 1 && keys_[tile].back() < keys_[tile].end()[-2])
       refuse("the seam's triangles are not in their order");
   }
-  for (std::size_t tile = 0; tile < keys_.size(); ++tile)
-    firsts_.push_back(firsts_.back() + solved.tiles[tile].final.count + static_cast<std::uint32_t>(keys_[tile].size()));
+  for (std::size_t tile = 0; tile < keys_.size(); ++tile) {
+    counts_.push_back(static_cast<std::uint32_t>(keys_[tile].size()));
+    firsts_.push_back(firsts_.back() + solved.tiles[tile].final.count + counts_[tile]);
+  }
 }
 
 std::uint32_t Order::place_in_seam(std::uint32_t triangle) const {
@@ -119,9 +136,15 @@ std::uint32_t Order::place_in_seam(std::uint32_t triangle) const {
   return firsts_[tile] + before_[tile][number] + number;
 }
 
-std::vector<Returned> returned_by(const Solved& solved, const Order& order) {
+void give_back(const Solved& solved, const Order& order, SeamTaker& to) { TriangleGiver(solved, order, to).give(); }
+
+std::vector<Returned> returned_by(const Solved& solved, const Order* order) {
   std::vector<Returned> returned(solved.tiles.size());
-  TriangleWriter(solved, order, returned).write();
+  if (order) {
+    Collector collector(solved, *order, returned);
+    give_back(solved, *order, collector);
+    collector.finish();
+  }
   write_pieces(solved, returned);
   return returned;
 }

@@ -28,10 +28,12 @@ class Order {
   explicit Order(const Solved& solved);
 
   std::uint32_t triangles() const { return firsts_.back(); }
-  TilePlaces places_of(std::size_t tile) const { return {firsts_[tile], keys_[tile]}; }
-  std::size_t of_seam(std::size_t tile) const { return keys_[tile].size(); }
+  /// Once: the keys are gone then.
+  TilePlaces take_places(std::size_t tile) { return {firsts_[tile], std::move(keys_[tile])}; }
+  std::size_t of_seam(std::size_t tile) const { return counts_[tile]; }
   /// What write_tile() returns.
   void set_before(std::size_t tile, std::vector<std::uint32_t> before) { before_[tile] = std::move(before); }
+  const std::vector<std::uint32_t>& before(std::size_t tile) const { return before_[tile]; }
   // From here on when all tiles are set.
   std::uint32_t place_of_final(std::size_t tile, std::uint32_t triangle) const {
     return tiles::place_of_final(before_[tile], firsts_[tile], triangle);
@@ -43,6 +45,7 @@ class Order {
  private:
   std::vector<std::uint32_t> firsts_;                             ///< of each tile, and of all
   std::vector<std::vector<std::array<std::uint64_t, 2>>> keys_;   ///< of the seam's triangles, by tile
+  std::vector<std::uint32_t> counts_;                             ///< how many these are
   std::vector<std::vector<std::uint32_t>> before_;                ///< final ones before each of those
   std::vector<std::pair<std::uint32_t, std::uint32_t>> of_seam_;  ///< by triangle of the seam: tile, number there
 };
@@ -62,8 +65,24 @@ struct Across {
   GridPoint apex;       ///< that one's corner that is not on the edge
 };
 
+/// Who gets the seam's triangles, from several threads at once, each triangle and each side of a final one once.
+class SeamTaker {
+ public:
+  SeamTaker() = default;
+  SeamTaker(const SeamTaker&) = delete;
+  virtual ~SeamTaker() = default;
+  /// `number`: among those of the tile.
+  virtual void take(std::size_t tile, std::uint32_t number, const SeamTriangle& triangle) = 0;
+  /// `border`: the number of the border's edge in the seam.
+  virtual void take(std::uint32_t border, const Across& across) = 0;
+};
+
+/// Gives all when `order` knows all places.
+void give_back(const Solved& solved, const Order& order, SeamTaker& to);
+
 /// What a tile gets of the seam.
 struct Returned {
+  // Where ranks are told; a process by itself takes them as they come (SeamTaker).
   Array<SeamTriangle> triangles;  ///< those with their first vertex in the tile, in their order
   Array<Across> across;
   // The seam's pieces that begin in the tile, in Z-order, without those of the border alone.
@@ -72,8 +91,8 @@ struct Returned {
   Array<std::uint32_t> source_offsets, sources;    ///< input numbers
 };
 
-/// By tile, when `order` knows all places.
-std::vector<Returned> returned_by(const Solved& solved, const Order& order);
+/// By tile, when `order` knows all places; the pieces alone without one.
+std::vector<Returned> returned_by(const Solved& solved, const Order* order);
 
 /// Throws check_failed unless the result has as many triangles as so many distinct vertices ask for.
 void check_count(const Solved& solved, const Order& order, std::uint64_t vertices);

@@ -138,14 +138,21 @@ Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const 
   for_each_in_threads(
       tiles.size(), [&](std::size_t t) { shares[t] = share_of(tiles, t); }, 1);
   Seam seam;
+  std::size_t vertices = 0, border = 0, parts = 0;
+  for (const TileShare& share : shares) vertices += share.vertices.size(), border += share.border.size();
+  for (const SolvedTile& tile : tiles)
+    parts += static_cast<std::size_t>(std::count(tile.kept.begin(), tile.kept.end(), 0));
+  seam.points.reserve(vertices), seam.ids.reserve(vertices), seam.border.reserve(border), seam.parts.reserve(parts);
   for (const TileShare& share : shares) {
     seam.firsts.push_back(static_cast<std::uint32_t>(seam.ids.size()));
     for (const SeamVertex& v : share.vertices) seam.points.push_back(v.point), seam.ids.push_back(v.id);
   }
   seam.firsts.push_back(static_cast<std::uint32_t>(seam.ids.size()));
   const SeamNumbers numbers(shares, seam.firsts);
-  for (std::uint32_t t = 0; t < tiles.size(); ++t)
+  for (std::uint32_t t = 0; t < tiles.size(); ++t) {
     for (const BorderEdge& edge : shares[t].border) seam.border.push_back({t, edge});
+    for (const BorderEdge& edge : tiles[t].border) seam.tile_hull_edges += edge.is_on_hull();
+  }
   for (std::uint32_t t = 0; t < tiles.size(); ++t)
     for (std::uint32_t p = 0; p < tiles[t].pieces.size(); ++p)
       if (tiles[t].kept[p] == 0) seam.parts.push_back({t, p});

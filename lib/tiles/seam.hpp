@@ -54,7 +54,8 @@ struct Seam {
   };
   std::vector<Border> border;  ///< by tile, triangle and k
   std::vector<Part> parts;
-  std::vector<std::uint32_t> open;  ///< input numbers, ascending
+  std::vector<std::uint32_t> open;    ///< input numbers, ascending
+  std::uint64_t tile_hull_edges = 0;  ///< edges of final triangles that are on the hull of their tile
   std::size_t first_part() const { return border.size(); }
   std::size_t first_open() const { return border.size() + parts.size(); }
   std::size_t tile_of(std::uint32_t vertex) const {
@@ -66,8 +67,7 @@ struct Seam {
     if (constraint < first_part()) return;
     if (constraint >= first_open()) return use(open[constraint - first_open()]);
     const auto& [tile, piece] = parts[constraint - first_part()];
-    const SolvedTile& from = tiles[tile];
-    for (std::uint32_t i = from.source_offsets[piece]; i < from.source_offsets[piece + 1]; ++i) use(from.sources[i]);
+    for (const std::uint32_t c : tiles[tile].sources_of(piece)) use(c);
   }
   /// The same as a list.
   std::vector<std::uint32_t> sources_of(std::size_t constraint, const std::vector<SolvedTile>& tiles) const;

@@ -191,12 +191,11 @@ class TileRun {
       runtime_.launch("tiles", "tile_mark", over(triangles()), triangles(), solved_.own, final_, made_.mesh.corners,
                       made_.mesh.constrained, made_.vertices.levels_buffer, made_.vertices.input_vertex, pieces,
                       pieces_as_vertices(), wanted, kept);
-    solved_.kept = read_array<std::uint32_t>(runtime_, kept, pieces);
     const cl_uint count = scan(wanted, solved_.own);
     const auto list = runtime_.allocate<cl_uint>("vertices of the seam", count);
     primitives_.compact_indices(wanted, list, solved_.own);
     solved_.vertices = seam_vertices(list, count);
-    give_pieces();
+    give_pieces(kept);
   }
 
   Buffer<cl_uint2> pieces_as_vertices() {
@@ -207,20 +206,25 @@ class TileRun {
     return ends;
   }
 
-  void give_pieces() {
+  void give_pieces(const Buffer<cl_uint>& kept) {
     const Pieces& pieces = made_.pieces;
-    const cl_uint count = pieces.count, words = 2 * count;
+    const cl_uint count = pieces.count;
+    solved_.kept.resize(count);
+    {
+      const auto flags = read_array<std::uint32_t>(runtime_, kept, count);
+      for_each_in_threads(count, [&](std::size_t p) { solved_.kept[p] = flags[p] != 0; });
+    }
+    if (count > 0) runtime_.launch("tiles", "tile_kept_ends", over(count), count, kept, ids(), pieces.ends);
     solved_.pieces = read_array<Constraint>(runtime_, pieces.ends, count);
-    const auto numbered = runtime_.allocate<cl_uint2>("pieces as input numbers", count);
-    if (words > 0) runtime_.launch("tiles", "tile_gather", over(words), words, pieces.ends, ids(), numbered);
-    solved_.piece_ids = read_array<Constraint>(runtime_, numbered, count);
-    check_ends_below(solved_.piece_ids, task_.input.n(), "the end of a piece is no vertex of the input");
+    check_ends_below(solved_.pieces, task_.input.n(), "the end of a piece is no vertex of the input");
     solved_.source_offsets = read_array<std::uint32_t>(runtime_, pieces.source_offsets, std::size_t{count} + 1);
     solved_.sources = read_array<std::uint32_t>(runtime_, pieces.sources, pieces.source_count);
     check_offsets(solved_.source_offsets, count, solved_.sources.size(), "the sources of a piece are not there");
     check_below(solved_.sources, share_.constraint_ids.size(), "a source of a piece is no constraint of the tile");
     for_each_in_threads(solved_.sources.size(),
                         [&](std::size_t i) { solved_.sources[i] = share_.constraint_ids[solved_.sources[i]]; });
+    const auto more = [&](std::size_t p) { return solved_.source_offsets[p + 1] != p + 1; };
+    if (count_in_threads(count, more) == 0) forget(solved_.source_offsets);
   }
 
   std::vector<SeamVertex> seam_vertices(const Buffer<cl_uint>& list, cl_uint count) {

@@ -35,20 +35,28 @@ struct Dropped {
 struct SolvedTile {
   std::uint32_t own = 0;  ///< vertices of its own; without any it has nothing else
   Box box{};              ///< around these
+  // Until the seam's problem is made (leave_seam()).
   /// Its own vertices that are corners of triangles that are not final, or all that stand for some if it has no
   /// triangles; and those of border edges on its hull. Both ascend by number.
   std::vector<SeamVertex> vertices, hull_vertices;
   std::vector<BorderEdge> border;  ///< by triangle and k; also edges that turn out to be of the hull of all
   // Its pieces in Z-order: those along a final triangle are kept, the others the seam's.
-  Array<Constraint> pieces;                            ///< the tile's vertices
-  Array<Constraint> piece_ids;                         ///< the same as input numbers
-  Array<std::uint32_t> kept, source_offsets, sources;  ///< sources: input numbers
-  std::vector<Dropped> dropped;                        ///< by ascending number
-  std::vector<Constraint> merged;                      ///< input numbers: vertices, and what stands for them
-  std::vector<std::uint32_t> ends, stand_ins;          ///< open ends by input number, ascending; the tile's vertices
-  std::uint64_t move_key = 0;                          ///< of all vertices that the process has
+  Array<Constraint> pieces;                      ///< of those kept input numbers, of the others the tile's vertices
+  Array<std::uint8_t> kept;                      ///< not 0: it is
+  Array<std::uint32_t> source_offsets, sources;  ///< input numbers; no offsets: each piece has one source
+  std::vector<Dropped> dropped;                  ///< by ascending number
+  std::vector<Constraint> merged;                ///< input numbers: vertices, and what stands for them
+  std::vector<std::uint32_t> ends, stand_ins;    ///< open ends by input number, ascending; the tile's vertices
+  std::uint64_t move_key = 0;                    ///< of all vertices that the process has
   FinalTriangles final;
   std::size_t device = 0;  ///< of the pool: who has `final`, unless it is spilled
+
+  Span<std::uint32_t> sources_of(std::size_t piece) const {
+    if (source_offsets.empty()) return {&sources[piece], 1};
+    return {sources.data() + source_offsets[piece], source_offsets[piece + 1] - std::size_t{source_offsets[piece]}};
+  }
+  /// Gives back what the seam's problem has been made of, and nothing else needs.
+  void leave_seam() { forget(vertices), forget(hull_vertices), forget(border), forget(ends), forget(stand_ins); }
 };
 
 /// What all tiles of a run share.

@@ -147,7 +147,7 @@ std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
   }
   {
     const Timed timed(report_.ms_tiles);
-    solve_tiles(all);
+    solve_tiles(roles, std::move(all.tiles));
   }
   const Timed timed(report_.ms_seam);
   gather_tiles(team_, tiles_);
@@ -157,8 +157,9 @@ std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
     seam_ = make_seam(task_.cuts, open_, tiles_);
     report_.seam_vertices = seam_.points.size();
     report_.seam_constraints = seam_.constraints.size();
-    crossings = solve_seam();
   }
+  for (SolvedTile& tile : tiles_) tile.leave_seam();
+  if (team_.is_first()) crossings = solve_seam();
   broadcast(team_, crossings);
   return crossings;
 }
@@ -168,18 +169,24 @@ void TiledRun::solve_uncrossed(const std::vector<Role>& roles) {
 }
 
 /// Every tile of the rank, by whichever device takes it; and once more those that a device had when it was lost. Ends:
-/// it is lost for good.
-void TiledRun::solve_tiles(const Partition& all) {
+/// it is lost for good. A process by itself forgets a tile's share when it is solved, and makes it again.
+void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> given) {
   tiles_.clear();
   tiles_.resize(task_.cuts.tiles());
+  std::vector<std::shared_ptr<const Share>> shares(given.size());
+  const auto keep_shares = [&](std::vector<Share> all) {
+    for (std::size_t t = 0; t < all.size(); ++t)
+      if (!shares[t]) shares[t] = std::make_shared<const Share>(std::move(all[t]));
+  };
+  keep_shares(std::move(given));
   std::vector<std::uint32_t> wanted(range_.size());
   std::iota(wanted.begin(), wanted.end(), static_cast<std::uint32_t>(range_.first));
   Spiller spiller(pool_, task_.staged, room_, range_);
   while (!wanted.empty()) {
     std::vector<std::uint64_t> n{0}, m{0};
     for (const std::uint32_t t : wanted) {
-      n.push_back(n.back() + task_.input.n() / tiles_.size() + all.tiles[t].foreign.size());
-      m.push_back(m.back() + all.tiles[t].constraints.size());
+      n.push_back(n.back() + task_.input.n() / tiles_.size() + shares[t]->foreign.size());
+      m.push_back(m.back() + shares[t]->constraints.size());
     }
     const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
     std::mutex mutex;
@@ -187,12 +194,19 @@ void TiledRun::solve_tiles(const Partition& all) {
     spiller.expect(wanted.size());
     run("tiles", 0, tiles_share, sizes, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t problem) {
       const std::uint32_t t = wanted[problem];
-      spiller.make_room(lent, sizes.n(problem), sizes.m(problem));
-      SolvedTile solved = solve_tile(lent, task_, all.tiles[t], t);
+      std::shared_ptr<const Share> share;  // as long as it is needed here
       {
         const std::lock_guard<std::mutex> lock(mutex);
         if (is_solved[t]) return ForestResult();  // another device was faster
+        share = shares[t];
+      }
+      spiller.make_room(lent, sizes.n(problem), sizes.m(problem));
+      SolvedTile solved = solve_tile(lent, task_, *share, t);
+      {
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (is_solved[t]) return ForestResult();
         tiles_[t] = std::move(solved), is_solved[t] = true;
+        if (team_.is_alone()) shares[t].reset();
       }
       spiller.add(lent, t, tiles_[t].final, sizes.n(problem), sizes.m(problem));
       return ForestResult();
@@ -201,6 +215,7 @@ void TiledRun::solve_tiles(const Partition& all) {
     wanted.clear();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t)
       if (tiles_[t].final.on_device() && pool_.report(tiles_[t].device).lost) wanted.push_back(t);
+    if (!wanted.empty() && team_.is_alone()) keep_shares(partition(task_.input, task_.cuts, roles).tiles);
   }
 }
 

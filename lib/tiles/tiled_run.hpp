@@ -45,7 +45,7 @@ class TiledRun {
 
   std::vector<Constraint> solve_parts(const std::vector<Role>& roles);
   void solve_uncrossed(const std::vector<Role>& roles);
-  void solve_tiles(const Partition& all);
+  void solve_tiles(const std::vector<Role>& roles, std::vector<Share> given);
   std::vector<Constraint> solve_seam();
   const ForestResult& made_seam() const { return *made_seam_.at(0).first; }
 

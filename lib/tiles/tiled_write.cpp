@@ -14,7 +14,7 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
     std::optional<Order> order;
     if (team_.is_first()) order.emplace(Solved{tiles_, seam_, between_});
     Order* const at_first = order ? &*order : nullptr;
-    const OwnPlaces places = scatter_places(team_, tiles_.size(), at_first);
+    OwnPlaces places = scatter_places(team_, tiles_.size(), at_first);
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < range_.size(); ++i)
       triangles += tiles_[range_.first + i].final.count + static_cast<std::uint32_t>(places.tiles[i].keys.size());
@@ -26,6 +26,7 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
     std::vector<std::vector<std::uint32_t>> before(range_.size());
     if (write_tiles(places, before, part.result)) {
       const Timed timed(report_.ms_join);
+      for (TilePlaces& own : places.tiles) forget(own.keys);
       finish(places, std::move(before), at_first, part);
       part.result.statistics.constraints_dropped = dropped.size();
       std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(part.result, GCDT_DROPPED, dropped.size()));
@@ -80,13 +81,16 @@ void TiledRun::finish(const OwnPlaces& places, std::vector<std::vector<std::uint
   if (order) {
     const Solved solved{tiles_, seam_, between_};
     if (task_.check) check_count(solved, *order, task_.input.n() - merged);
-    returned = returned_by(solved, *order);
+    returned = returned_by(solved, team_.is_alone() ? nullptr : order);
   }
   returned = scatter_returned(team_, tiles_.size(), std::move(returned));
   std::vector<WrittenTile> written;
   for (std::size_t i = 0; i < range_.size(); ++i)
-    written.push_back({tiles_[range_.first + i], places.tiles[i].first, std::move(before[i]), std::move(returned[i])});
-  join(task_.input, written, task_.check, part.result);
+    written.push_back({tiles_[range_.first + i], places.tiles[i].first, team_.is_alone() ? order->before(i) : before[i],
+                       std::move(returned[i])});
+  std::function<void(SeamTaker & to)> give;
+  if (team_.is_alone()) give = [&](SeamTaker& to) { give_back(Solved{tiles_, seam_, between_}, *order, to); };
+  join(task_.input, written, task_.check, part.result, seam_.border, give);
   part.result.statistics.vertices_merged = merged;
   count(places, part.result);
   if (team_.is_alone()) return write_representatives(part.result);
