@@ -37,6 +37,8 @@ for name in "${names[@]}"; do
   for key in what tests; do
     [[ $(head_line "$name" $key) ]] || { echo "mutants: $name.patch does not begin with what: and tests:" >&2; exit 1; }
   done
+  # Tests are separated by bars; a blank would match none.
+  [[ $(head_line "$name" tests) != *" "* ]] || { echo "mutants: $name.patch has a blank in tests:" >&2; exit 1; }
   [[ -z $list ]] || printf '%-32s %s\n' "$name" "$(head_line "$name" what)"
 done
 [[ -z $list ]] || exit 0

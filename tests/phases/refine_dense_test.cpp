@@ -3,7 +3,9 @@
 // share them (docs/refinement.md, "A round").
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "kinds.hpp"
@@ -87,15 +89,43 @@ TEST_CASE("cavities of any size are gone through alike on every device") {
     }
 }
 
-TEST_CASE("if all sit out, all may aim at more the next time") {
-  std::uint64_t in_vain = 0;
+TEST_CASE("outlines of a few vertices are mended, too, where all triangles may sit out") {
   for (std::uint32_t n = 20; n < 60; ++n) {
+    CAPTURE(n);
     Options options = refining_on_grid();
     options.domain = Domain::nonzero;
     const RefinedResult r = result_of(usual(), outline(n, 1 << 26, 1 << 26), options);
+    CHECK(mesh_fault(r) == "");
     CHECK(r.refined.all_left() == 0);
-    in_vain += r.refined.searches - r.refined.rounds - 1;  // the last one finds that all is well
   }
+}
+
+// A triangle that is the only one to be mended, and aims at the middle of a circle on which all vertices lie: the
+// cavity is all of the mesh. Each search in vain lets it go through twice as many faces, from 8 on: after 8 of them
+// through 2048.
+TEST_CASE("while all sit out, cavities of twice as many faces are allowed in each search") {
+  const std::uint32_t n = 2000;
+  const Workload work = outline(n, 1 << 26, 1 << 26);
+  Options options = refining_on_grid(0);
+  options.domain = Domain::nonzero;
+  options.refine->most_area = std::ldexp(1.0, 60);
+  const RefinedResult coarse = result_of(usual(), work, options);
+  REQUIRE(coarse.triangles.size() == n - 2);
+  std::vector<double> areas;
+  for (const auto& t : coarse.triangles) {
+    const auto &a = coarse.points[t[0]], &b = coarse.points[t[1]], &c = coarse.points[t[2]];
+    areas.push_back(0.5 * double((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])));
+  }
+  std::sort(areas.begin(), areas.end(), std::greater<>());
+  REQUIRE(areas[0] > areas[1]);
+  options.refine->most_area = (areas[0] + areas[1]) / 2;
+  const RefinedResult r = result_of(usual(), work, options);
+  CHECK(mesh_fault(r) == "");
+  CHECK(r.refined.all_left() == 0);
+  CHECK(r.refined.added == 1);
+  CHECK(r.refined.rounds == 1);
+  CHECK(r.refined.searches > 2);  // one that finds it, one that finds that all is well, and those in vain
+  CHECK(r.refined.searches <= 2 + 8);
 }
 
 TEST_CASE("quotients are rounded half up, exactly") {
