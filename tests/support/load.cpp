@@ -6,6 +6,7 @@
 //   load DEVICE BATCHES [CALLS [LIVES [CANCELS]]]
 //     BATCHES   batches on a pool      CALLS     of each of eight threads (default: BATCHES / 50)
 //     LIVES     solvers made           CANCELS   calls cancelled (default of both: BATCHES / 100)
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,6 +43,13 @@ double resident() {
   return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
+/// MiB of the heap that are in use. What was freed is not, though it may stay resident: glibc keeps it for each thread,
+/// so that after threads with contexts of their own much is resident and little in use.
+double in_use() {
+  const struct mallinfo2 heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd) / (1 << 20);
+}
+
 /// Driver and C library keep some memory for reuse; what grows with the work is more than that.
 constexpr double spare_mib = 24;
 
@@ -50,6 +58,13 @@ void require_flat(const char* part, double before, double after) {
   if (after > before + spare_mib)
     wrong(std::string(part) + ": the process grew from " + std::to_string(before) + " to " + std::to_string(after) +
           " MiB");
+}
+
+void require_freed(const char* part, double before, double after) {
+  std::fprintf(stderr, "load: %s: %.0f MiB of the heap in use, then %.0f\n", part, before, after);
+  if (after > before + spare_mib)
+    wrong(std::string(part) + ": of the heap " + std::to_string(before) + " MiB were in use, then " +
+          std::to_string(after));
 }
 
 void require_objects(const char* part, const Held& before, const Held& after) {
@@ -173,6 +188,7 @@ void run_threads(Load& load, std::uint64_t rounds) {
   options.crossing = Crossing::split;
   const std::uint64_t expected = result_hash(Solver(load.device).triangulate(work.points, work.constraints, options));
   const Held begin = load.calls->held();
+  const double used = in_use();
   std::atomic<std::uint64_t> right{0};
   std::vector<std::thread> threads;
   for (std::uint64_t t = 0; t < 8; ++t)
@@ -195,6 +211,7 @@ void run_threads(Load& load, std::uint64_t rounds) {
   for (std::thread& thread : threads) thread.join();
   if (right != 8 * rounds) wrong("threads: " + std::to_string(8 * rounds - right) + " calls had other bytes");
   require_objects("threads", begin, load.calls->held());
+  require_freed("threads", used, in_use());
 }
 
 void run_lives(Load& load, std::uint64_t count) {
@@ -277,11 +294,13 @@ void run(const std::string& device, const std::array<std::uint64_t, 4>& counts) 
   run_cancelled(load, counts[3], cancelled);
   require_objects("at the end", begin, load.calls->held());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const double end_mib = resident();
+  malloc_trim(0);
   std::printf("load: %s: %" PRIu64 " batches of %" PRIu64 " problems, 8 x %" PRIu64 " calls of threads, %" PRIu64
               " solvers made, %" PRIu64 " of %" PRIu64
               " calls cancelled; %.0f MiB after batches, %.0f at the end, "
-              "%.1f MiB on the device at most, %s left; %.0f s\n",
-              name.c_str(), counts[0], load.problems, counts[1], counts[2], cancelled, counts[3], batches_mib,
+              "%.0f when the heap has given back what is free; %.1f MiB on the device at most, %s left; %.0f s\n",
+              name.c_str(), counts[0], load.problems, counts[1], counts[2], cancelled, counts[3], batches_mib, end_mib,
               resident(), static_cast<double>(load.bytes_peak) / (1 << 20), load.calls->held().text().c_str(),
               seconds.count());
 }
