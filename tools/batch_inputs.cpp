@@ -131,6 +131,7 @@ void check_outputs(const std::vector<Problem>& problems, const BatchArguments& a
       }
   for (const std::string& other : {arguments.statistics, arguments.trace}) {
     if (other.empty()) continue;
+    check_is_file_name(other);
     check(other);
     if (!outputs.insert(file(other)).second)
       throw Failure(Exit::usage, fmt::format("{}: given twice as an output", other));

@@ -107,6 +107,9 @@ std::string together_note(const io::Input& input, std::uint64_t count, const std
 /// What is to be said of added vertices that files cannot hold; empty if they can.
 std::string rounding_note(const io::MeshArrays& mesh);
 
+/// Of a file that is no output in one of the formats: - would be a file of that name. Throws if it is.
+void check_is_file_name(const std::string& path);
+
 /// The status for an error that is not about one input.
 io::Exit exit_for(Status status);
 

@@ -113,6 +113,10 @@ std::optional<FixedGrid> grid_from_option(const std::string& text) {
   return grid;
 }
 
+void check_is_file_name(const std::string& path) {
+  if (path == "-") throw io::Failure(io::Exit::usage, "-: statistics and traces go to files");
+}
+
 io::Exit exit_for(Status status) {
   const detail::StatusRow* row = detail::row_of(status);
   return row ? static_cast<io::Exit>(row->exit) : io::Exit::device;

@@ -119,6 +119,14 @@ void add_triangle(CLI::App& app, command::TriangulateArguments& arguments) {
     triangle->excludes(app.get_option(other));
 }
 
+/// CLI11 takes -5 for 2^64 - 5. What is transformed last is looked at first.
+CLI::Validator starts_with_digit() {
+  const auto check = [](std::string& text) {
+    return !text.empty() && text[0] >= '0' && text[0] <= '9' ? std::string() : text + " is no size";
+  };
+  return CLI::Validator(check, "");
+}
+
 void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
   CLI::App* app = gcdt.add_subcommand("triangulate", "Make the exact constrained Delaunay triangulation of INPUT");
   app->add_option("INPUT", arguments.input, "A file in one of the formats below, or - for a .poly on standard input")
@@ -146,6 +154,7 @@ void add_triangulate(CLI::App& gcdt, command::TriangulateArguments& arguments) {
       ->type_name("K");
   app->add_option("--memory", arguments.memory, "Use no more memory of each device than this, such as 512MB")
       ->transform(CLI::AsSizeValue(false).description(""))
+      ->transform(starts_with_digit())
       ->type_name("SIZE");
   app->add_option("--spill", arguments.spill,
                   "Directory for files to which tiles go that devices have no room for; default: to memory")
@@ -330,10 +339,11 @@ int leave(io::Exit exit, const std::string& what) {
   return static_cast<int>(exit);
 }
 
-int wrong_usage(const CLI::App& app, const CLI::ParseError& error) {
+int wrong_usage(const CLI::App& app, const CLI::ParseError& error, const char* first) {
   const auto used = app.get_subcommands();
   const std::string command = used.empty() ? "gcdt" : "gcdt " + used.front()->get_name();
-  return leave(io::Exit::usage, fmt::format("{} (see {} --help)", error.what(), command));
+  const std::string what = used.empty() && first ? fmt::format("{} is no subcommand", first) : error.what();
+  return leave(io::Exit::usage, fmt::format("{} (see {} --help)", what, command));
 }
 
 }  // namespace
@@ -368,7 +378,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return wrong_usage(app, error);
+    return wrong_usage(app, error, argc > 1 && argv[1][0] != '-' ? argv[1] : nullptr);
   } catch (const io::Failure& failure) {
     return leave(failure.exit(), failure.what());
   } catch (const Error& error) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include <gcdt/verify.hpp>
 
@@ -43,6 +44,11 @@ void check_outputs(const TriangulateArguments& arguments) {
     for (std::size_t j = 0; j < i; ++j)
       if (io::same_file(paths[i], paths[j]))
         throw Failure(Exit::usage, fmt::format("{}: given twice as an output", paths[i]));
+  for (const std::string& path : {arguments.statistics, arguments.trace}) check_is_file_name(path);
+  // Before the work, though only what has no room is spilled, which may be hours later or never.
+  std::error_code unknown;
+  if (!arguments.spill.empty() && !std::filesystem::is_directory(arguments.spill, unknown))
+    throw Failure(Exit::output, fmt::format("--spill {}: is no directory", arguments.spill));
 }
 
 void check_overwrites_no_input(const TriangulateArguments& arguments, const std::vector<std::string>& inputs) {

@@ -39,6 +39,12 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "triangulate in.poly --stats in.poly",
                                 "triangulate in.poly --trace in.poly",
                                 "triangulate in.poly --stats t.json --trace t.json",
+                                "triangulate in.poly --stats -",
+                                "triangulate in.poly --trace -",
+                                "batch in.poly --stats -",
+                                "triangulate in.poly --memory -5",
+                                "triangulate in.poly --memory ''",
+                                "triangulate in.poly --memory GB",
                                 "triangulate in.poly in.poly",
                                 "triangulate in.stl",
                                 "triangulate in.poly --grid 1",
@@ -50,8 +56,18 @@ TEST_CASE("wrong usage is status 2 and one line, and nothing is written") {
                                 "verify in.poly in.poly",
                                 "devices 1"})
     session.bad(2, arguments);
+  CHECK(contains(session.bad(2, "frobnicate"), "frobnicate is no subcommand"));
   CHECK(session.names() == std::vector<std::string>{"in.poly", "in.stl"});
   CHECK(session.read("in.poly") == square);
+}
+
+TEST_CASE("a directory to spill to that is none is status 6 before any work, whether there is room or not") {
+  Session session;
+  session.write("in.poly", square);
+  CHECK(contains(session.bad(6, "triangulate in.poly --spill none -o out.ele"), "--spill none: is no directory"));
+  CHECK(contains(session.bad(6, "triangulate in.poly --tiles 2 --spill in.poly"), "--spill in.poly: is no directory"));
+  session.good("triangulate in.poly --tiles 2 --spill . -o out.ele");
+  CHECK(session.names() == std::vector<std::string>{"in.poly", "out.ele"});
 }
 
 TEST_CASE("a node file that is read beside a poly file cannot be an output") {
