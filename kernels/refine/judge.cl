@@ -70,7 +70,8 @@ kernel void refine_judge(uint faces, uint threshold, uint were_bad, uint judged,
   }
 }
 
-// Tells the host that a triangle has not aimed whose turn it was. Most find it told.
+// Tells the host that a triangle has not aimed whose turn it was. Most find it told; the word only becomes 1, so who
+// reads it too early sets it again.
 static inline void sit_out(volatile global RefineReport* report) {
   if (report->sitting_out == 0u) atomic_or(&report->sitting_out, 1u);
 }

@@ -5,6 +5,7 @@
 //     CASE   default: all
 // Prints a line "hash KIND CASE HASH" for each, and "kernel NAME" for each kernel that was launched.
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <mutex>
@@ -35,6 +36,21 @@ Options with(Crossing crossing, Domain domain = Domain::hull) {
   return options;
 }
 
+/// Vertices on a circle, and a chord: cavities of nearly all faces, which triangles draw lots for, and a subsegment
+/// that is in the way of several.
+Workload outline() {
+  constexpr std::uint32_t n = 24;
+  Workload work;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double angle = 2 * std::acos(-1.0) * i / n;
+    work.points.push_back({std::round(1000 * std::cos(angle)), std::round(1000 * std::sin(angle))});
+    work.constraints.push_back({i, (i + 1) % n});
+  }
+  work.constraints.push_back({0, n / 3});
+  work.points.insert(work.points.end(), {{270, 468}, {230, 398}});  // beside its middle
+  return work;
+}
+
 std::uint64_t queried(Solver& on) {
   const Workload work = random_pslg(24, 100, 16, 3);
   const Result result = on.solve(work.points, work.constraints);
@@ -62,6 +78,7 @@ std::vector<Case> all_cases() {
       {"crossing", [](Solver& on) { return solved(on, random_crossing(16, 16, 4, 11), with(Crossing::drop)); }},
       {"split", [](Solver& on) { return solved(on, random_crossing(12, 12, 4, 11), with(Crossing::split)); }},
       {"refine", [=](Solver& on) { return solved(on, random_pslg(14, 100, 12, 3), refined); }},
+      {"outline", [=](Solver& on) { return solved(on, outline(), refined); }},
       {"queries", queried},
   };
 }
