@@ -167,9 +167,12 @@ class Mesh:
         its vertices keep their numbers. Of one that was adopted the domain is what its triangles cover, and edges that
         are no constraints are made Delaunay. `refine`: a `gcdt.Refinement`, or the least angle in degrees.
         """
+        from ._errors import make
         from ._options import options
         from ._refinement import refinement
 
+        if refine is None:
+            raise make("invalid_argument", "refine is a gcdt.Refinement or a least angle, not None")
         wanted = options(refine=refine, check=check, canonical=canonical, progress=progress)
         made = self._result.refine(wanted)
         own = self._options.refined(refinement(refine))

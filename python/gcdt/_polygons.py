@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _gcdt, _views
 from ._errors import CoordinateError, Error, make
 from ._options import options
-from ._pool import Batch, Pool, default_pool
+from ._pool import Batch, Pool, pool_for
 from ._solver import Progress
 
 
@@ -100,9 +100,8 @@ def triangulate_polygons(
     rings = _arrays.offsets(ring_offsets, len(points), "ring_offsets")
     polygons = _arrays.offsets(polygon_offsets, len(rings) - 1, "polygon_offsets")
     wanted = options(crossing=crossing, domain=domain, check=check, progress=progress)
-    if pool is None:
-        pool = default_pool(devices)
-    native, triangles, offsets, added = pool._native.triangulate_polygons(points, rings, polygons, wanted)
+    used = pool_for(pool, devices)
+    native, triangles, offsets, added = used._native.triangulate_polygons(points, rings, polygons, wanted)
     batch = Batch(native)
     found = {int(p): _named(batch[int(p)].error, int(p), points, int(rings[polygons[p]])) for p in batch.failed}
     if found and errors == "raise":

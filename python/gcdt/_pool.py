@@ -169,4 +169,13 @@ def default_pool(devices: str | int | None = None) -> Pool:
     return _shared(None if devices is None else str(devices))
 
 
+def pool_for(pool: Pool | None, devices: str | int | None) -> Pool:
+    """The pool of a call's arguments."""
+    if pool is not None and devices is not None:
+        raise make("invalid_argument", "give a pool or devices, not both")
+    if pool is not None and not isinstance(pool, Pool):
+        raise make("invalid_argument", f"pool is a gcdt.Pool, not {pool!r}")
+    return pool if pool is not None else default_pool(devices)
+
+
 atexit.register(_shared.cache_clear)

@@ -49,8 +49,9 @@ class Refinement:
             given = _arrays.array_of(values, name)
             return _arrays.values_of(given, given.size, name, "rows")
 
-        if self.most_added is not None and self.most_added < 0:
-            raise make("invalid_argument", f"refine.most_added must be 0 or more, not {self.most_added}")
+        most = self.most_added
+        if most is not None and (isinstance(most, bool) or not isinstance(most, (int, np.integer)) or most < 0):
+            raise make("invalid_argument", f"refine.most_added must be a whole number, 0 or more, not {most!r}")
         return _gcdt.Refinement(
             float(self.least_angle),
             np.inf if self.most_area is None else float(self.most_area),
@@ -59,7 +60,7 @@ class Refinement:
             bool(self.conforming),
             str(self.splits),
             float(self.least_length),
-            None if self.most_added is None else int(self.most_added),
+            None if most is None else min(int(most), 2**64 - 1),
         )
 
 

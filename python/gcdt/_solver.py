@@ -91,6 +91,8 @@ def solver_for(solver: Solver | None, device: str | int | None) -> Solver:
     """The solver of a call's arguments."""
     if solver is not None and device is not None:
         raise make("invalid_argument", "give a solver or a device, not both")
+    if solver is not None and not isinstance(solver, Solver):
+        raise make("invalid_argument", f"solver is a gcdt.Solver, not {solver!r}")
     return solver if solver is not None else default_solver(device)
 
 

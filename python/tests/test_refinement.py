@@ -111,6 +111,8 @@ def test_what_cannot_be_refined():
         (Refinement(sizes=[1.0]), "1 lengths for 6 vertices"),
         (Refinement(splits="some"), "splits is one of all, inner, none"),
         (Refinement(most_added=-1), "most_added"),
+        (Refinement(most_added=1.5), "most_added"),
+        (Refinement(most_added=True), "most_added"),
         ("20", "a gcdt.Refinement or a least angle"),
         (True, "a gcdt.Refinement or a least angle"),
     ]:
@@ -118,9 +120,11 @@ def test_what_cannot_be_refined():
             plain.refine(bad)
         with pytest.raises(ValueError, match=why):
             gcdt.triangulate_pslg(SQUARE, WALLS, refine=bad)
+    with pytest.raises(ValueError, match="a gcdt.Refinement or a least angle, not None"):
+        plain.refine(None)
     with pytest.raises(gcdt.Cancelled):
         plain.refine(Refinement(most_area=1e-3), progress=lambda phase, done: False)
-    assert len(plain.refine(Refinement(most_area=1)).added)
+    assert len(plain.refine(Refinement(most_area=1, most_added=2**70)).added)
 
 
 def test_regions_and_lengths():
