@@ -114,7 +114,7 @@ void check_is_file_name(const std::string& path);
 io::Exit exit_for(Status status);
 
 /// A failure that is not the last, on standard error.
-void complain(const std::string& text);
+void complain(std::string text);
 
 /// A line on standard error that is no failure.
 void note(const std::string& text);

@@ -159,9 +159,14 @@ std::string rounding_note(const io::MeshArrays& mesh) {
       moved, back.size());
 }
 
-void complain(const std::string& text) { std::fputs(fmt::format("gcdt: {}\n", text).c_str(), stderr); }
+void complain(std::string text) {
+  // Of names of files and of what they hold: no byte makes a terminal do more than write it.
+  for (char& c : text)
+    if (const auto byte = static_cast<unsigned char>(c); (byte < ' ' && c != '\n') || byte == 0x7f) c = '?';
+  std::fputs(fmt::format("gcdt: {}\n", text).c_str(), stderr);
+}
 
-void note(const std::string& text) { std::fputs(fmt::format("gcdt: note: {}\n", text).c_str(), stderr); }
+void note(const std::string& text) { complain("note: " + text); }
 
 void print(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)

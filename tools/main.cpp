@@ -335,7 +335,7 @@ int leave(io::Exit exit, const std::string& what) {
     std::fputs("gcdt: interrupted\n", stderr);
     return static_cast<int>(io::Exit::interrupted);
   }
-  std::fputs(fmt::format("gcdt: {}\n", what).c_str(), stderr);
+  command::complain(what);
   return static_cast<int>(exit);
 }
 

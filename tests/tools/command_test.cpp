@@ -70,6 +70,14 @@ TEST_CASE("a directory to spill to that is none is status 6 before any work, whe
   CHECK(session.names() == std::vector<std::string>{"in.poly", "out.ele"});
 }
 
+TEST_CASE("no name and no text of a file makes a terminal do anything") {
+  Session session;
+  session.write("in.geojson", R"({"type": "\u001b[31m\u007f"})");
+  CHECK(contains(session.bad(3, "triangulate in.geojson"), "\"?[31m?\""));
+  CHECK(contains(session.bad(3, "triangulate '\x1b[31m.poly'"), "?[31m.poly: cannot be opened"));
+  CHECK(contains(session.bad(2, "'\a'"), "gcdt: ? is no subcommand"));
+}
+
 TEST_CASE("a node file that is read beside a poly file cannot be an output") {
   Session session;
   session.write("in.node", "3 2 0 0\n0 0 0\n1 1 0\n2 0 1\n");
