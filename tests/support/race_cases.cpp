@@ -36,8 +36,19 @@ Options with(Crossing crossing, Domain domain = Domain::hull) {
   return options;
 }
 
-/// Vertices on a circle, and a chord: cavities of nearly all faces, which triangles draw lots for, and a subsegment
-/// that is in the way of several.
+/// Vertices on a line, and some on either side: most wait on edges, while others claim the faces beside these.
+Workload beside_line() {
+  Workload work;
+  for (int i = 0; i < 20; ++i) work.points.push_back({double(i), 0});
+  for (int i = 0; i < 10; ++i) {
+    work.points.push_back({2.0 * i, 5.0 + i % 3});
+    work.points.push_back({2.0 * i + 1, -5.0 - i % 3});
+  }
+  return work;
+}
+
+/// Vertices on a circle: cavities of nearly all faces, which triangles draw lots for; and a chord, which a vertex on
+/// either side asks to be split.
 Workload outline() {
   constexpr std::uint32_t n = 24;
   Workload work;
@@ -71,7 +82,8 @@ std::vector<Case> all_cases() {
   regions.region_seeds = {{5, 5}};
   return {
       {"vertices", [](Solver& on) { return solved(on, uniform(30)); }},
-      {"lattice", [](Solver& on) { return solved(on, workload("grid", 36)); }},
+      {"lattice", [](Solver& on) { return solved(on, workload("grid", 100)); }},
+      {"line", [](Solver& on) { return solved(on, beside_line()); }},
       {"hub", [](Solver& on) { return solved(on, workload("hub", 40)); }},
       {"pslg", [](Solver& on) { return solved(on, random_pslg(30, 60, 20, 3)); }},
       {"regions", [=](Solver& on) { return solved(on, random_crossing(14, 12, 5, 7), regions); }},
