@@ -127,9 +127,9 @@ TEST_CASE("a picture of nothing, of a point and of a line is one") {
   for (const auto& vertices : {std::vector<std::array<double, 2>>{}, {{3, 4}}, {{0, 0}, {1e308, 0}, {-1e308, 0}}}) {
     io::Input input;
     input.vertices = vertices;
-    written(folder, "p.png", input, {});
+    written(folder, "p.png", input, Triangulation{});
     CHECK(Picture(folder / "p.png").width >= 2 * margin);
-    CHECK(written(folder, "p.pdf", input, {}).substr(0, 5) == "%PDF-");
+    CHECK(written(folder, "p.pdf", input, Triangulation{}).substr(0, 5) == "%PDF-");
   }
 }
 
