@@ -91,13 +91,13 @@ static inline void take_turn(Mesh mesh, uint face, uint urgency, uint round, uin
 #define WAITING_TEAMS 64u  // of a work-group at most
 #endif
 
-// One work-item per face of the list `bad`; on a GPU a team of them. Those that need not wait, and do not lose by their
-// handicap unless `all` may aim, make the list `aiming`. Reads the mesh and words of `urgency`. Writes the list's words
-// once, at places that an atomic gives: in any order, which nothing depends on; and its face's own way, which no other
-// reads.
+// One work-item per face of the list `bad`; on a GPU a team of them, of up to `teamed` faces. Those that need not wait,
+// and do not lose by their handicap unless `all` may aim, make the list `aiming`. Reads the mesh and words of
+// `urgency`. Writes the list's words once, at places that an atomic gives: in any order, which nothing depends on; and
+// its face's own way, which no other reads.
 kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, volatile global RefineReport* report,
                         global const uint* bad, global const uint* urgency, global uchar* ways, global uint* aiming,
-                        uint round, uint all) {
+                        uint round, uint all, uint teamed) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint count = report->bad;
 #ifdef GCDT_GPU
@@ -105,32 +105,34 @@ kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, vol
   const uint items = (uint)get_local_size(0), lanes = min(WAITING_TEAM, items),
              teams = min(WAITING_TEAMS, items / lanes);
   const uint team = (uint)get_local_id(0) / lanes, lane = (uint)get_local_id(0) % lanes;
-  FOR_EACH_TILE_OF(tile, teams, count) {
-    const uint i = tile + team;
-    const bool asks = team < teams && i < count;
-    const uint face = asks ? bad[i] : 0u, own = asks ? urgency[face] >> URGENCY_BITS : 0u;
-    if (asks && lane == 0u)
-      found[team] =
-          own > 0u && leads_to_worse(mesh, edge_marks, face, ways[face], own, urgency) ? ways[face] : GCDT_NO_WAY;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (own > 0u && found[team] == GCDT_NO_WAY)
-      for (uint k = lane; k < 6u; k += lanes) {
-        const uint way = way_by(mesh, edge_marks, face, k / 2u, k % 2u, own, urgency);
-        if (way != GCDT_NO_WAY) atomic_xchg(found + team, way);
+  if (count <= teamed) {
+    FOR_EACH_TILE_OF(tile, teams, count) {
+      const uint i = tile + team;
+      const bool asks = team < teams && i < count;
+      const uint face = asks ? bad[i] : 0u, own = asks ? urgency[face] >> URGENCY_BITS : 0u;
+      if (asks && lane == 0u)
+        found[team] =
+            own > 0u && leads_to_worse(mesh, edge_marks, face, ways[face], own, urgency) ? ways[face] : GCDT_NO_WAY;
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (own > 0u && found[team] == GCDT_NO_WAY)
+        for (uint k = lane; k < 6u; k += lanes) {
+          const uint way = way_by(mesh, edge_marks, face, k / 2u, k % 2u, own, urgency);
+          if (way != GCDT_NO_WAY) atomic_xchg(found + team, way);
+        }
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (asks && lane == 0u) {
+        ways[face] = (uchar)found[team];
+        if (found[team] == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
       }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (asks && lane == 0u) {
-      ways[face] = (uchar)found[team];
-      if (found[team] == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
     }
+    return;
   }
-#else
+#endif
   FOR_EACH(i, count) {
     const uint face = bad[i], found = way_to_worse(mesh, edge_marks, face, ways[face], urgency);
     ways[face] = (uchar)found;
     if (found == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
   }
-#endif
 }
 
 // What comes of an aim: the triangle sits out, or subsegments are asked for, or there is a candidate, whose number is
@@ -156,13 +158,13 @@ static uint conclude(Judge judge, Lists lists, global uint* urgency, uint face, 
 
 static inline bool is_to_be_mended(Judged j) { return j.verdict == VERDICT_SHARP || j.verdict == VERDICT_LARGE; }
 
-// One work-item per face of the list `aiming`; on a GPU a team of them (team.h). Finds its target, which becomes a
-// candidate, or subsegments are asked for, or neither. Reads the mesh; writes as refine_judge, blocks of `cavities`
-// that an atomic gives once, its place of `chosen`, which is its candidate if that is listed, else GCDT_NONE, and its
-// face's word of `urgency`, which no other reads. Launched again with more room, it draws the same number, writes the
-// same, and asks for nothing new.
+// One work-item per face of the list `aiming`; on a GPU a team of them, of up to `teamed` (team.h). Finds its target,
+// which becomes a candidate, or subsegments are asked for, or neither. Reads the mesh; writes as refine_judge, blocks
+// of `cavities` that an atomic gives once, its place of `chosen`, which is its candidate if that is listed, else
+// GCDT_NONE, and its face's word of `urgency`, which no other reads. Launched again with more room, it draws the same
+// number, writes the same, and asks for nothing new.
 kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aiming, global uint* urgency, uint most,
-                       uint round, uint blocks, global uint* cavities, global uint* chosen) {
+                       uint round, uint blocks, global uint* cavities, global uint* chosen, uint teamed) {
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
   const uint count = report->aiming;
@@ -172,44 +174,47 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
   const TeamOf of = team_of(memory);
   const TeamList list = {.words = cavities, .blocks = blocks, .report = report};
   const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
-  FOR_EACH_TILE_OF(tile, of.teams, count) {
-    const uint i = tile + of.number;
-    const bool leads = of.lane == 0u && of.number < of.teams && i < count;
-    Judged j;
-    Aim aim;
-    uint t = 0u, number = 0u, listed = 0u;
-    bool aims = false;
-    if (of.lane == 0u && of.number < of.teams) of.team->pending = 0u;
-    if (leads) {
-      t = aiming[i];
-      chosen[i] = GCDT_NONE;
-      j = judge_face(judge, t);
-      aims = is_to_be_mended(j);
-      if (aims) {
-        number = draw(judge.mesh, j.corners, round);
-        aim = begin_aim(judge, t, j, false);
-        if (has_cavity(aim)) {
-          begin_team(of.team, aim.target, (ulong)most << number, i);
-          of.team->verdict = j.verdict;
-          of.team->shortest = j.shape.shortest;
-          add_root(judge.mesh, of.team, aim.at.face, true, list, nothing);
+  if (count <= teamed) {
+    FOR_EACH_TILE_OF(tile, of.teams, count) {
+      const uint i = tile + of.number;
+      const bool leads = of.lane == 0u && of.number < of.teams && i < count;
+      Judged j;
+      Aim aim;
+      uint t = 0u, number = 0u, listed = 0u;
+      bool aims = false;
+      if (of.lane == 0u && of.number < of.teams) of.team->pending = 0u;
+      if (leads) {
+        t = aiming[i];
+        chosen[i] = GCDT_NONE;
+        j = judge_face(judge, t);
+        aims = is_to_be_mended(j);
+        if (aims) {
+          number = draw(judge.mesh, j.corners, round);
+          aim = begin_aim(judge, t, j, false);
+          if (has_cavity(aim)) {
+            begin_team(of.team, aim.target, (ulong)most << number, i);
+            of.team->verdict = j.verdict;
+            of.team->shortest = j.shape.shortest;
+            add_root(judge.mesh, of.team, aim.at.face, true, list, nothing);
+          }
         }
       }
-    }
-    tour_by_teams(of, judge, list, nothing, &busy);
-    if (aims) {
-      bool asks = true;
-      if (has_cavity(aim)) {
-        if (of.team->flags & TEAM_FULL)
-          tour_cavity(judge, j, &aim, false, (ulong)most << number, 0, lists);
-        else
-          asks = end_team(of.team, &aim, lists, cavities, &listed);
+      tour_by_teams(of, judge, list, nothing, &busy);
+      if (aims) {
+        bool asks = true;
+        if (has_cavity(aim)) {
+          if (of.team->flags & TEAM_FULL)
+            tour_cavity(judge, j, &aim, false, (ulong)most << number, 0, lists);
+          else
+            asks = end_team(of.team, &aim, lists, cavities, &listed);
+        }
+        const uint candidate = conclude(judge, lists, urgency, t, number, j, aim, asks, listed);
+        if (listed) chosen[i] = candidate;
       }
-      const uint candidate = conclude(judge, lists, urgency, t, number, j, aim, asks, listed);
-      if (listed) chosen[i] = candidate;
     }
+    return;
   }
-#else
+#endif
   FOR_EACH(i, count) {
     const uint t = aiming[i];
     chosen[i] = GCDT_NONE;
@@ -223,7 +228,6 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
     const uint candidate = conclude(judge, lists, urgency, t, number, j, aim, true, listed);
     if (listed) chosen[i] = candidate;
   }
-#endif
 }
 
 // Puts the place into the list of candidates, if there is one. Returns its number, or GCDT_NONE.
@@ -236,11 +240,11 @@ static uint add_place(Lists lists, Place place, uint edge) {
                        place.far ? GCDT_ON_SUBSEGMENT | GCDT_FAR : GCDT_ON_SUBSEGMENT);
 }
 
-// One work-item per subsegment of the list `asked`; on a GPU a team of them. Finds a place for its vertex, which
-// becomes a candidate. `sharp`: bit 0 and 1 tell of the first and second end of each piece that another subsegment
-// meets it there at less than 60 degrees over kept faces. Reads the mesh; writes as refine_aim.
+// One work-item per subsegment of the list `asked`; on a GPU a team of them, of up to `teamed`. Finds a place for its
+// vertex, which becomes a candidate. `sharp`: bit 0 and 1 tell of the first and second end of each piece that another
+// subsegment meets it there at less than 60 degrees over kept faces. Reads the mesh; writes as refine_aim.
 kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* edge_pieces, global const uint* sharp,
-                         uint blocks, global uint* cavities) {
+                         uint blocks, global uint* cavities, uint teamed) {
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
   judge.edge_pieces = edge_pieces;
@@ -252,26 +256,28 @@ kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* e
   const TeamOf of = team_of(memory);
   const TeamList list = {.words = cavities, .blocks = blocks, .report = report};
   const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
-  FOR_EACH_TILE_OF(tile, of.teams, count) {
-    const uint i = tile + of.number;
-    uint candidate = GCDT_NONE;
-    if (of.lane == 0u && of.number < of.teams) {
-      of.team->pending = 0u;
-      if (i < count) {
-        const Place place = find_place(judge, asked[i]);
-        candidate = add_place(lists, place, asked[i]);
-        if (candidate < capacity) {
-          begin_team(of.team, place.at, ~0ul, GCDT_OF_SUBSEGMENT | candidate);
-          add_roots_of_subsegment(judge.mesh, of.team, asked[i], place.at, list, nothing);
+  if (count <= teamed) {
+    FOR_EACH_TILE_OF(tile, of.teams, count) {
+      const uint i = tile + of.number;
+      uint candidate = GCDT_NONE;
+      if (of.lane == 0u && of.number < of.teams) {
+        of.team->pending = 0u;
+        if (i < count) {
+          const Place place = find_place(judge, asked[i]);
+          candidate = add_place(lists, place, asked[i]);
+          if (candidate < capacity) {
+            begin_team(of.team, place.at, ~0ul, GCDT_OF_SUBSEGMENT | candidate);
+            add_roots_of_subsegment(judge.mesh, of.team, asked[i], place.at, list, nothing);
+          }
         }
       }
+      tour_by_teams(of, judge, list, nothing, &busy);
+      if (candidate < capacity) candidates[candidate].w |= end_team_list(of.team, cavities);
     }
-    tour_by_teams(of, judge, list, nothing, &busy);
-    if (candidate < capacity) candidates[candidate].w |= end_team_list(of.team, cavities);
+    return;
   }
-#else
-  FOR_EACH(i, count) add_place(lists, find_place(judge, asked[i]), asked[i]);
 #endif
+  FOR_EACH(i, count) add_place(lists, find_place(judge, asked[i]), asked[i]);
 }
 
 // Why a kept face is worse than wanted, of GCDT_LEFT_...; VERDICT_FINE if it is not.

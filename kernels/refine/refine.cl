@@ -185,15 +185,15 @@ GCDT_GIVEN_LOCAL void claim_by_teams(Judge judge, uint count, global const uint*
 }
 #endif
 
-// One work-item per candidate that is not listed (on a GPU a team of them), and per block of the lists. Claims faces,
-// the later candidate in order with precedence: tickets are places there. Reads the mesh, of corners not the claim word
-// beside them. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which were 1, by atomics; what they
-// end with does not depend on the order. After: the faces of those with won[i] = 1 are disjoint; the last in order is
-// one of them.
+// One work-item per candidate that is not listed (on a GPU a team of them, of up to `teamed`), and per block of the
+// lists. Claims faces, the later candidate in order with precedence: tickets are places there. Reads the mesh, of
+// corners not the claim word beside them. Writes claim words by atomic_max, and won[i] = 0 of those that lose, which
+// were 1, by atomics; what they end with does not depend on the order. After: the faces of those with won[i] = 1 are
+// disjoint; the last in order is one of them.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
                          global const uint* numbers, global const uint* ranks, global const uint4* candidates,
                          uint blocks, global const uint* cavities, global const uint* chosen, volatile global uint* won,
-                         volatile global RefineReport* report) {
+                         volatile global RefineReport* report, uint teamed) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Ticket t;
   t.stamp = stamp;
@@ -207,13 +207,15 @@ kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS
   Judge judge;
   judge.mesh = mesh;
   judge.marks = (volatile global uint*)edge_marks;
-  claim_by_teams(judge, count, ranks, candidates, t, report, memory, &busy);
+  const uint alone = count <= teamed ? 0u : count;
+  if (alone == 0u) claim_by_teams(judge, count, ranks, candidates, t, report, memory, &busy);
 #else
-  FOR_EACH(i, count) {
+  const uint alone = count;
+#endif
+  FOR_EACH(i, alone) {
     t.place = ranks[i];
     if (!(candidates[i].w & GCDT_LISTED)) claim_all(mesh, edge_marks, candidates[i], t, report);
   }
-#endif
   FOR_EACH(b, blocks) {
     global const uint* block = cavities + GCDT_BLOCK * b;
     const uint candidate = candidate_of(block, chosen, candidates);

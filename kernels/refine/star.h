@@ -33,10 +33,10 @@ typedef struct Insertion {
   global const uint* before;   // the scan of winners by number
 } Insertion;
 
-// The edge may be illegal from now on. An edge on the border between winners is queued once: the mark decides.
+// The edge, which is no constraint, may be illegal from now on. One between two winners is queued once: the mark
+// decides.
 static inline void queue_side(Insertion in, uint code) {
   const uint e = GCDT_SIDE_EDGE(code);
-  if (in.marks[e] & GCDT_MARK_CONSTRAINED) return;
   if (!(atomic_or(in.marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED))
     in.queue[atomic_inc(&in.counters->list_test[0])] = e;
 }

@@ -5,7 +5,8 @@
 // faces of a cavity form a tree (R1), so several sides of it can be looked over at once: each face is reached once,
 // whatever the order. A team's sides that are still to be looked over are a stack in local memory; each work-item takes
 // one from the top, and puts there the other two sides of the face beyond, if the cavity goes on there. What comes of a
-// tour does not depend on its order.
+// tour does not depend on its order. Where there are more tours than the GPU has room for at once, teams only cost:
+// then each is made by one work-item.
 #ifndef GCDT_TEAM_H
 #define GCDT_TEAM_H
 

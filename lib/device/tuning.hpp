@@ -44,6 +44,9 @@ struct Tuning {
   std::uint32_t most_merged = 1u << 17;
   /// Candidates of a round of refinement that a GPU ranks by comparing all with all, in one launch instead of a sort's.
   std::uint32_t most_ranked_by_count = 1u << 13;
+  /// Tours of cavities that a GPU makes by teams of eight work-items: more fill it by one work-item each (NOTES, "Stars
+  /// and teams").
+  std::uint32_t most_by_teams = 1u << 15;
   /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
   /// microsecond, two launches cost ten times that.
   std::uint32_t one_group_vertices = 1024;

@@ -153,13 +153,14 @@ void Refiner::find_candidates(std::uint32_t idle) {
                   bad_before_, bad_, urgency_);
   judged_ = count();
   runtime_.launch("judge", "refine_wait", over(faces), mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
-                  mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches, cl_uint(idle > 0));
+                  mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches, cl_uint(idle > 0),
+                  teamed());
   for (;;) {
     launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
                  urgency_, most_faces << std::min(idle, most_doublings), result_.searches, blocks(), cavities_,
-                 chosen());
+                 chosen(), teamed());
     launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
-                 edge_pieces_, sharp_, blocks(), cavities_);
+                 edge_pieces_, sharp_, blocks(), cavities_, teamed());
     last_ = read_report();
     if (last_.candidates <= capacity()) break;
     const std::size_t room = last_.candidates + last_.candidates / 4;
@@ -201,7 +202,7 @@ void Refiner::choose_winners() {
   mesh_.claims_below = stamps.claims_below();
   runtime_.launch("refine", "refine_claim", over(std::size_t{candidates} + listed), candidates, stamp_, bits_, mesh_.n,
                   vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, numbers_, ranks_, candidates_,
-                  listed, cavities_, chosen(), won_, report_);
+                  listed, cavities_, chosen(), won_, report_, teamed());
   primitives_.exclusive_scan(won_, won_, candidates);
 }
 

@@ -77,6 +77,7 @@ class Refiner {
   device::RefineReport read_report();
   cl_uint capacity() const { return static_cast<cl_uint>(keys_.size()); }
   cl_uint blocks() const { return static_cast<cl_uint>(cavities_.size() / GCDT_BLOCK); }
+  cl_uint teamed() const { return runtime_.tuning().most_by_teams; }
   std::uint32_t count() const { return inputs_ + added_; }
   /// By place in aiming_: its candidate, if the faces of its cavity are listed. Judged is what was bad before: its
   /// memory.

@@ -60,7 +60,7 @@ inline Tuning small_thresholds() {
   tuning.least_sweep = 100;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
-  tuning.most_ranked_by_count = 16;
+  tuning.most_ranked_by_count = tuning.most_by_teams = 16;
   return tuning;
 }
 
