@@ -100,39 +100,37 @@ kernel void refine_wait(GCDT_MESH_PARAMETERS, global const uint* edge_marks, vol
                         uint round, uint all, uint teamed) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const uint count = report->bad;
+  const uint alone = without_teams(count, teamed);
+  FOR_EACH(i, alone) {
+    const uint face = bad[i], found = way_to_worse(mesh, edge_marks, face, ways[face], urgency);
+    ways[face] = (uchar)found;
+    if (found == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
+  }
 #ifdef GCDT_GPU
   volatile local uint found[WAITING_TEAMS];
   const uint items = (uint)get_local_size(0), lanes = min(WAITING_TEAM, items),
              teams = min(WAITING_TEAMS, items / lanes);
   const uint team = (uint)get_local_id(0) / lanes, lane = (uint)get_local_id(0) % lanes;
-  if (count <= teamed) {
-    FOR_EACH_TILE_OF(tile, teams, count) {
-      const uint i = tile + team;
-      const bool asks = team < teams && i < count;
-      const uint face = asks ? bad[i] : 0u, own = asks ? urgency[face] >> URGENCY_BITS : 0u;
-      if (asks && lane == 0u)
-        found[team] =
-            own > 0u && leads_to_worse(mesh, edge_marks, face, ways[face], own, urgency) ? ways[face] : GCDT_NO_WAY;
-      barrier(CLK_LOCAL_MEM_FENCE);
-      if (own > 0u && found[team] == GCDT_NO_WAY)
-        for (uint k = lane; k < 6u; k += lanes) {
-          const uint way = way_by(mesh, edge_marks, face, k / 2u, k % 2u, own, urgency);
-          if (way != GCDT_NO_WAY) atomic_xchg(found + team, way);
-        }
-      barrier(CLK_LOCAL_MEM_FENCE);
-      if (asks && lane == 0u) {
-        ways[face] = (uchar)found[team];
-        if (found[team] == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
+  FOR_EACH_TILE_OF(tile, teams, count - alone) {
+    const uint i = tile + team;
+    const bool asks = team < teams && i < count;
+    const uint face = asks ? bad[i] : 0u, own = asks ? urgency[face] >> URGENCY_BITS : 0u;
+    if (asks && lane == 0u)
+      found[team] =
+          own > 0u && leads_to_worse(mesh, edge_marks, face, ways[face], own, urgency) ? ways[face] : GCDT_NO_WAY;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (own > 0u && found[team] == GCDT_NO_WAY)
+      for (uint k = lane; k < 6u; k += lanes) {
+        const uint way = way_by(mesh, edge_marks, face, k / 2u, k % 2u, own, urgency);
+        if (way != GCDT_NO_WAY) atomic_xchg(found + team, way);
       }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (asks && lane == 0u) {
+      ways[face] = (uchar)found[team];
+      if (found[team] == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
     }
-    return;
   }
 #endif
-  FOR_EACH(i, count) {
-    const uint face = bad[i], found = way_to_worse(mesh, edge_marks, face, ways[face], urgency);
-    ways[face] = (uchar)found;
-    if (found == GCDT_NO_WAY) take_turn(mesh, face, urgency[face], round, all, aiming, report);
-  }
 }
 
 // What comes of an aim: the triangle sits out, or subsegments are asked for, or there is a candidate, whose number is
@@ -168,54 +166,8 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
   const uint count = report->aiming;
-#ifdef GCDT_GPU
-  local Team memory[GCDT_TEAMS];
-  local uint busy;
-  const TeamOf of = team_of(memory);
-  const TeamList list = {.words = cavities, .blocks = blocks, .report = report};
-  const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
-  if (count <= teamed) {
-    FOR_EACH_TILE_OF(tile, of.teams, count) {
-      const uint i = tile + of.number;
-      const bool leads = of.lane == 0u && of.number < of.teams && i < count;
-      Judged j;
-      Aim aim;
-      uint t = 0u, number = 0u, listed = 0u;
-      bool aims = false;
-      if (of.lane == 0u && of.number < of.teams) of.team->pending = 0u;
-      if (leads) {
-        t = aiming[i];
-        chosen[i] = GCDT_NONE;
-        j = judge_face(judge, t);
-        aims = is_to_be_mended(j);
-        if (aims) {
-          number = draw(judge.mesh, j.corners, round);
-          aim = begin_aim(judge, t, j, false);
-          if (has_cavity(aim)) {
-            begin_team(of.team, aim.target, (ulong)most << number, i);
-            of.team->verdict = j.verdict;
-            of.team->shortest = j.shape.shortest;
-            add_root(judge.mesh, of.team, aim.at.face, true, list, nothing);
-          }
-        }
-      }
-      tour_by_teams(of, judge, list, nothing, &busy);
-      if (aims) {
-        bool asks = true;
-        if (has_cavity(aim)) {
-          if (of.team->flags & TEAM_FULL)
-            tour_cavity(judge, j, &aim, false, (ulong)most << number, 0, lists);
-          else
-            asks = end_team(of.team, &aim, lists, cavities, &listed);
-        }
-        const uint candidate = conclude(judge, lists, urgency, t, number, j, aim, asks, listed);
-        if (listed) chosen[i] = candidate;
-      }
-    }
-    return;
-  }
-#endif
-  FOR_EACH(i, count) {
+  const uint alone = without_teams(count, teamed);
+  FOR_EACH(i, alone) {
     const uint t = aiming[i];
     chosen[i] = GCDT_NONE;
     const Judged j = judge_face(judge, t);
@@ -228,6 +180,50 @@ kernel void refine_aim(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* aim
     const uint candidate = conclude(judge, lists, urgency, t, number, j, aim, true, listed);
     if (listed) chosen[i] = candidate;
   }
+#ifdef GCDT_GPU
+  local Team memory[GCDT_TEAMS];
+  local uint busy;
+  const TeamOf of = team_of(memory);
+  const TeamList list = {.words = cavities, .blocks = blocks, .report = report};
+  const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
+  FOR_EACH_TILE_OF(tile, of.teams, count - alone) {
+    const uint i = tile + of.number;
+    const bool leads = of.lane == 0u && of.number < of.teams && i < count;
+    Judged j;
+    Aim aim;
+    uint t = 0u, number = 0u, listed = 0u;
+    bool aims = false;
+    if (of.lane == 0u && of.number < of.teams) of.team->pending = 0u;
+    if (leads) {
+      t = aiming[i];
+      chosen[i] = GCDT_NONE;
+      j = judge_face(judge, t);
+      aims = is_to_be_mended(j);
+      if (aims) {
+        number = draw(judge.mesh, j.corners, round);
+        aim = begin_aim(judge, t, j, false);
+        if (has_cavity(aim)) {
+          begin_team(of.team, aim.target, (ulong)most << number, i);
+          of.team->verdict = j.verdict;
+          of.team->shortest = j.shape.shortest;
+          add_root(judge.mesh, of.team, aim.at.face, true, list, nothing);
+        }
+      }
+    }
+    tour_by_teams(of, judge, list, nothing, &busy);
+    if (aims) {
+      bool asks = true;
+      if (has_cavity(aim)) {
+        if (of.team->flags & TEAM_FULL)
+          tour_cavity(judge, j, &aim, false, (ulong)most << number, 0, lists);
+        else
+          asks = end_team(of.team, &aim, lists, cavities, &listed);
+      }
+      const uint candidate = conclude(judge, lists, urgency, t, number, j, aim, asks, listed);
+      if (listed) chosen[i] = candidate;
+    }
+  }
+#endif
 }
 
 // Puts the place into the list of candidates, if there is one. Returns its number, or GCDT_NONE.
@@ -250,34 +246,32 @@ kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* e
   judge.edge_pieces = edge_pieces;
   judge.sharp = sharp;
   const uint count = report->asked;
+  const uint alone = without_teams(count, teamed);
+  FOR_EACH(i, alone) add_place(lists, find_place(judge, asked[i]), asked[i]);
 #ifdef GCDT_GPU
   local Team memory[GCDT_TEAMS];
   local uint busy;
   const TeamOf of = team_of(memory);
   const TeamList list = {.words = cavities, .blocks = blocks, .report = report};
   const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
-  if (count <= teamed) {
-    FOR_EACH_TILE_OF(tile, of.teams, count) {
-      const uint i = tile + of.number;
-      uint candidate = GCDT_NONE;
-      if (of.lane == 0u && of.number < of.teams) {
-        of.team->pending = 0u;
-        if (i < count) {
-          const Place place = find_place(judge, asked[i]);
-          candidate = add_place(lists, place, asked[i]);
-          if (candidate < capacity) {
-            begin_team(of.team, place.at, ~0ul, GCDT_OF_SUBSEGMENT | candidate);
-            add_roots_of_subsegment(judge.mesh, of.team, asked[i], place.at, list, nothing);
-          }
+  FOR_EACH_TILE_OF(tile, of.teams, count - alone) {
+    const uint i = tile + of.number;
+    uint candidate = GCDT_NONE;
+    if (of.lane == 0u && of.number < of.teams) {
+      of.team->pending = 0u;
+      if (i < count) {
+        const Place place = find_place(judge, asked[i]);
+        candidate = add_place(lists, place, asked[i]);
+        if (candidate < capacity) {
+          begin_team(of.team, place.at, ~0ul, GCDT_OF_SUBSEGMENT | candidate);
+          add_roots_of_subsegment(judge.mesh, of.team, asked[i], place.at, list, nothing);
         }
       }
-      tour_by_teams(of, judge, list, nothing, &busy);
-      if (candidate < capacity) candidates[candidate].w |= end_team_list(of.team, cavities);
     }
-    return;
+    tour_by_teams(of, judge, list, nothing, &busy);
+    if (candidate < capacity) candidates[candidate].w |= end_team_list(of.team, cavities);
   }
 #endif
-  FOR_EACH(i, count) add_place(lists, find_place(judge, asked[i]), asked[i]);
 }
 
 // Why a kept face is worse than wanted, of GCDT_LEFT_...; VERDICT_FINE if it is not.

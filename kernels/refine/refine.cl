@@ -201,17 +201,7 @@ kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS
   t.place = 0u;
   t.numbers = numbers;
   t.won = won;
-#ifdef GCDT_GPU
-  local Team memory[GCDT_TEAMS];
-  local uint busy;
-  Judge judge;
-  judge.mesh = mesh;
-  judge.marks = (volatile global uint*)edge_marks;
-  const uint alone = count <= teamed ? 0u : count;
-  if (alone == 0u) claim_by_teams(judge, count, ranks, candidates, t, report, memory, &busy);
-#else
-  const uint alone = count;
-#endif
+  const uint alone = without_teams(count, teamed);
   FOR_EACH(i, alone) {
     t.place = ranks[i];
     if (!(candidates[i].w & GCDT_LISTED)) claim_all(mesh, edge_marks, candidates[i], t, report);
@@ -223,6 +213,14 @@ kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS
     t.place = ranks[candidate];
     for (uint k = 0; k + 1u < GCDT_BLOCK && block[k] != GCDT_NONE; ++k) claim_face(mesh, block[k], t);
   }
+#ifdef GCDT_GPU
+  local Team memory[GCDT_TEAMS];
+  local uint busy;
+  Judge judge;
+  judge.mesh = mesh;
+  judge.marks = (volatile global uint*)edge_marks;
+  claim_by_teams(judge, count - alone, ranks, candidates, t, report, memory, &busy);
+#endif
 }
 
 // One work-item per candidate in order. Of the scan of winners by number: whether it is one. No race: its own word.

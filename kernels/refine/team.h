@@ -13,6 +13,18 @@
 #include "refine/aim.h"
 #include "refine/claim.h"
 
+// How many of `count` things are each done by one work-item; teams do the others. All of them, or none, which is why
+// the parts of a kernel for these are two loops. That for teams stands last, and behind no branch: where a branch has
+// barriers, PoCL 3.1 gives work-items wrong numbers after it (docs/devices.md).
+static inline uint without_teams(uint count, uint teamed) {
+#ifdef GCDT_GPU
+  return count <= teamed ? 0u : count;
+#else
+  (void)teamed;
+  return count;
+#endif
+}
+
 #ifdef GCDT_GPU
 
 #define GCDT_TEAM 8u     // work-items of a team
