@@ -107,8 +107,9 @@ typedef struct Counters {
   u32 owned_left, owned_right;       // vertices of all chains
   u32 hits;                          // vertices inside constraints (clean.cl, enforce.cl)
   u32 unfinished;                    // parts of constraints whose walk failed, for want of fans or for good (clean.cl)
-  u32 zero_length;                   // constraints without a length (enforce.cl)
-  u32 pairs_of_two[4];               // by intersection_case() (constrain.cl)
+  u32 lost;             // of refinement: what a round has changed is not all found by its vertices (refine/propose.h)
+  u32 zero_length;      // constraints without a length (enforce.cl)
+  u32 pairs_of_two[4];  // by intersection_case() (constrain.cl)
 } Counters;
 
 // ---- Layers of minima over the chains (kernels/constrain/constrain.cl) ------------------------------------------
@@ -123,7 +124,7 @@ typedef struct MinimaLayers {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(MinimaLayers) == (1 + 2 * GCDT_MINIMA_LAYERS) * sizeof(u32), "MinimaLayers has no padding");
-static_assert(sizeof(Counters) == 33 * sizeof(u32), "Counters has the same layout on host and device");
+static_assert(sizeof(Counters) == 34 * sizeof(u32), "Counters has the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

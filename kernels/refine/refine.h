@@ -47,6 +47,37 @@ typedef struct RefineRules {
 #define GCDT_LEFT_REFUSED 6u       // subsegments that have no place to be split at are in the way
 #define GCDT_LEFT_KINDS 7u
 
+// Where rounds of one work-item have stopped (tail.cl), and the host goes on.
+#define GCDT_TAIL_JUDGE 0u       // before a round
+#define GCDT_TAIL_ENDED 1u       // nothing is left to do
+#define GCDT_TAIL_CANDIDATES 2u  // in a round, when its candidates were found
+#define GCDT_TAIL_FLIPS 3u       // in a round, when its winners were inserted: edges are queued
+#define GCDT_TAIL_GOES_ON 4u     // it has not
+
+// Faces of a cavity that any triangle may go through (wait.h, Lots). Ordinary cavities have about six. Fewer would make
+// more rounds; more cost dense outlines in proportion. Doubled so often, that is more than any mesh has.
+#define GCDT_FACES_OF_ANY 8u
+#define GCDT_MOST_DOUBLINGS 28u
+
+// Candidates of such a round at most, which are ranked by comparing all with all; and stamps that it needs: for claims,
+// and for a round of flips.
+#define GCDT_TAIL_CANDIDATES_MOST 512u
+#define GCDT_TAIL_STAMPS 2u
+
+// What such rounds did, and where they are. Zeroed before.
+typedef struct RefineTail {
+  u32 stage;
+  u32 rounds, searches;  // done: those that inserted, and all, but for the one in which it stopped
+  u32 idle;              // how many searches found nothing since one found something
+  u32 vertices;          // there are now
+  u32 candidates, flip_rounds, flips_low, flips_high;  // sums
+  u32 judgings;                                        // how many times they judged faces
+  u32 judged;                                          // how many vertices there were the last time
+  u32 stamp_judged;                                    // the last stamp that was given out then
+  u32 stamp;                                           // and now
+  u32 lost;  // a changed face is not found by its vertex: faces have to be judged by a sweep
+} RefineTail;
+
 // Zeroed at the start of a round, but for the sums over all rounds.
 typedef struct RefineReport {
   u32 failed;                     // a loop did not end where theory says it must
@@ -60,6 +91,7 @@ typedef struct RefineReport {
   u32 on_subsegments, bent, far;  // sums: vertices on subsegments; not exactly on their piece; rounded the other way
   u32 encroached;                 // at the end: subsegments with a corner in their lens
   u32 left[GCDT_LEFT_KINDS];      // at the end
+  RefineTail tail;
 } RefineReport;
 
 // ---- Integers ---------------------------------------------------------------------------------------
@@ -332,7 +364,7 @@ GCDT_INLINE i64 gcdt_shell(Piece piece, u64 squared_length) {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(RefineRules) == 5 * sizeof(u64) + 4 * sizeof(u32), "the same layout on host and device");
-static_assert(sizeof(RefineReport) == (12 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
+static_assert(sizeof(RefineReport) == (26 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -31,6 +31,14 @@ typedef struct Insertion {
   Claim round;                 // what claims of this round begin with
   global const uint* numbers;  // of candidates in order
   global const uint* before;   // the scan of winners by number
+  global const uint* ranks;    // by number
+  global const uint4* candidates;
+  global int2* points;
+  uint inputs;  // the first vertex with a word in `origins`
+  global uint4* origins;
+  uint sized;
+  global uint* sizes;
+  volatile global RefineReport* report;
 } Insertion;
 
 // The edge, which is no constraint, may be illegal from now on. One between two winners is queued once: the mark

@@ -227,6 +227,32 @@ static bool end_team(volatile local const Team* team, Aim* aim, Lists lists, glo
   return false;
 }
 
+#define WAITING_TEAM 8u    // six ways begin at a face; each is gone by a work-item
+#define WAITING_TEAMS 64u  // of a work-group at most
+
+#endif
+
+// Local memory of teams, declared in the kernel itself: for tours, or for waiting.
+typedef struct TeamMemory {
+#ifdef GCDT_GPU
+  volatile local Team* teams;
+  volatile local uint *busy, *found;
+#else
+  uint none;
+#endif
+} TeamMemory;
+
+#ifdef GCDT_GPU
+#define DECLARE_TOURS(memory)            \
+  local Team memory##_teams[GCDT_TEAMS]; \
+  local uint memory##_busy;              \
+  const TeamMemory memory = {.teams = memory##_teams, .busy = &memory##_busy, .found = 0}
+#define DECLARE_WAITING(memory)             \
+  local uint memory##_found[WAITING_TEAMS]; \
+  const TeamMemory memory = {.teams = 0, .busy = 0, .found = memory##_found}
+#else
+#define DECLARE_TOURS(memory) const TeamMemory memory = {.none = 0u}
+#define DECLARE_WAITING(memory) DECLARE_TOURS(memory)
 #endif
 
 #endif

@@ -57,6 +57,7 @@ const ProgramInfo programs[] = {
     {"sort_finish", "core", false},
     {"split", "split", true},
     {"stitch", "stitch", true},
+    {"tail", "tail", true},
     {"tiles", "tiles", false},
 };
 

@@ -47,6 +47,9 @@ struct Tuning {
   /// Tours of cavities that a GPU makes by teams of eight work-items: more fill it by one work-item each (NOTES, "Stars
   /// and teams").
   std::uint32_t most_by_teams = 1u << 15;
+  /// Aims of a round of refinement that one work-item does by itself, where it is a thread; 0: none. And rounds of a
+  /// launch of it at most (NOTES, "Small rounds").
+  std::uint32_t most_tail_aims = 256, rounds_of_tail = 16;
   /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
   /// microsecond, two launches cost ten times that.
   std::uint32_t one_group_vertices = 1024;

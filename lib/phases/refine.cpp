@@ -26,13 +26,9 @@ constexpr std::uint32_t least_room = 1024;
 // than that are too large at once, their cavities are gone through again.
 constexpr std::uint32_t faces_per_block = 16;
 
-// Faces of a cavity that any triangle may go through (wait.h, Lots). Ordinary cavities have about six. Fewer would make
-// more rounds; more cost dense outlines in proportion.
-constexpr cl_uint most_faces = 8;
 // Sides that a winner may leave to the rounds of flips, about, with those that it comes upon.
 constexpr std::uint32_t sides_per_winner = 4;
-// Doubled so often, that is more than any mesh has.
-constexpr std::uint32_t most_doublings = 28;
+constexpr std::uint32_t most_doublings = GCDT_MOST_DOUBLINGS;
 
 /// Makes `buffer` hold `size` elements, of which the first `kept` stay.
 template <class T>
@@ -124,15 +120,8 @@ device::RefineReport Refiner::read_report() {
   return report;
 }
 
-template <class... Last>
-void Refiner::launch_judge(const char* kernel, runtime::Range range, const Last&... last) {
-  runtime_.launch("judge", kernel, range, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_,
-                  mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_, last...);
-}
-
-// `idle`: how many times none was found since the last one. Finds the candidates, in order of precedence, the last
-// first of all. Ends: the second time there is room for all of them, since the same ones are found.
-void Refiner::find_candidates(std::uint32_t idle) {
+// Which faces are to be mended: last_.bad of them, in bad_, when that is read.
+void Refiner::judge_faces() {
   const cl_uint faces = mesh_.faces(count());
   runtime_.fill<cl_uint>(report_, 0, words_of_round);
   if (!keys_.allocated()) {
@@ -144,37 +133,54 @@ void Refiner::find_candidates(std::uint32_t idle) {
   std::swap(bad_, bad_before_);
   const bool knows = judged_ > 0 && mesh_.claims_cleared == cleared_when_judged_;
   const auto threshold = static_cast<cl_uint>(knows ? claims_when_judged_ : 0);
-  const cl_uint were_bad = knows ? last_.bad : 0;
+  const cl_uint were_bad = knows ? last_.bad : 0, added = count() - judged_;
+  if (finds_stars_) {
+    launch_judge("tail", "refine_judge_stars", over(last_.bad + added), capacity(), asked_, keys_, numbers_,
+                 candidates_, report_, bad_before_, bad_, urgency_, last_.bad, judged_, added);
+  } else {
+    ++result_.sweeps;
+    launch_judge("judge", "refine_judge", over(were_bad + faces), capacity(), asked_, keys_, numbers_, candidates_,
+                 report_, bad_before_, bad_, urgency_, faces, threshold, were_bad, judged_);
+  }
   claims_when_judged_ = mesh_.claims_below;
   cleared_when_judged_ = mesh_.claims_cleared;
-  runtime_.launch("judge", "refine_judge", over(were_bad + faces), faces, threshold, were_bad, judged_, mesh_.n,
-                  vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, origins_begin_,
-                  origins_, pieces_, sizes_, areas_, capacity(), asked_, keys_, numbers_, candidates_, report_,
-                  bad_before_, bad_, urgency_);
   judged_ = count();
+  finds_stars_ = judges_by_stars();
+}
+
+// `idle`: how many times none was found since the last one. Finds the candidates of what is bad.
+void Refiner::find_candidates(std::uint32_t idle) {
+  const cl_uint faces = mesh_.faces(count());
   runtime_.launch("judge", "refine_wait", over(faces), mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
                   mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches, cl_uint(idle > 0),
                   teamed());
-  for (;;) {
-    launch_judge("refine_aim", over(faces), capacity(), asked_, keys_, numbers_, candidates_, report_, aiming_,
-                 urgency_, most_faces << std::min(idle, most_doublings), result_.searches, blocks(), cavities_,
-                 chosen(), teamed());
-    launch_judge("refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_, report_,
-                 edge_pieces_, sharp_, blocks(), cavities_, teamed());
-    last_ = read_report();
-    if (last_.candidates <= capacity()) break;
-    const std::size_t room = last_.candidates + last_.candidates / 4;
-    runtime_.reserve(keys_, "keys of candidates", room);
-    runtime_.reserve(numbers_, "candidates in order", room);
-    runtime_.reserve(candidates_, "candidates", room);
-    runtime_.fill<cl_uint>(report_, 0, words_of_round - first_of_candidates, first_of_candidates);
-  }
-  ++result_.searches;
-  if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
-  rank_candidates();
+  do aim(idle);
+  while (!read_candidates());
 }
 
-// Brings the candidates into order. All of them have won so far. Subsegments are not asked for any more.
+void Refiner::aim(std::uint32_t idle) {
+  launch_judge("judge", "refine_aim", over(mesh_.faces(count())), capacity(), asked_, keys_, numbers_, candidates_,
+               report_, aiming_, urgency_, GCDT_FACES_OF_ANY << std::min(idle, most_doublings), result_.searches,
+               blocks(), cavities_, chosen(), teamed());
+  launch_judge("judge", "refine_place", over(subsegments_ + added_), capacity(), asked_, keys_, numbers_, candidates_,
+               report_, edge_pieces_, sharp_, blocks(), cavities_, teamed());
+}
+
+// False: there was no room for all, but there is the second time, when the same ones are found.
+bool Refiner::read_candidates() {
+  last_ = read_report();
+  if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
+  if (last_.candidates <= capacity()) return true;
+  const std::size_t room = last_.candidates + last_.candidates / 4;
+  runtime_.reserve(keys_, "keys of candidates", room);
+  runtime_.reserve(numbers_, "candidates in order", room);
+  runtime_.reserve(candidates_, "candidates", room);
+  runtime_.fill<cl_uint>(report_, 0, words_of_round - first_of_candidates, first_of_candidates);
+  return false;
+}
+
+// Brings the candidates into order of precedence, the last first of all. All of them have won so far. Subsegments are
+// not asked for any more.
 void Refiner::rank_candidates() {
   const cl_uint candidates = last_.candidates;
   const bool by_count = runtime_.kind() == DeviceKind::gpu && candidates <= runtime_.tuning().most_ranked_by_count;
@@ -246,9 +252,38 @@ void Refiner::settle(Ticker& ticker) {
   const device::Counters& c = counters_.last();
   if (c.failed) throw Error(Status::round_limit, "refine: a tour around a vertex did not end");
   if (c.list_insert[0] == 0) throw Error(Status::round_limit, "refine: a round inserted nothing");
-  added_ += c.list_insert[0];
   result_.flips += wide(c.flips_low, c.flips_high);
   result_.flip_rounds += flipped.rounds;
+  const std::uint32_t before = count();
+  added_ += c.list_insert[0];
+  look_for_stars(before, flipped.rounds > 0);
+}
+
+// Whether all that has changed can be judged by the stars of the vertices from `first` on. Flips may have taken from a
+// vertex what it was made with.
+void Refiner::look_for_stars(std::uint32_t first, bool flipped) {
+  if (!judges_by_stars()) return;
+  if (flipped) {
+    runtime_.launch("tail", "refine_find_stars", over(count() - first), first, count() - first, mesh_.n,
+                    vertices_.points, mesh_.face_data, mesh_.edge_faces, counters_.buffer());
+    counters_.read();
+  }
+  finds_stars_ = counters_.last().lost == 0;
+}
+
+// Claims, and insertion of those that win. Returns false where none may be inserted.
+bool Refiner::insert_candidates(Ticker& ticker) {
+  rank_candidates();
+  const auto most = most_left();
+  result_.complete = most > 0;
+  if (most == 0) return false;
+  if (result_.rounds == round_limit) throw Error(Status::round_limit, "refine: there were too many rounds");
+  choose_winners();
+  result_.candidates += last_.candidates;
+  insert(most);
+  settle(ticker);
+  ++result_.rounds;
+  return true;
 }
 
 RefineResult Refiner::run(Ticker& ticker) {
@@ -257,8 +292,19 @@ RefineResult Refiner::run(Ticker& ticker) {
     ticker.tick("refine", most_added_ == 0 ? 1
                                            : double(added_) / double(std::min<std::uint64_t>(
                                                                   most_added_, 4 * std::uint64_t{inputs_})));
-    find_candidates(idle);
+    judge_faces();
+    if (is_small(idle)) {
+      const std::uint32_t stage = do_small_rounds(idle, ticker);
+      if (stage == GCDT_TAIL_ENDED) break;
+      if (stage != GCDT_TAIL_CANDIDATES) continue;
+      while (!read_candidates()) aim(idle);
+    } else {
+      find_candidates(idle);
+    }
+    was_small_ = false;
+    ++result_.searches;
     if (last_.candidates == 0) {
+      rank_candidates();
       if (last_.aiming == last_.bad && last_.sitting_out == 0) break;
       // All that did not wait aimed in vain, and are in no one's way from now on, or sat out: next time all may aim,
       // and go through twice as many faces.
@@ -266,132 +312,10 @@ RefineResult Refiner::run(Ticker& ticker) {
       continue;
     }
     idle = 0;
-    const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, GCDT_NONE));
-    result_.complete = most > 0;
-    if (most == 0) break;
-    if (result_.rounds == round_limit) throw Error(Status::round_limit, "refine: there were too many rounds");
-    choose_winners();
-    result_.candidates += last_.candidates;
-    insert(most);
-    settle(ticker);
-    ++result_.rounds;
+    if (!insert_candidates(ticker)) break;
   }
   explain();
   return result_;
-}
-
-void Refiner::explain() {
-  const cl_uint faces = mesh_.faces(count());
-  runtime_.launch("judge", "refine_explain", over(faces), faces, mesh_.n, vertices_.points, mesh_.face_data,
-                  mesh_.edge_faces, rules_buffer_, mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_,
-                  capacity(), asked_, keys_, numbers_, candidates_, report_, edge_pieces_, sharp_, urgency_);
-  const device::RefineReport report = read_report();
-  if (report.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
-  result_.added = added_;
-  result_.on_subsegments = report.on_subsegments;
-  result_.bent = report.bent;
-  result_.far = report.far;
-  result_.encroached = report.encroached;
-  std::copy(std::begin(report.left), std::end(report.left), result_.left);
-  // What is on its subsegment may be on one whose ends are not on the piece; but then one of these is bent.
-  if (report.bent > 0 || origins_begin_ == 0) result_.move = farthest();
-}
-
-double Refiner::farthest() {
-  const auto count = runtime_.filled<cl_uint>("vertices beside their pieces", 1, 0);
-  const cl_uint origins = this->count() - origins_begin_;
-  const auto moves =
-      runtime_.allocate<cl_ulong2>("distances to pieces", result_.on_subsegments + (inputs_ - origins_begin_));
-  runtime_.launch("renew", "refine_moves", over(origins), origins, origins_begin_, vertices_.points, origins_, pieces_,
-                  count, moves);
-  std::vector<cl_ulong2> all(runtime_.read_one(count));
-  runtime_.read(moves, all.data(), all.size());
-  double most = 0;
-  for (const cl_ulong2& m : all) most = std::max(most, double(m.s[0]) / std::sqrt(double(m.s[1])));
-  return most;
-}
-
-RefinedMesh Refiner::finish() {
-  lists_ = {};
-  for (auto* list : {&bad_, &bad_before_, &aiming_, &cavities_, &asked_, &numbers_, &ranks_, &won_}) *list = {};
-  ways_ = {};
-  keys_ = {};
-  candidates_ = {};
-  const auto given = static_cast<cl_uint>(vertices_.input_vertex.size());
-  RefinedMesh refined;
-  refined.added = added_;
-  auto keys = runtime_.allocate<cl_ulong>("keys of added vertices", added_);
-  auto numbers = runtime_.allocate<cl_uint>("added vertices", added_),
-       places = runtime_.allocate<cl_uint>("places", added_);
-  if (added_ > 0)
-    runtime_.launch("renew", "refine_keys", over(added_), added_, inputs_, vertices_.points, keys, numbers);
-  primitives_.sort(keys, numbers, added_, 62);
-  keys = {};
-  InputPoints joined;
-  joined.n = given + added_;
-  joined.type = coordinates_type(Points::Type::int32);
-  joined.coordinates = runtime_.allocate<cl_ulong>("joined vertices", joined.n);
-  refined.added_points = runtime_.allocate<cl_int2>("added vertices", added_);
-  runtime_.launch("renew", "refine_join", over(joined.n), given, added_, inputs_, vertices_.points,
-                  vertices_.input_vertex, numbers, joined.coordinates, refined.added_points, places);
-  auto input_numbers = runtime_.allocate<cl_uint>("input numbers of vertices", count());
-  runtime_.launch("renew", "refine_numbers", over(count()), count(), inputs_, given, vertices_.vertex_input, places,
-                  input_numbers);
-  const Plan plan = make_plan(runtime_, {1, joined.n, joined.n});
-  refined.vertices = order(runtime_, primitives_, plan, std::move(joined), FixedGrid{}).vertices;
-  refined.vertices.grid = vertices_.grid;
-  refined.vertices.decimals = vertices_.decimals;
-  refined.added_origins = runtime_.allocate<cl_uint4>("origins of added vertices", added_);
-  if (added_ > 0)
-    runtime_.launch("renew", "refine_origins", over(added_), added_, inputs_ - origins_begin_, origins_, places,
-                    input_numbers, refined.added_origins);
-  const cl_uint faces = mesh_.faces(count()), n = count();
-  runtime_.launch("renew", "refine_rename", over(faces), faces, mesh_.n, n, input_numbers,
-                  refined.vertices.input_vertex, mesh_.face_data);
-  mesh_.n = n;
-  refined.mesh = std::move(mesh_);
-  refined.edge_pieces = std::move(edge_pieces_);
-  refined.piece_count = subsegments_;
-  refined.piece_ends = runtime_.allocate<cl_uint2>("pieces as they were", subsegments_);
-  runtime_.launch("renew", "refine_rename_ends", over(subsegments_), subsegments_, input_numbers,
-                  refined.vertices.input_vertex, pieces_, refined.piece_ends);
-  refined.sharp = std::move(sharp_);
-  refined.reasons = std::move(urgency_);
-  return refined;
-}
-
-RefinedPieces refined_pieces(runtime::Runtime& runtime, Primitives& primitives, const RefinedMesh& refined,
-                             const Pieces& pieces, bool hull) {
-  const Mesh& mesh = refined.mesh;
-  const cl_uint edges = mesh.edges(), bits = std::max(1u, bit_width(mesh.n));
-  auto before = runtime.allocate<cl_uint>("subsegments before", std::size_t{edges} + 1);
-  runtime.launch("renew", "refine_select", over(edges), edges, hull ? GCDT_NONE : cl_uint{pieces.count},
-                 refined.edge_pieces, mesh.edge_marks, before);
-  RefinedPieces all;
-  Pieces& made = all.pieces;
-  made.count = primitives.scan_total(before, edges);
-  auto list = runtime.allocate<cl_uint>("subsegments", made.count);
-  primitives.compact_indices(before, list, edges);
-  auto keys = runtime.allocate<cl_ulong>("keys of subsegments", made.count);
-  made.ends = runtime.allocate<cl_uint2>("pieces", made.count);
-  made.source_offsets = runtime.allocate<cl_uint>("source offsets", std::size_t{made.count} + 1);
-  all.before = runtime.allocate<cl_uint>("pieces of subsegments", made.count);
-  if (made.count == 0) {
-    made.sources = runtime.allocate<cl_uint>("sources of pieces", 0);
-    return all;
-  }
-  runtime.launch("renew", "refine_piece_keys", over(made.count), made.count, bits, refined.vertices.levels_buffer,
-                 mesh.face_data, mesh.edge_faces, list, keys);
-  primitives.sort(keys, list, made.count, 2 * bits);
-  runtime.launch("renew", "refine_pieces", over(made.count), made.count, bits, cl_uint{pieces.count},
-                 refined.vertices.levels_buffer, keys, list, refined.edge_pieces, pieces.source_offsets, made.ends,
-                 all.before, made.source_offsets);
-  made.source_count = primitives.scan_total(made.source_offsets, made.count);
-  made.sources = runtime.allocate<cl_uint>("sources of pieces", made.source_count);
-  if (made.source_count > 0)
-    runtime.launch("renew", "refine_sources", over(made.count), made.count, list, refined.edge_pieces,
-                   pieces.source_offsets, pieces.sources, made.source_offsets, made.sources);
-  return all;
 }
 
 }  // namespace gcdt

@@ -16,6 +16,7 @@ namespace gcdt {
 struct RefineResult {
   std::uint64_t rounds = 0;
   std::uint32_t searches = 0;                           ///< for candidates, with those that found none
+  std::uint32_t sweeps = 0;                             ///< over all faces, to judge them
   std::uint64_t candidates = 0;                         ///< of all rounds
   std::uint64_t added = 0;                              ///< vertices
   std::uint64_t on_subsegments = 0, bent = 0, far = 0;  ///< of these; beside their subsegments; rounded the other way
@@ -66,7 +67,17 @@ class Refiner {
 
  private:
   void make_room(std::uint32_t capacity);
+  void judge_faces();
   void find_candidates(std::uint32_t idle);
+  void aim(std::uint32_t idle);
+  bool read_candidates();
+  void look_for_stars(std::uint32_t first, bool flipped);
+  /// Where a work-item is a thread (kernels/refine/tail.cl).
+  bool judges_by_stars() const { return runtime_.kind() == DeviceKind::threads; }
+  bool is_small(std::uint32_t idle) const;
+  std::uint32_t do_small_rounds(std::uint32_t& idle, Ticker& ticker);
+  void take_over(const Stamps& stamps);
+  bool insert_candidates(Ticker& ticker);
   void rank_candidates();
   void choose_winners();
   void keep_greatest(std::uint32_t winners, std::uint32_t most);
@@ -79,11 +90,18 @@ class Refiner {
   cl_uint blocks() const { return static_cast<cl_uint>(cavities_.size() / GCDT_BLOCK); }
   cl_uint teamed() const { return runtime_.tuning().most_by_teams; }
   std::uint32_t count() const { return inputs_ + added_; }
+  std::uint32_t most_left() const {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, GCDT_NONE));
+  }
   /// By place in aiming_: its candidate, if the faces of its cavity are listed. Judged is what was bad before: its
   /// memory.
   runtime::Buffer<cl_uint>& chosen() { return bad_before_; }
+  /// Of a kernel that begins with the parameters of judge.h.
   template <class... Last>
-  void launch_judge(const char* kernel, runtime::Range range, const Last&... last);
+  void launch_judge(const char* program, const char* kernel, runtime::Range range, const Last&... last) {
+    runtime_.launch(program, kernel, range, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, rules_buffer_,
+                    mesh_.edge_marks, origins_begin_, origins_, pieces_, sizes_, areas_, last...);
+  }
 
   runtime::Runtime& runtime_;
   Primitives& primitives_;
@@ -123,6 +141,10 @@ class Refiner {
   /// since.
   std::uint64_t claims_when_judged_ = 0;
   std::uint32_t cleared_when_judged_ = 0;
+  /// Whether what has changed since faces were judged is found by the stars of the vertices added since.
+  bool finds_stars_ = false;
+  /// Whether one work-item could not do the round before, which it began.
+  bool was_small_ = false;
   RefineResult result_;
 };
 
