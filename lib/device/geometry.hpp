@@ -27,4 +27,9 @@ struct Geometry {
   std::size_t most_items = 0;
 };
 
+/// An argument of a kernel: local memory of each work-group.
+struct LocalMemory {
+  std::size_t bytes = 0;
+};
+
 }  // namespace gcdt::runtime

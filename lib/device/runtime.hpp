@@ -322,6 +322,9 @@ class Runtime {
     cl_mem memory = buffer.handle();
     set_argument_bytes(kernel, index, sizeof memory, &memory);
   }
+  void set_argument(Kernel& kernel, cl_uint index, const LocalMemory& memory) {
+    set_argument_bytes(kernel, index, memory.bytes, nullptr);
+  }
   template <class T, class = std::enable_if_t<std::is_trivially_copyable_v<T>>>
   void set_argument(Kernel& kernel, cl_uint index, const T& value) {
     set_argument_bytes(kernel, index, sizeof(T), &value);

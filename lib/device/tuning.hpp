@@ -55,6 +55,9 @@ struct Tuning {
   std::uint32_t one_group_vertices = 1024;
   /// The same of edges that are tested: the tail of small rounds needs no launch and no read.
   std::uint32_t one_group_edges = 2048;
+  /// From so many edges on flips begin within patches, each by a work-group while it is in its caches; vertices of a
+  /// patch, which trade room in the cache for borders; and rounds of a patch at most (NOTES, "Patches").
+  std::uint32_t least_patched = 1u << 22, patch_vertices = 256, rounds_of_patch = 64;
   /// From so many edges on, rounds of flips sweep over the marks of all edges, for as long as a round has at least one
   /// in `sweep_share` of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
   std::uint32_t least_sweep = 1u << 17, sweep_share = 128;

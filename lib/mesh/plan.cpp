@@ -57,6 +57,9 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.group_edges = of_lanes(tuning.one_group_edges, edges_of_lanes);
   plan.group_flip_rounds = of_lanes(tuning.rounds_of_group, rounds_of_lanes);
   plan.rounds_per_read = tuning.rounds_per_read;
+  plan.least_patched = tuning.least_patched;
+  plan.patch_vertices = tuning.patch_vertices;
+  plan.patch_rounds = of_lanes(tuning.rounds_of_patch, rounds_of_lanes);
   plan.least_sweep = tuning.least_sweep;
   plan.sweep_share = tuning.sweep_share;
   plan.grown_shares = units * Tuning::grown_shares_per_unit;
@@ -83,6 +86,7 @@ std::string Plan::text() const {
   all += grows ? "; vertices one after the other in at most " + std::to_string(grown_shares) + " sequences"
                : "; vertices in rounds, level by level";
   all += "; constraints by " + std::string(name(constraints)) + (along_curve ? ", along the curve" : "");
+  if (!grows) all += "; flips within patches from " + std::to_string(least_patched) + " edges on";
   if (!grows) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
   return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check);
 }

@@ -51,9 +51,12 @@ struct Plan {
   std::uint32_t group_rounds = 0;    ///< of insertion by one group in one launch at most
   std::uint32_t group_flip_rounds = 0;
   std::uint32_t rounds_per_read = 0;
-  std::uint32_t least_sweep = 0;   ///< edges from which on flips sweep
-  std::uint32_t sweep_share = 0;   ///< and for as long as one in so many is illegal
-  std::uint32_t grown_shares = 0;  ///< sequences of insertions side by side, at most
+  std::uint32_t least_patched = 0;   ///< edges from which on flips begin within patches
+  std::uint32_t patch_vertices = 0;  ///< of a patch
+  std::uint32_t patch_rounds = 0;    ///< of a patch at most
+  std::uint32_t least_sweep = 0;     ///< edges from which on flips sweep
+  std::uint32_t sweep_share = 0;     ///< and for as long as one in so many is illegal
+  std::uint32_t grown_shares = 0;    ///< sequences of insertions side by side, at most
 
   // Constrain.
   By constraints = By::all;  ///< all, or each: one work-item enforces a problem's, one after the other

@@ -3,9 +3,14 @@
 
 #include <tuple>
 
+#include "flip/patches.h"
+
 namespace gcdt {
 
 namespace {
+
+static_assert(GCDT_PATCH_WORDS(GCDT_MOST_PATCH_ROOM) * sizeof(cl_uint) <= (std::size_t{1} << 15) - 64);
+static_assert(3 * GCDT_MOST_PATCH_ROOM <= 1u << 16);
 
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
@@ -18,6 +23,7 @@ class Flipping {
         mesh_(mesh),
         lists_(lists),
         counters_(counters),
+        vertices_in_mesh_(vertices_in_mesh),
         faces_(mesh.faces(vertices_in_mesh)),
         edges_(mesh.edges(vertices_in_mesh)),
         stamps_(runtime, edges_),
@@ -30,11 +36,15 @@ class Flipping {
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
-    const bool swept = edges_ >= plan_.least_sweep;
-    if (swept) sweep(ticker);
-    runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!swept), edges_, round_, mesh_.edge_marks,
+    const bool patched = edges_ >= plan_.least_patched, swept = edges_ >= plan_.least_sweep;
+    if (patched) flip_within_patches();
+    if (swept) sweep(patched, ticker);
+    const bool queued = patched || swept;
+    runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!queued), edges_, round_, mesh_.edge_marks,
                     lists_.first, counters_.buffer());
-    return finish(swept ? counters_.read().list_test[round_ % 3] : edges_, ticker);
+    FlipResult result = finish(queued ? counters_.read().list_test[round_ % 3] : edges_, ticker);
+    result.rounds += counters_.last().patch_rounds;
+    return result;
   }
 
   /// The rounds of all problems, each by one work-group. The counters are zero. Ends: see run().
@@ -91,14 +101,28 @@ class Flipping {
   }
 
  private:
-  // Rounds by sweeps. The first takes all edges. Ends: see run().
-  void sweep(Ticker& ticker) {
+  // Rounds within patches, the first of which tests all edges. What is left is queued.
+  void flip_within_patches() {
+    const device::Levels& levels = vertices_.levels;
+    std::uint32_t level = 0;
+    while (levels.begin[level + 1] < vertices_in_mesh_) ++level;  // ends: the last level's end is all vertices
+    const std::uint32_t spread = (levels.n + levels.stride[level] - 1) / levels.stride[level];
+    const cl_uint units = std::clamp(plan_.patch_vertices, 1u, GCDT_MOST_PATCH_ROOM / 5 * 4 - 1);
+    const cl_uint patches = (spread + units - 1) / units, room = units + units / 4 + 1;
+    runtime_.launch("flip", "flip_patches", runtime_.over_groups(patches), cl_uint(level), units, patches, room,
+                    cl_uint(plan_.patch_rounds), vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data,
+                    mesh_.edge_faces, mesh_.edge_marks, counters_.buffer(),
+                    runtime::LocalMemory{GCDT_PATCH_WORDS(room) * sizeof(cl_uint)});
+  }
+
+  // Rounds by sweeps. The first takes all edges, or those that are queued. Ends: see run().
+  void sweep(bool queued, Ticker& ticker) {
     for (std::uint32_t illegal = edges_; illegal > edges_ / plan_.sweep_share;) {
       for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
-        launch("flip_sweep", edges_ / GCDT_SWEEP_EDGES, std::make_tuple(cl_uint(round_ == 0), edges_, round_, stamp),
-               lists_.second);
+        launch("flip_sweep", edges_ / GCDT_SWEEP_EDGES,
+               std::make_tuple(cl_uint(round_ == 0 && !queued), edges_, round_, stamp), lists_.second);
         launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
       }
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
@@ -156,6 +180,7 @@ class Flipping {
   Mesh& mesh_;
   const WorkLists& lists_;
   PhaseCounters& counters_;
+  std::uint32_t vertices_in_mesh_;
   cl_uint faces_, edges_;
   Stamps stamps_;
   std::uint64_t flips_before_;

@@ -16,18 +16,30 @@ constexpr std::uint32_t none = 0, all = 0xFFFFFFFFu;
 struct Way {
   std::string name;
   std::uint32_t least_sweep, sweep_share, one_group_edges, most_stamps;
+  std::uint32_t least_patched = all, patch_vertices = 0, rounds_of_patch = 0;
 };
 
 // A share of `all` edges: sweeps until there is no illegal edge.
-const Way ways[] = {{"sweeps", none, all, none, all},       {"sweeps, then lists", none, 16, none, all},
-                    {"lists", all, 1, none, all},           {"lists, then one group", all, 1, 300, all},
-                    {"one group", all, 1, all, all},        {"sweeps, few stamps", none, all, none, 2},
-                    {"lists, few stamps", all, 1, none, 3}, {"one group, few stamps", all, 1, all, 3}};
+const Way ways[] = {{"sweeps", none, all, none, all},
+                    {"sweeps, then lists", none, 16, none, all},
+                    {"lists", all, 1, none, all},
+                    {"lists, then one group", all, 1, 300, all},
+                    {"one group", all, 1, all, all},
+                    {"sweeps, few stamps", none, all, none, 2},
+                    {"lists, few stamps", all, 1, none, 3},
+                    {"one group, few stamps", all, 1, all, 3},
+                    {"patches", all, 1, all, all, none, 1024, 64},
+                    {"small patches", all, 1, all, all, none, 40, 64},
+                    {"patches of a vertex", none, all, none, all, none, 1, 64},
+                    {"patches of few rounds, sweeps", none, all, none, all, none, 50, 2},
+                    {"patches of no round, lists", all, 1, none, all, none, 50, none}};
 
 Tuning tuning_of(const runtime::Runtime& runtime, const Way& way) {
   Tuning tuning = runtime.tuning();
   tuning.least_sweep = way.least_sweep, tuning.sweep_share = way.sweep_share;
   tuning.one_group_edges = way.one_group_edges, tuning.most_stamps = way.most_stamps;
+  tuning.least_patched = way.least_patched, tuning.patch_vertices = way.patch_vertices;
+  tuning.rounds_of_patch = way.rounds_of_patch;
   return tuning;
 }
 
@@ -140,7 +152,7 @@ TEST_CASE("after every round the mesh is valid and each illegal edge queued; fli
           return true;
         });
         const HostMesh flipped = mesh.now();
-        CHECK(rounds == result.rounds);
+        CHECK(rounds + mesh.counters.last().patch_rounds == result.rounds);
         CHECK(result.flips > 0);
         CHECK(illegal_edges(flipped) == 0);
         CHECK(queued_edges(flipped) == 0);

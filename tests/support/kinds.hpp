@@ -49,7 +49,7 @@ inline std::vector<Treated>& devices_as_all_kinds() {
   return all;
 }
 
-/// Levels, groups and lists of a few; stamps that run out; sweeps from the start; isolated vertices everywhere.
+/// Levels, groups, lists and patches of a few; stamps that run out; sweeps from the start; isolated vertices everywhere.
 inline Tuning small_thresholds() {
   Tuning tuning;
   tuning.coarsest_level = 8;
@@ -58,6 +58,8 @@ inline Tuning small_thresholds() {
   tuning.one_group_vertices = 16;
   tuning.one_group_edges = 32;
   tuning.least_sweep = 100;
+  tuning.least_patched = 300;
+  tuning.patch_vertices = 16;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
   tuning.most_ranked_by_count = tuning.most_by_teams = 16;

@@ -95,13 +95,15 @@ std::vector<Case> all_cases() {
   };
 }
 
-/// Levels, groups and lists of a few, sweeps from the start: as kinds.hpp has them for tests.
+/// Levels, groups, lists and patches of a few, sweeps from the start: as kinds.hpp has them for tests.
 Tuning small_thresholds() {
   Tuning tuning;
   tuning.coarsest_level = 8;
   tuning.one_group_vertices = 4;
   tuning.one_group_edges = 4;
   tuning.least_sweep = 20;
+  tuning.least_patched = 40;
+  tuning.patch_vertices = 8;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
   return tuning;
