@@ -18,6 +18,7 @@
 #include "api/state.hpp"
 #include "host_heap.hpp"
 #include "inputs.hpp"
+#include "pinned.hpp"
 #include "tiles/join.hpp"
 #include "tiles/tiled.hpp"
 
@@ -28,7 +29,7 @@ using namespace gcdt;
 constexpr char usage[] =
     "gcdt_bench_tiles [--device SPEC,...] [--parts P] [--tiles K,...] [--memory MB] [--spill FOLDER]\n"
     "                 [--crossing reject|drop|split] [--runs R] [--alone yes|no] [--most-host-bytes B]\n"
-    "                 [--spans yes|no] INPUT...\n"
+    "                 [--spans yes|no] [--pinned yes|no] [--copy-threads T] INPUT...\n"
     "  INPUT     NAME:SIZE of a recipe (bench/README.md), or a .poly file\n"
     "  --parts   each device is divided into P of as many compute units\n"
     "  --tiles   0: as many as memory asks for; default: the number of devices\n"
@@ -36,6 +37,9 @@ constexpr char usage[] =
     "  --most-host-bytes\n"
     "            a vertex, beside input and result; more is a fault\n"
     "  --spans   yes: after each row, where the time of one more call goes, by span (gcdt_trace_span)\n"
+    "  --pinned  yes: the one call is also timed between arrays that the driver pinned\n"
+    "  --copy-threads\n"
+    "            to and from each device of the pool (Tuning::copy_threads)\n"
     "  R: timed calls, 3, after one more if there are several\n";
 
 struct Arguments {
@@ -46,8 +50,9 @@ struct Arguments {
   std::uint64_t memory = 0;
   Options options;
   int runs = 3;
-  bool alone = true, spans = false;
+  bool alone = true, spans = false, pinned = false;
   double most_host_bytes = 0;
+  std::optional<std::uint32_t> copy_threads;
 };
 
 std::vector<std::uint32_t> numbers_of(const std::string& text) {
@@ -89,6 +94,10 @@ Arguments read(int count, char** words) {
       arguments.alone = value != "no";
     else if (word == "--spans")
       arguments.spans = value == "yes";
+    else if (word == "--pinned")
+      arguments.pinned = value == "yes";
+    else if (word == "--copy-threads")
+      arguments.copy_threads = numbers_of(value).at(0);
     else if (word == "--most-host-bytes")
       arguments.most_host_bytes = std::stod(value);
     else if (word == "--crossing")
@@ -158,21 +167,55 @@ double milliseconds_of(const std::function<void()>& use) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// One input: the pool's calls and, by turns with them, those of one device.
-class Row {
+/// A pool of all devices, and a solver on the first one: one of each for all inputs, since programs take long to load.
+class Devices {
  public:
-  Row(const Arguments& arguments, const std::vector<cl::Device>& devices, const bench::Input& input)
-      : arguments_(arguments),
-        input_(input),
-        work_(
-            bench::make(input, [](const std::vector<bench::Point>& points) { return triangulate(points).triangles; })),
-        devices_(devices) {
-    pool_ = pool_of(devices, {});
-    if (!arguments.alone) return;
+  Devices(const Arguments& arguments, const std::vector<cl::Device>& devices)
+      : arguments_(arguments), devices_(devices) {
     auto handle = std::make_unique<gcdt_solver>();
     handle->state =
         std::make_shared<api::State>(cl::Context(), devices[0], runtime::Log(), Trace(), runtime::CallHook());
-    solver_ = std::make_unique<Solver>(handle.release());
+    solver = std::make_unique<Solver>(handle.release());
+    pool = pool_with({});
+  }
+
+  std::unique_ptr<DevicePool> pool_with(Trace trace) const {
+    std::vector<DevicePool::Member> members;
+    for (const cl::Device& device : devices_) {
+      members.push_back({cl::Context(), device, {}});
+      Tuning& tuning = members.back().hook.tuning;
+      if (arguments_.memory > 0) tuning.memory_bytes = arguments_.memory;
+      tuning.copy_threads = arguments_.copy_threads.value_or(tuning.copy_threads);
+    }
+    auto made = std::make_unique<DevicePool>(std::move(members), runtime::Log(), std::move(trace));
+    made->spill_to(arguments_.spill);
+    return made;
+  }
+  std::size_t size() const { return devices_.size(); }
+  /// The first one.
+  DeviceInfo info() const { return runtime::describe(devices_[0], {}); }
+
+  std::unique_ptr<Solver> solver;
+  std::unique_ptr<DevicePool> pool;
+
+ private:
+  const Arguments& arguments_;
+  const std::vector<cl::Device>& devices_;
+};
+
+/// One input: the pool's calls and, by turns with them, those of one device.
+class Row {
+ public:
+  Row(const Arguments& arguments, Devices& devices, const bench::Input& input)
+      : arguments_(arguments),
+        devices_(devices),
+        input_(input),
+        work_(bench::make(input, [&](const std::vector<bench::Point>& points) {
+          return devices.solver->triangulate(points).triangles;
+        })) {
+    if (arguments.pinned)
+      ms_pinned_ = median(
+          bench::PinnedCaller(devices.info()).time(work_.points, work_.constraints, arguments.options, arguments.runs));
   }
 
   /// Returns whether there was no fault.
@@ -182,7 +225,7 @@ class Row {
     std::string fault;
     for (int run = arguments_.runs > 1 ? -1 : 0; run < arguments_.runs && fault.empty(); ++run) {
       double ms_one = 0, ms_all = 0;
-      if (solver_) ms_one = milliseconds_of([&] { expected_ = alone(); });
+      if (arguments_.alone) ms_one = milliseconds_of([&] { expected_ = alone(); });
       fault = call(tiles, ms_all);
       if (run < 0 || !fault.empty()) continue;
       one.push_back(ms_one), all.push_back(ms_all);
@@ -200,17 +243,6 @@ class Row {
   }
 
  private:
-  std::unique_ptr<DevicePool> pool_of(const std::vector<cl::Device>& devices, Trace trace) const {
-    std::vector<DevicePool::Member> members;
-    for (const cl::Device& device : devices) {
-      members.push_back({cl::Context(), device, {}});
-      if (arguments_.memory > 0) members.back().hook.tuning.memory_bytes = arguments_.memory;
-    }
-    auto pool = std::make_unique<DevicePool>(std::move(members), runtime::Log(), std::move(trace));
-    pool->spill_to(arguments_.spill);
-    return pool;
-  }
-
   /// Of the second call of a pool that has profiling: phases as the host saw them, and in each what the device did.
   void print_spans(std::uint32_t tiles) {
     struct Sum {
@@ -218,7 +250,7 @@ class Row {
       int times = 0;
     };
     std::map<std::string, Sum> sums;
-    std::unique_ptr<DevicePool> pool = pool_of(devices_, [&](const TraceSpan& span) {
+    std::unique_ptr<DevicePool> pool = devices_.pool_with([&](const TraceSpan& span) {
       if (span.phase == "plan") return;  // no span, but a word
       const double ms = static_cast<double>(span.end_ns - span.begin_ns) / 1e6;
       Sum& phase = sums[std::to_string(span.device_number) + " " + span.phase];
@@ -231,12 +263,12 @@ class Row {
         step.host_ms += ms, ++step.times;
       }
     });
-    pool_.swap(pool);
+    devices_.pool.swap(pool);
     double ms = 0;
     call(tiles, ms);
     sums.clear();
     call(tiles, ms);
-    pool_.swap(pool);
+    devices_.pool.swap(pool);
     std::printf("%.1f ms with a trace\n", ms);
     for (const auto& [name, sum] : sums)
       std::printf("  %-40s %4d times %9.1f ms, device %9.1f\n", name.c_str(), sum.times, sum.host_ms, sum.device_ms);
@@ -245,7 +277,8 @@ class Row {
 
   std::unique_ptr<Triangulation> alone() {
     expected_.reset();
-    return std::make_unique<Triangulation>(solver_->triangulate(work_.points, work_.constraints, arguments_.options));
+    return std::make_unique<Triangulation>(
+        devices_.solver->triangulate(work_.points, work_.constraints, arguments_.options));
   }
 
   /// What is wrong with it, if anything is.
@@ -257,7 +290,7 @@ class Row {
     PoolResult made;
     const std::int64_t before = bench::heap_in_use();
     bench::take_heap_peak();
-    ms = milliseconds_of([&] { made = tiles::triangulate(*pool_, batch, options); });
+    ms = milliseconds_of([&] { made = tiles::triangulate(*devices_.pool, batch, options); });
     const std::int64_t peak = bench::take_heap_peak();
     if (!made.errors.empty()) return made.errors.begin()->second.what();
     const ForestResult& result = *made.at(0).first;
@@ -271,9 +304,10 @@ class Row {
     std::printf("{\"name\": \"%s\", \"n\": %zu, \"m\": %zu, \"devices\": %zu, \"tiles\": %u, \"call_ms\": %.1f",
                 input_.name.c_str(), work_.points.size(), work_.constraints.size(), devices_.size(), report_.tiles,
                 all);
-    if (solver_)
+    if (arguments_.alone)
       std::printf(", \"one_ms\": %.1f, \"speedup\": %.3f, \"same_bytes\": %s", one, one / all,
                   fault.empty() ? "true" : "false");
+    if (arguments_.pinned) std::printf(", \"one_pinned_ms\": %.1f", ms_pinned_);
     const char* const names[] = {"share", "tiles", "seam", "write", "join"};
     for (std::size_t i = 0; i < steps.size(); ++i) std::printf(", \"%s_ms\": %.1f", names[i], steps[i]);
     std::printf(", \"seam_vertices\": %llu, \"seam_constraints\": %llu, \"seam_fraction\": %.5f",
@@ -287,22 +321,21 @@ class Row {
   }
 
   const Arguments& arguments_;
+  Devices& devices_;
   const bench::Input& input_;
   const bench::Workload work_;
-  const std::vector<cl::Device>& devices_;
-  std::unique_ptr<DevicePool> pool_;
-  std::unique_ptr<Solver> solver_;
   std::unique_ptr<Triangulation> expected_;
   TiledReport report_;
-  double host_bytes_ = 0;
+  double host_bytes_ = 0, ms_pinned_ = 0;
 };
 
 }  // namespace
 
 int main(int count, char** words) try {
   Arguments arguments = read(count, words);
-  const std::vector<cl::Device> devices = devices_of(arguments);
-  if (arguments.tiles.empty()) arguments.tiles.push_back(static_cast<std::uint32_t>(devices.size()));
+  const std::vector<cl::Device> chosen = devices_of(arguments);
+  if (arguments.tiles.empty()) arguments.tiles.push_back(static_cast<std::uint32_t>(chosen.size()));
+  Devices devices(arguments, chosen);
   bool right = true;
   for (const bench::Input& input : arguments.inputs) {
     Row row(arguments, devices, input);

@@ -38,6 +38,7 @@ const ProgramInfo programs[] = {
     {"order", "core", false},
     {"output", "core", false},
     {"parts", "parts", true},
+    {"passages", "passages", false},
     {"primitives", "core", false},
     {"primitives_group", "primitives_group", false},
     {"quality", "quality", false},

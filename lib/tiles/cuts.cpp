@@ -13,6 +13,20 @@ namespace {
 // A tile's share of n points is off by about sqrt(1 / sample) of n.
 constexpr std::size_t sample_size = 1u << 16;
 
+/// Puts the sample's codes at which the tiles between `first` and `end` begin where they are in its order; those of
+/// these two are there already. A sort would order all the others, too. Ends: both halves have fewer tiles.
+template <class BeginOf>
+void select_cuts(std::vector<std::uint64_t>& sample, std::size_t first, std::size_t end, BeginOf&& begin_of) {
+  if (end - first < 2) return;
+  const std::size_t middle = first + (end - first) / 2;
+  const auto at = [&](std::size_t place) { return sample.begin() + static_cast<std::ptrdiff_t>(place); };
+  const std::size_t from = first == 0 ? 0 : begin_of(first) + 1;
+  if (begin_of(middle) >= from && begin_of(middle) < begin_of(end))
+    std::nth_element(at(from), at(begin_of(middle)), at(begin_of(end)));
+  select_cuts(sample, first, middle, begin_of);
+  select_cuts(sample, middle, end, begin_of);
+}
+
 }  // namespace
 
 std::size_t Cuts::tile_of(std::uint64_t code) const {
@@ -42,10 +56,14 @@ Cuts even_cuts(const GridInput& input, std::size_t tiles, Team& team) {
   std::vector<std::uint64_t> sample(end - first);
   for_each_in_threads(sample.size(), [&](std::size_t i) { sample[i] = code_of(input.at(n * (first + i) / count)); });
   gather(team, sample);
-  std::sort(sample.begin(), sample.end());
   std::vector<std::uint64_t> first_codes;
-  for (std::size_t t = 1; t < tiles && team.is_first(); ++t)
-    first_codes.push_back(count == 0 ? 0 : sample[count * t / tiles]);
+  if (team.is_first() && count > 0) {
+    const auto begin_of = [&](std::size_t tile) { return count * tile / tiles; };
+    select_cuts(sample, 0, tiles, begin_of);
+    for (std::size_t t = 1; t < tiles; ++t) first_codes.push_back(sample[begin_of(t)]);
+  } else if (team.is_first()) {
+    first_codes.assign(tiles - 1, 0);
+  }
   broadcast(team, first_codes);
   return Cuts(std::move(first_codes));
 }

@@ -95,15 +95,16 @@ void FinalTriangles::release() {
 
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
                                       const Berth& to) {
-  const auto seam = static_cast<cl_uint>(places.keys.size());
+  const cl_uint seam = places.of_seam;
   const std::size_t count = std::size_t{final.count} + seam;
   if (final.count == 0) return std::vector<std::uint32_t>(seam, 0);
   Runtime& runtime = lent.runtime;
   Step writing(runtime, "write");
   auto before = runtime.allocate<cl_uint>("final triangles before", seam);
   if (seam > 0) {
+    const SeamKeys given = places.make_keys();
     auto keys = runtime.allocate<cl_ulong2>("keys of the seam's triangles", seam);
-    runtime.write_bytes(keys.handle(), 0, places.keys.data(), seam * sizeof(places.keys[0]));
+    runtime.write_bytes(keys.handle(), 0, given.data(), seam * sizeof(given[0]));
     runtime.launch("tiles", "tile_before", over(seam), seam, final.count, keys, final.corners, final.points, before);
   }
   auto at = runtime.allocate<cl_uint>("places of final triangles", final.count);

@@ -82,11 +82,15 @@ class FinalTriangles {
   std::shared_ptr<Spilled> spilled_;
 };
 
+/// Of the seam's triangles among those of a tile, in their order: the codes of their first two vertices.
+using SeamKeys = std::vector<std::array<std::uint64_t, 2>>;
+
 /// Where the triangles of a tile go in the result.
 struct TilePlaces {
-  std::uint32_t first;  ///< the place of the tile's first triangle, be it final or of the seam
-  /// Of the seam's triangles among those of the tile, in their order: the codes of their first two vertices.
-  std::vector<std::array<std::uint64_t, 2>> keys;
+  std::uint32_t first = 0;    ///< the place of the tile's first triangle, be it final or of the seam
+  std::uint32_t of_seam = 0;  ///< how many are of the seam
+  /// From any thread. Made when they are wanted: those of all tiles together are a third of what the seam takes.
+  std::function<SeamKeys()> make_keys;
 };
 
 /// Writes the final triangles to their places behind `to`, where the tile's first triangle is to be, by the device that

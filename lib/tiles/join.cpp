@@ -127,13 +127,20 @@ class PieceWriter {
   }
 
   /// How many pieces of the seam come before the tile's kept pieces from `first` on: all, if there are none. Ends: the
-  /// tile has finitely many.
+  /// tile has finitely many, and the range halves.
   std::size_t of_seam_before(const WrittenTile& tile, std::size_t first) const {
     while (first < tile.tile.pieces.size() && tile.tile.kept[first] == 0) ++first;
-    const auto& keys = tile.seam.piece_keys;
-    if (first == tile.tile.pieces.size()) return keys.size();
-    return static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key_of(tile.tile.pieces[first])) -
-                                    keys.begin());
+    std::size_t least = 0, end = tile.seam.pieces.size();
+    if (first == tile.tile.pieces.size()) return end;
+    const Key here = key_of(tile.tile.pieces[first]);
+    while (least < end) {
+      const std::size_t middle = least + (end - least) / 2;
+      if (key_of_seam(tile.seam, middle) < here)
+        least = middle + 1;
+      else
+        end = middle;
+    }
+    return least;
   }
 
   static Counts counts_of(const Range& range) {
@@ -159,13 +166,16 @@ class PieceWriter {
       if (tile.kept[piece] == 0) continue;
       if (next < range.end_of_seam) {
         const Key here = key_of(tile.pieces[piece]);
-        while (next < range.end_of_seam && seam.piece_keys[next] < here) add_of_seam();
+        while (next < range.end_of_seam && key_of_seam(seam, next) < here) add_of_seam();
       }
       to.add(tile.pieces[piece], tile.sources_of(piece), at);
     }
     while (next < range.end_of_seam) add_of_seam();
   }
 
+  Key key_of_seam(const Returned& seam, std::size_t piece) const {
+    return seam.piece_keys.empty() ? key_of(seam.pieces[piece]) : seam.piece_keys[piece];
+  }
   Key key_of(const Constraint& ends) const { return {code_of(input_.at(ends[0])), code_of(input_.at(ends[1]))}; }
 
   const GridInput& input_;

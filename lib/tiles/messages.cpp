@@ -123,17 +123,17 @@ void gather_tiles(Team& team, std::vector<SolvedTile>& tiles) {
 OwnPlaces scatter_places(Team& team, std::size_t tiles, Order* order) {
   OwnPlaces own;
   if (team.is_alone()) {
-    for (std::size_t t = 0; t < tiles; ++t) own.tiles.push_back(order->take_places(t));
+    for (std::size_t t = 0; t < tiles; ++t) own.tiles.push_back(order->places(t));
     own.triangles = order->triangles();
     return own;
   }
   std::vector<Bytes> messages;
   if (order)
     messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) {
-      const TilePlaces places = order->take_places(t);
+      const TilePlaces places = order->places(t);
       to.put_one(order->triangles());
       to.put_one(places.first);
-      to.put(places.keys);
+      to.put(places.make_keys());
     });
   const Bytes message = team.scatter(std::move(messages));
   Unpacker from(message);
@@ -141,7 +141,10 @@ OwnPlaces scatter_places(Team& team, std::size_t tiles, Order* order) {
   for (TilePlaces& places : own.tiles) {
     from.get_one(own.triangles);
     from.get_one(places.first);
-    from.append_to(places.keys);
+    auto keys = std::make_shared<SeamKeys>();
+    from.append_to(*keys);
+    places.of_seam = static_cast<std::uint32_t>(keys->size());
+    places.make_keys = [keys] { return *keys; };
   }
   return own;
 }

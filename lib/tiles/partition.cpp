@@ -24,15 +24,18 @@ Box box_between(const GridPoint& a, const GridPoint& b) {
   return box;
 }
 
-/// How many elements of each tile come before each part, and where a part writes its next: a counting sort by parts,
-/// which keeps the order within a tile.
+/// How many elements of each tile come before each part: a counting sort by parts, which keeps the order within a tile.
+/// A part's thread counts in an array of its own making: one that lies beside another thread's would go to and fro
+/// between their caches with each element.
 class Places {
  public:
-  Places(const Parts& parts, std::size_t tiles) : counts_(parts.size(), std::vector<std::size_t>(tiles, 0)) {}
-  std::size_t& next(std::size_t part, std::size_t tile) { return counts_[part][tile]; }
+  Places(const Parts& parts, std::size_t tiles) : tiles_(tiles), counts_(parts.size()) {}
+  void set(std::size_t part, std::vector<std::size_t> counts) { counts_[part] = std::move(counts); }
+  /// When those are places: where the part writes its next of each tile.
+  std::vector<std::size_t> take(std::size_t part) const { return counts_[part]; }
   /// Turns counts into places; returns the elements of each tile.
   std::vector<std::size_t> add_up() {
-    std::vector<std::size_t> all(counts_[0].size(), 0);
+    std::vector<std::size_t> all(tiles_, 0);
     for (std::vector<std::size_t>& part : counts_)
       for (std::size_t t = 0; t < all.size(); ++t) {
         const std::size_t count = part[t];
@@ -43,6 +46,7 @@ class Places {
   }
 
  private:
+  std::size_t tiles_;
   std::vector<std::vector<std::size_t>> counts_;
 };
 
@@ -63,15 +67,19 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
   std::vector<std::vector<OpenConstraint>> open(parts.size());
   const auto left_out = [&](std::size_t c) { return role_of(roles, c) == Role::out; };
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
+    std::vector<std::size_t> counts(cuts.tiles(), 0);
+    std::vector<OpenConstraint> passing;
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c)) continue;
       tile_of[c] = role_of(roles, c) == Role::wide ? open_constraint : tile_of_constraint(input, cuts, c);
       if (tile_of[c] == open_constraint)
-        open[part].push_back(
+        passing.push_back(
             {static_cast<std::uint32_t>(c), constraints.ends[c], {input.end_of(c, 0), input.end_of(c, 1)}});
       else
-        ++places.next(part, tile_of[c]);
+        ++counts[tile_of[c]];
     }
+    places.set(part, std::move(counts));
+    open[part] = std::move(passing);
   });
   for (const auto& some : open) made.open.insert(made.open.end(), some.begin(), some.end());
   const std::vector<std::size_t> counts = places.add_up();
@@ -80,10 +88,11 @@ void share_constraints(const GridInput& input, const Cuts& cuts, const std::vect
     made.tiles[t].constraint_ids.resize(counts[t]);
   }
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
+    std::vector<std::size_t> next = places.take(part);
     for (std::size_t c = first; c < end; ++c) {
       if (left_out(c) || tile_of[c] == open_constraint) continue;
       Share& tile = made.tiles[tile_of[c]];
-      const std::size_t at = places.next(part, tile_of[c])++;
+      const std::size_t at = next[tile_of[c]]++;
       tile.constraints[at] = constraints.ends[c];
       tile.constraint_ids[at] = constraints.number_of(c);
     }

@@ -51,12 +51,12 @@ class TriangleGiver {
     const SolvedSeam& from = solved_.between;
     const auto [tile, number] = order_.of_tile(t);
     SeamTriangle made;
-    made.constrained = from.constrained[t];
+    made.constrained = from.mesh.constrained[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = from.mesh.triangles[t][k];
       made.corners[k] = solved_.seam.ids[corner];
       made.points[k] = solved_.seam.points[corner];
-      const std::int32_t other = from.mesh.neighbours[t][k], border = from.border[t][k];
+      const std::int32_t other = from.mesh.neighbours[t][k], border = from.border_at(t, k);
       if (border >= 0) {
         const auto& [beyond, edge] = solved_.seam.border[static_cast<std::size_t>(border)];
         made.neighbours[k] = static_cast<std::int32_t>(order_.place_of_final(beyond, edge.triangle));
@@ -76,18 +76,35 @@ class TriangleGiver {
 };
 
 /// Shares out the seam's pieces, which are in Z-order: so each tile's follow each other.
-void write_pieces(const Solved& solved, std::vector<Returned>& returned) {
+void write_pieces(const Solved& solved, bool with_keys, std::vector<Returned>& returned) {
   const ProblemMesh& mesh = solved.between.mesh;
   const auto code = [&](std::uint32_t v) { return code_of(solved.seam.points[v]); };
+  const auto for_sources = [&](std::size_t piece, const auto& use) {
+    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
+      solved.seam.for_sources(mesh.sources[i], solved.tiles, use);
+  };
+  const auto tile_of = [&](std::size_t piece) { return solved.seam.tile_of(mesh.pieces[piece][0]); };
+  std::vector<std::array<std::size_t, 2>> counts(returned.size(), {0, 0});  // pieces and sources: no room is for none
+  for (std::size_t piece = 0; piece < mesh.pieces.size(); ++piece) {
+    std::size_t sources = 0;
+    for_sources(piece, [&](std::uint32_t) { ++sources; });
+    auto& [pieces, of_pieces] = counts[tile_of(piece)];
+    pieces += sources > 0, of_pieces += sources;
+  }
+  for (std::size_t tile = 0; tile < returned.size(); ++tile) {
+    Returned& to = returned[tile];
+    if (with_keys) to.piece_keys.reserve(counts[tile][0]);
+    to.pieces.reserve(counts[tile][0]), to.source_offsets.reserve(counts[tile][0] + 1);
+    to.sources.reserve(counts[tile][1]);
+  }
   for (std::size_t piece = 0; piece < mesh.pieces.size(); ++piece) {
     const Constraint& ends = mesh.pieces[piece];
-    Returned& to = returned[solved.seam.tile_of(ends[0])];
+    Returned& to = returned[tile_of(piece)];
     const auto before = static_cast<std::ptrdiff_t>(to.sources.size());
-    for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i)
-      solved.seam.for_sources(mesh.sources[i], solved.tiles, [&](std::uint32_t c) { to.sources.push_back(c); });
+    for_sources(piece, [&](std::uint32_t c) { to.sources.push_back(c); });
     if (to.sources.begin() + before == to.sources.end()) continue;  // of the border alone
     std::sort(to.sources.begin() + before, to.sources.end());
-    to.piece_keys.push_back({code(ends[0]), code(ends[1])});
+    if (with_keys) to.piece_keys.push_back({code(ends[0]), code(ends[1])});
     to.pieces.push_back({solved.seam.ids[ends[0]], solved.seam.ids[ends[1]]});
     to.source_offsets.push_back(static_cast<std::uint32_t>(before));
   }
@@ -99,7 +116,7 @@ std::uint64_t hull_edges(const Solved& solved) {
   return solved.seam.tile_hull_edges + count_in_threads(solved.between.kept.size(), [&](std::size_t t) {
            std::int64_t more = 0;  // modulo 2^64, as the sum is
            for (std::size_t k = 0; solved.between.kept[t] && k < 3; ++k) {
-             const std::int32_t border = solved.between.border[t][k];
+             const std::int32_t border = solved.between.border_at(t, k);
              if (border >= 0)
                more -= solved.seam.border[static_cast<std::size_t>(border)].edge.is_on_hull();
              else
@@ -112,27 +129,65 @@ std::uint64_t hull_edges(const Solved& solved) {
 }  // namespace
 
 Order::Order(const Solved& solved)
-    : firsts_(1, 0),
-      keys_(solved.tiles.size()),
+    : solved_(solved),
+      firsts_(1, 0),
       before_(solved.tiles.size()),
-      of_seam_(solved.between.kept.size(), {none, none}) {
-  for (std::uint32_t t = 0; t < of_seam_.size(); ++t) {
-    if (!solved.between.kept[t]) continue;
-    const Triangle& corners = solved.between.mesh.triangles[t];
-    const std::size_t tile = solved.seam.tile_of(corners[0]);
-    of_seam_[t] = {static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(keys_[tile].size())};
-    keys_[tile].push_back({code_of(solved.seam.points[corners[0]]), code_of(solved.seam.points[corners[1]])});
-    if (keys_[tile].size() > 1 && keys_[tile].back() < keys_[tile].end()[-2])
-      refuse("the seam's triangles are not in their order");
+      kept_(solved.between.kept),
+      firsts_of_seam_(1, 0),
+      first_triangles_(solved.tiles.size(), 0) {
+  kept_before_.reserve(kept_.size() / of_block + 1);
+  std::vector<std::uint32_t> counts(solved.tiles.size(), 0);
+  std::uint32_t kept = 0;
+  std::size_t last_tile = 0;
+  std::array<std::uint64_t, 2> last_key{};
+  for (std::uint32_t t = 0; t < kept_.size(); ++t) {
+    if (t % of_block == 0) kept_before_.push_back(kept);
+    if (!kept_[t]) continue;
+    ++kept;
+    const std::size_t tile = solved.seam.tile_of(solved.between.mesh.triangles[t][0]);
+    const std::array<std::uint64_t, 2> key = key_of(t);
+    if (tile < last_tile || (counts[tile] > 0 && key < last_key)) refuse("the seam's triangles are not in their order");
+    if (counts[tile]++ == 0) first_triangles_[tile] = t;
+    last_tile = tile, last_key = key;
   }
-  for (std::size_t tile = 0; tile < keys_.size(); ++tile) {
-    counts_.push_back(static_cast<std::uint32_t>(keys_[tile].size()));
-    firsts_.push_back(firsts_.back() + solved.tiles[tile].final.count + counts_[tile]);
+  for (std::size_t tile = 0; tile < counts.size(); ++tile) {
+    firsts_of_seam_.push_back(firsts_of_seam_.back() + counts[tile]);
+    firsts_.push_back(firsts_.back() + solved.tiles[tile].final.count + counts[tile]);
   }
 }
 
+std::array<std::uint64_t, 2> Order::key_of(std::uint32_t triangle) const {
+  const Triangle& corners = solved_.between.mesh.triangles[triangle];
+  return {code_of(solved_.seam.points[corners[0]]), code_of(solved_.seam.points[corners[1]])};
+}
+
+TilePlaces Order::places(std::size_t tile) const {
+  const auto make_keys = [this, tile] {
+    SeamKeys keys;
+    keys.reserve(of_seam(tile));
+    for (std::uint32_t t = first_triangles_[tile]; keys.size() < of_seam(tile); ++t)  // so many are kept from there on
+      if (kept_[t]) keys.push_back(key_of(t));
+    return keys;
+  };
+  return {firsts_[tile], of_seam(tile), make_keys};
+}
+
+/// Its number among the kept ones.
+std::uint32_t Order::rank_of(std::uint32_t triangle) const {
+  std::uint32_t rank = kept_before_[triangle / of_block];
+  for (std::uint32_t t = triangle / of_block * of_block; t < triangle; ++t) rank += kept_[t] != 0;
+  return rank;
+}
+
+std::pair<std::size_t, std::uint32_t> Order::of_tile(std::uint32_t triangle) const {
+  const std::uint32_t rank = rank_of(triangle);
+  const auto behind = std::upper_bound(firsts_of_seam_.begin(), firsts_of_seam_.end(), rank);
+  const auto tile = static_cast<std::size_t>(behind - firsts_of_seam_.begin()) - 1;
+  return {tile, rank - firsts_of_seam_[tile]};
+}
+
 std::uint32_t Order::place_in_seam(std::uint32_t triangle) const {
-  const auto [tile, number] = of_seam_[triangle];
+  const auto [tile, number] = of_tile(triangle);
   return firsts_[tile] + before_[tile][number] + number;
 }
 
@@ -145,7 +200,7 @@ std::vector<Returned> returned_by(const Solved& solved, const Order* order) {
     give_back(solved, *order, collector);
     collector.finish();
   }
-  write_pieces(solved, returned);
+  write_pieces(solved, order != nullptr, returned);
   return returned;
 }
 

@@ -28,9 +28,9 @@ class Order {
   explicit Order(const Solved& solved);
 
   std::uint32_t triangles() const { return firsts_.back(); }
-  /// Once: the keys are gone then.
-  TilePlaces take_places(std::size_t tile) { return {firsts_[tile], std::move(keys_[tile])}; }
-  std::size_t of_seam(std::size_t tile) const { return counts_[tile]; }
+  /// What makes the keys asks this object.
+  TilePlaces places(std::size_t tile) const;
+  std::uint32_t of_seam(std::size_t tile) const { return firsts_of_seam_[tile + 1] - firsts_of_seam_[tile]; }
   /// What write_tile() returns.
   void set_before(std::size_t tile, std::vector<std::uint32_t> before) { before_[tile] = std::move(before); }
   const std::vector<std::uint32_t>& before(std::size_t tile) const { return before_[tile]; }
@@ -40,14 +40,21 @@ class Order {
   }
   std::uint32_t place_in_seam(std::uint32_t triangle) const;
   /// The tile that has a triangle of the seam, and its number among those there.
-  std::pair<std::uint32_t, std::uint32_t> of_tile(std::uint32_t triangle) const { return of_seam_[triangle]; }
+  std::pair<std::size_t, std::uint32_t> of_tile(std::uint32_t triangle) const;
 
  private:
-  std::vector<std::uint32_t> firsts_;                             ///< of each tile, and of all
-  std::vector<std::vector<std::array<std::uint64_t, 2>>> keys_;   ///< of the seam's triangles, by tile
-  std::vector<std::uint32_t> counts_;                             ///< how many these are
-  std::vector<std::vector<std::uint32_t>> before_;                ///< final ones before each of those
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> of_seam_;  ///< by triangle of the seam: tile, number there
+  std::uint32_t rank_of(std::uint32_t triangle) const;
+  std::array<std::uint64_t, 2> key_of(std::uint32_t triangle) const;
+
+  const Solved solved_;
+  std::vector<std::uint32_t> firsts_;               ///< of each tile, and of all
+  std::vector<std::vector<std::uint32_t>> before_;  ///< final ones before each of those
+  // The seam's triangles are in the order of their first vertices, and so come tile by tile.
+  static constexpr std::uint32_t of_block = 64;
+  const std::vector<std::uint8_t>& kept_;
+  std::vector<std::uint32_t> kept_before_;      ///< by block of triangles: how many kept ones come before it
+  std::vector<std::uint32_t> firsts_of_seam_;   ///< of each tile's among the kept ones, and of all
+  std::vector<std::uint32_t> first_triangles_;  ///< of each tile, if it has some
 };
 
 /// A triangle of the seam as it stands in the result.
@@ -86,7 +93,7 @@ struct Returned {
   Array<SeamTriangle> triangles;  ///< those with their first vertex in the tile, in their order
   Array<Across> across;
   // The seam's pieces that begin in the tile, in Z-order, without those of the border alone.
-  Array<std::array<std::uint64_t, 2>> piece_keys;  ///< the codes of their ends
+  Array<std::array<std::uint64_t, 2>> piece_keys;  ///< the codes of their ends; of ranks, which may lack these
   Array<Constraint> pieces;                        ///< input numbers
   Array<std::uint32_t> source_offsets, sources;    ///< input numbers
 };

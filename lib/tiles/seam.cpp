@@ -187,30 +187,29 @@ void ProblemMesh::check(std::size_t vertices, std::size_t constraints) const {
   check_below(sources, constraints, "a source of a piece is no constraint of the seam");
 }
 
-SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
+SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh, Neighbours* neighbours, std::uint8_t* constrained) {
   mesh.check(seam.points.size(), seam.constraints.size());
   SolvedSeam solved;
   const std::size_t count = mesh.triangles.size();
-  solved.border.assign(count, {-1, -1, -1});
-  solved.constrained.assign(count, 0);
   std::vector<std::uint8_t> outside(count, 0);
   solved.kept.assign(count, seam.border.empty() ? 1 : 0);
   const auto point = [&](std::uint32_t v) { return seam.points[v]; };
   for_each_in_threads(count, [&](std::size_t t) {
+    std::uint8_t flags = 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
-      if ((mesh.constrained[t] >> k & 1) == 0) continue;
+      if ((constrained[t] >> k & 1) == 0) continue;
       const Constraint edge = edge_of(mesh.triangles[t], k);
       const std::uint32_t piece = piece_between(mesh.pieces, point, edge[0], edge[1]);
       for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i) {
         const std::uint32_t source = mesh.sources[i];
         const bool is_border = source < seam.first_part();
-        if (!is_border || seam.border[source].edge.is_constrained())
-          solved.constrained[t] |= static_cast<std::uint8_t>(1u << k);
+        if (!is_border || seam.border[source].edge.is_constrained()) flags |= static_cast<std::uint8_t>(1u << k);
         if (!is_border) continue;
-        solved.border[t][k] = static_cast<std::int32_t>(source);
+        neighbours[t][k] = SolvedSeam::beyond(source);
         (seam.constraints[source] == edge ? solved.kept : outside)[t] = 1;
       }
     }
+    constrained[t] = flags;
   });
   std::vector<std::uint32_t> reached;
   for (std::uint32_t t = 0; t < count; ++t)
@@ -221,7 +220,7 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh) {
     reached.pop_back();
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::int32_t other = mesh.neighbours[t][k];
-      if (other < 0 || solved.border[t][k] >= 0 || solved.kept[static_cast<std::uint32_t>(other)]) continue;
+      if (other < 0 || solved.kept[static_cast<std::uint32_t>(other)]) continue;
       solved.kept[static_cast<std::uint32_t>(other)] = 1;
       reached.push_back(static_cast<std::uint32_t>(other));
     }

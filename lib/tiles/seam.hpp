@@ -76,17 +76,23 @@ struct Seam {
 /// `open`: by ascending number.
 Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const std::vector<SolvedTile>& tiles);
 
-/// The mesh of the seam's problem, and which of its triangles are of the seam. `border` is the number of the border
-/// edge that a triangle of the seam has there, or -1.
+/// The mesh of the seam's problem, and which of its triangles are of the seam. It is the arrays of the problem's
+/// result, changed: flags tell of input constraints alone, and neighbours of triangles across the border are gone.
 struct SolvedSeam {
   ProblemMesh mesh;
-  std::vector<std::uint8_t> kept;
-  std::vector<Neighbours> border;
-  std::vector<std::uint8_t> constrained;  ///< by triangle: bit k is set if an input constraint runs along edge k
+  std::vector<std::uint8_t> kept;  ///< by triangle
+
+  /// In place of the number of a neighbour, where an edge of the border is between.
+  static std::int32_t beyond(std::uint32_t border) { return -2 - static_cast<std::int32_t>(border); }
+  /// The number of the border's edge that triangle t has across from corner k, or -1.
+  std::int32_t border_at(std::size_t t, std::size_t k) const {
+    const std::int32_t other = mesh.neighbours[t][k];
+    return other < -1 ? -2 - other : -1;
+  }
 };
 
-/// Throws check_failed if numbers in the mesh name what is not there, or the border does not part what is of the seam
-/// from the rest.
-SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh);
+/// `neighbours` and `constrained` are the mesh's own arrays. Throws check_failed if numbers in the mesh name what is
+/// not there, or the border does not part what is of the seam from the rest.
+SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh, Neighbours* neighbours, std::uint8_t* constrained);
 
 }  // namespace gcdt::tiles

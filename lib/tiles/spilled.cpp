@@ -54,24 +54,24 @@ void place_neighbours(const Shifts& shifts, const Neighbours* from, std::uint32_
 /// Finds how many final triangles come before each of the seam's. Both are in the order of their keys.
 class BeforeFinder {
  public:
-  BeforeFinder(const GridInput& input, const ToWrite& tile) : input_(input), tile_(tile) {
-    tile.before.assign(tile.places.keys.size(), tile.final.count);
+  BeforeFinder(const GridInput& input, const ToWrite& tile)
+      : input_(input), tile_(tile), keys_(tile.places.make_keys()) {
+    tile.before.assign(keys_.size(), tile.final.count);
   }
 
   /// For those of the seam's that come before the last triangle of the part, and not before an earlier part.
   void look_at(Span<Triangle> part, std::size_t first) {
     if (part.empty()) return;
-    const auto& keys = tile_.places.keys;
-    const auto begin = keys.begin() + static_cast<std::ptrdiff_t>(found_);
+    const auto begin = keys_.begin() + static_cast<std::ptrdiff_t>(found_);
     const auto count =
-        static_cast<std::size_t>(std::upper_bound(begin, keys.end(), key_of(part[part.size() - 1])) - begin);
+        static_cast<std::size_t>(std::upper_bound(begin, keys_.end(), key_of(part[part.size() - 1])) - begin);
     for_each_in_threads(
         count,
         [&](std::size_t i) {
-          const auto [least, most] = range_of(keys[found_ + i][0]);
+          const auto [least, most] = range_of(keys_[found_ + i][0]);
           const auto* begin_of_range = part.begin() + (std::clamp(least, first, first + part.size()) - first);
           const auto* end_of_range = part.begin() + (std::clamp(most, first, first + part.size()) - first);
-          const auto* at = std::lower_bound(begin_of_range, end_of_range, keys[found_ + i],
+          const auto* at = std::lower_bound(begin_of_range, end_of_range, keys_[found_ + i],
                                             [&](const Triangle& t, const Key& wanted) { return key_of(t) < wanted; });
           tile_.before[found_ + i] = static_cast<std::uint32_t>(first + static_cast<std::size_t>(at - part.begin()));
         },
@@ -94,6 +94,7 @@ class BeforeFinder {
 
   const GridInput& input_;
   const ToWrite& tile_;
+  const SeamKeys keys_;
   std::size_t found_ = 0;
 };
 

@@ -5,7 +5,9 @@
 #include "device/step.hpp"
 #include "solve/triangulate.hpp"
 #include "tiles/indices.hpp"
+#include "tiles/near.hpp"
 #include "tiles/passages.hpp"
+#include "tiles/read_back.hpp"
 #include "tiles/take.hpp"
 
 namespace gcdt::tiles {
@@ -15,22 +17,6 @@ using runtime::over;
 using runtime::Runtime;
 
 namespace {
-
-template <class T, class From>
-std::vector<T> read_all_of(Runtime& runtime, const Buffer<From>& from, std::size_t count) {
-  static_assert(sizeof(T) == sizeof(From), "one is read as the other");
-  std::vector<T> values(count);
-  runtime.read_bytes(from.handle(), 0, values.data(), count * sizeof(T));
-  return values;
-}
-
-template <class T, class From>
-Array<T> read_array(Runtime& runtime, const Buffer<From>& from, std::size_t count) {
-  static_assert(sizeof(T) == sizeof(From), "one is read as the other");
-  Array<T> values(count);
-  runtime.read_bytes(from.handle(), 0, values.data(), count * sizeof(T));
-  return values;
-}
 
 /// From the input to a SolvedTile.
 class TileRun {
@@ -158,27 +144,25 @@ class TileRun {
     const auto [first, last] = task_.cuts.codes_of(tile_);
     runtime_.launch("tiles", "tile_final", over(triangles()), triangles(), made_.mesh.corners, points(), box,
                     cl_ulong{first}, cl_ulong{last}, final_);
-    const std::vector<std::uint32_t> passed = passed_triangles();
-    if (passed.empty()) return;
-    const auto count = static_cast<cl_uint>(passed.size());
-    runtime_.launch("tiles", "tile_not_final", over(count), count, runtime_.upload("passed triangles", passed), final_);
+    pass();
   }
 
-  std::vector<std::uint32_t> passed_triangles() {
+  /// Triangles that are passed are not final.
+  void pass() {
     std::vector<Passage> passages = share_.passages;
     for (const Dropped& constraint : solved_.dropped)
       passages.push_back({constraint.ends[0], constraint.ends[1], false});
-    if (passages.empty()) return {};
+    if (passages.empty()) return;
     std::vector<std::uint32_t> ends;
     for (const Passage& passage : passages) ends.push_back(passage.from), ends.push_back(passage.to);
     ends = stand_ins(ends);
     for (std::size_t i = 0; i < passages.size(); ++i) passages[i].from = ends[2 * i], passages[i].to = ends[2 * i + 1];
-    Array<Triangle> corners(triangles());
-    Array<Neighbours> neighbours(triangles());
-    runtime_.read_bytes(made_.mesh.corners.handle(), 0, corners.data(), corners.size() * sizeof(Triangle));
-    runtime_.read_bytes(made_.mesh.neighbours.handle(), 0, neighbours.data(), neighbours.size() * sizeof(Neighbours));
-    const auto grid_points = read_array<GridPoint>(runtime_, points(), all_);
-    return passed_by({corners, neighbours, grid_points}, passages);
+    const NearMesh near = near_mesh(runtime_, primitives_, made_.mesh, points(), passages);
+    std::vector<std::uint32_t> passed = passed_by({near.triangles, near.neighbours, near.points}, near.passages);
+    if (passed.empty()) return;
+    for (std::uint32_t& t : passed) t = near.numbers[t];
+    const auto count = static_cast<cl_uint>(passed.size());
+    runtime_.launch("tiles", "tile_not_final", over(count), count, runtime_.upload("passed triangles", passed), final_);
   }
 
   void give_to_seam() {

@@ -89,8 +89,8 @@ Routed TiledRun::route(const std::vector<Constraint>& crossings) {
     solve_parts(roles_of(wide, Role::wide));
     if (team_.is_first()) check_split_seam();
     owners.clear();
-    for (std::size_t i = 0; team_.is_first() && i < made_seam().routed.size(); ++i) {
-      const std::vector<std::uint32_t> sources = seam_.sources_of(made_seam().routed[i], tiles_);
+    for (std::size_t i = 0; team_.is_first() && i < made_seam_.routed.size(); ++i) {
+      const std::vector<std::uint32_t> sources = seam_.sources_of(made_seam_.routed[i], tiles_);
       owners.insert(owners.end(), sources.begin(), sources.end());
     }
     sort_unique(owners);
@@ -101,8 +101,8 @@ Routed TiledRun::route(const std::vector<Constraint>& crossings) {
   Routed routed;
   std::vector<double> move(1, 0);
   if (team_.is_first()) {
-    routed = take_routes(task_.input.n(), {seam_, tiles_, open_, made_seam()}, owners);
-    move[0] = made_seam().statistics.constraint_move * task_.input.chosen.grid.cell();
+    routed = take_routes(task_.input.n(), {seam_, tiles_, open_, made_seam_}, owners);
+    move[0] = made_seam_.statistics.constraint_move * task_.input.chosen.grid.cell();
   }
   routed.owners = std::move(owners);
   broadcast(team_, routed.added);
@@ -116,10 +116,10 @@ Routed TiledRun::route(const std::vector<Constraint>& crossings) {
 /// What splitting the seam has told, before it is used as indices.
 void TiledRun::check_split_seam() const {
   const std::size_t constraints = seam_.constraints.size();
-  const auto added = array_of<GridPoint>(made_seam(), GCDT_ADDED);
-  ProblemMesh(made_seam()).check(seam_.points.size() + added.size(), constraints);
-  check_below(made_seam().routed, constraints, "a constraint with a route is none of the seam");
-  const auto crossing = array_of<Constraint>(made_seam(), GCDT_ADDED_CROSSINGS);
+  const auto added = array_of<GridPoint>(made_seam_, GCDT_ADDED);
+  ProblemMesh(made_seam_).check(seam_.points.size() + added.size(), constraints);
+  check_below(made_seam_.routed, constraints, "a constraint with a route is none of the seam");
+  const auto crossing = array_of<Constraint>(made_seam_, GCDT_ADDED_CROSSINGS);
   if (crossing.size() != added.size()) refuse("an added vertex has no crossing");
   check_each(crossing.size(), "an added vertex is not where two constraints cross", [&](std::size_t i) {
     const auto is_of_input = [&](std::uint32_t c) { return c >= seam_.first_part() && c < constraints; };
@@ -227,7 +227,9 @@ std::vector<Constraint> TiledRun::solve_seam() {
     const auto solve = [&](DevicePool::Lent& lent, std::uint32_t) {
       return triangulate_single(lent.runtime, lent.primitives, problem, 0, own_);
     };
-    made_seam_ = run("seam", tiles_share, seam_share, problem, DevicePool::Who::gpus, solve);
+    PoolResult made = run("seam", tiles_share, seam_share, problem, DevicePool::Who::gpus, solve);
+    const auto [result, place] = made.places.at(0);
+    made_seam_ = std::move(made.results.at(result).singles.at(place));
   } catch (const Error& error) {
     if (error.status() == Status::constraints_cross) return pairs_of(error.indices());
     if (error.status() != Status::out_of_memory) throw;
@@ -235,7 +237,11 @@ std::vector<Constraint> TiledRun::solve_seam() {
                                            std::to_string(seam_.points.size()) + " vertices and " +
                                            std::to_string(seam_.constraints.size()) + " constraints: " + error.what());
   }
-  if (own_.crossing == Crossing::reject) between_ = take_seam(seam_, ProblemMesh(made_seam()));
+  if (own_.crossing == Crossing::reject) {
+    between_ = take_seam(seam_, ProblemMesh(made_seam_), elements_of<Neighbours>(made_seam_, GCDT_NEIGHBOURS),
+                         elements_of<std::uint8_t>(made_seam_, GCDT_CONSTRAINED));
+    forget(seam_.constraints);
+  }
   return {};
 }
 

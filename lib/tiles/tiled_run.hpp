@@ -47,11 +47,11 @@ class TiledRun {
   void solve_uncrossed(const std::vector<Role>& roles);
   void solve_tiles(const std::vector<Role>& roles, std::vector<Share> given);
   std::vector<Constraint> solve_seam();
-  const ForestResult& made_seam() const { return *made_seam_.at(0).first; }
 
   ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
   bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before, ForestResult& joined);
   void finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, Order* order, ResultPart& part);
+  void leave_pieces();
   void write_representatives(ForestResult& result) const;
   void count(const OwnPlaces& places, ForestResult& result);
 
@@ -72,7 +72,7 @@ class TiledRun {
   std::vector<SolvedTile> tiles_;
   // At the first rank.
   std::vector<OpenConstraint> open_;
-  PoolResult made_seam_;
+  ForestResult made_seam_;
   Seam seam_;
   SolvedSeam between_;
 };

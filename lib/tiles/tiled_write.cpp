@@ -17,7 +17,7 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
     OwnPlaces places = scatter_places(team_, tiles_.size(), at_first);
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < range_.size(); ++i)
-      triangles += tiles_[range_.first + i].final.count + static_cast<std::uint32_t>(places.tiles[i].keys.size());
+      triangles += tiles_[range_.first + i].final.count + places.tiles[i].of_seam;
     for (SolvedTile& tile : tiles_)
       if (triangles > room_.most() && tile.final.is_in_result()) tile.final.leave_result();
     ResultPart part;
@@ -26,7 +26,7 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
     std::vector<std::vector<std::uint32_t>> before(range_.size());
     if (write_tiles(places, before, part.result)) {
       const Timed timed(report_.ms_join);
-      for (TilePlaces& own : places.tiles) forget(own.keys);
+      for (TilePlaces& own : places.tiles) own.make_keys = {};
       finish(places, std::move(before), at_first, part);
       part.result.statistics.constraints_dropped = dropped.size();
       std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(part.result, GCDT_DROPPED, dropped.size()));
@@ -82,6 +82,7 @@ void TiledRun::finish(const OwnPlaces& places, std::vector<std::vector<std::uint
     const Solved solved{tiles_, seam_, between_};
     if (task_.check) check_count(solved, *order, task_.input.n() - merged);
     returned = returned_by(solved, team_.is_alone() ? nullptr : order);
+    leave_pieces();
   }
   returned = scatter_returned(team_, tiles_.size(), std::move(returned));
   std::vector<WrittenTile> written;
@@ -99,6 +100,14 @@ void TiledRun::finish(const OwnPlaces& places, std::vector<std::vector<std::uint
     part.seam.insert(part.seam.end(), tile.seam.triangles.begin(), tile.seam.triangles.end());
     part.merged.insert(part.merged.end(), tile.tile.merged.begin(), tile.tile.merged.end());
   }
+}
+
+/// Gives back what of the seam has been handed to the tiles.
+void TiledRun::leave_pieces() {
+  for (const std::size_t array : {GCDT_PIECES, GCDT_SOURCE_OFFSETS, GCDT_SOURCES, GCDT_REPRESENTATIVES})
+    made_seam_.arrays[array] = {};
+  between_.mesh.pieces = {}, between_.mesh.source_offsets = {}, between_.mesh.sources = {};
+  forget(seam_.parts), forget(seam_.open);
 }
 
 void TiledRun::write_representatives(ForestResult& result) const {

@@ -67,6 +67,12 @@ TEST_CASE("numbers of a tile that are none end its device, with or without the c
        "an edge of the border is of no final triangle"},
       {border, "border[place++] = (uint4)(r, corners[3u * r], corners[3u * r + 1u], 3u | marks);",
        "an edge of the border is of no final triangle"},
+      {"out_corners[3u * place + k] = used_before[corners[3u * t + k]];",
+       "out_corners[3u * place + k] = used_before[corners[3u * t + k]] | 0x40000000u;",
+       "a triangle of a tile has a corner or a neighbour that is not there"},
+      {"(int)near_before[other] : -1;", "(int)near_before[other] : -7;",
+       "a triangle of a tile has a corner or a neighbour that is not there"},
+      {"numbers[place] = t;", "numbers[place] = t | 0x40000000u;", "a triangle near a constraint is none of the tile"},
       // Lists of a tile's own numbers have none so great.
       {"out[i] = from[list[i]];\n}\nkernel",
        "out[i] = from[list[i]] | (from[list[i]] > 2500u ? 0x40000000u : 0u);\n}\nkernel", ""},
@@ -204,12 +210,15 @@ TEST_CASE("a mesh of the seam whose numbers are none is refused") {
       return made;
     }
   };
+  const auto take = [&](Arrays arrays) {
+    return tiles::take_seam(seam, arrays.mesh(), arrays.neighbours.data(), arrays.constrained.data()).kept;
+  };
   const Arrays right;
-  CHECK(tiles::take_seam(seam, right.mesh()).kept == std::vector<std::uint8_t>{1, 1});
+  CHECK(take(right) == std::vector<std::uint8_t>{1, 1});
   const auto check = [&](const char* reason, const std::function<void(Arrays&)>& garble) {
     Arrays wrong = right;
     garble(wrong);
-    is_refused(reason, [&] { tiles::take_seam(seam, wrong.mesh()); });
+    is_refused(reason, [&] { take(wrong); });
   };
   const char* const triangle = "a triangle of the seam has a corner or a neighbour that is not there";
   check(triangle, [](Arrays& a) { a.triangles[1][2] = 4; });
@@ -249,7 +258,7 @@ struct SpilledTile {
     std::vector<tiles::Neighbours> others(4);
     std::vector<std::uint8_t> flags(4);
     std::vector<std::uint32_t> before;
-    const tiles::TilePlaces places{0, keys};
+    const tiles::TilePlaces places{0, static_cast<std::uint32_t>(keys.size()), [this] { return keys; }};
     tiles::write_spilled(input, {{final, places, {to.data(), others.data(), flags.data()}, before}});
     CHECK(before == std::vector<std::uint32_t>{1});
     CHECK(to[2] == tiles::Triangle{1, 3, 2});

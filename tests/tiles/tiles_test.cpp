@@ -114,6 +114,30 @@ TEST_CASE("every workload, cut evenly, gives the bytes of one device") {
   }
 }
 
+TEST_CASE("even cuts are those of all codes in their order, if there are few") {
+  for (const std::size_t n : {0, 1, 5, 1000}) {
+    const Workload work = uniform(n);
+    for (const std::size_t tiles : {1, 2, 3, 7, 64}) {
+      CAPTURE(n);
+      CAPTURE(tiles);
+      const Cut cut = [&](const tiles::GridInput& input) {
+        std::vector<std::uint64_t> codes;
+        for (std::size_t v = 0; v < n; ++v) codes.push_back(tiles::code_of(input.at(v)));
+        std::sort(codes.begin(), codes.end());
+        Cuts cuts = evenly(tiles)(input);
+        CHECK(cuts.tiles() == tiles);
+        for (std::size_t t = 1; t < tiles; ++t) CHECK(cuts.tile_of(n == 0 ? 0 : codes[n * t / tiles]) >= t);
+        for (std::size_t v = 0; v < n; ++v) {
+          const std::size_t t = cuts.tile_of(codes[v]);
+          if (t + 1 < tiles) CHECK(codes[v] < codes[n * (t + 1) / tiles]);
+        }
+        return cuts;
+      };
+      CHECK(in_tiles(work, cut, with(Crossing::reject)).second.empty());
+    }
+  }
+}
+
 TEST_CASE("regions and domains are those of one device") {
   Random random(77002);
   for (unsigned i = 0; i < 60; ++i) {
