@@ -49,7 +49,8 @@ inline std::vector<Treated>& devices_as_all_kinds() {
   return all;
 }
 
-/// Levels, groups, lists and patches of a few; stamps that run out; sweeps from the start; isolated vertices everywhere.
+/// Levels, groups, lists and patches of a few; stamps that run out; sweeps from the start; isolated vertices
+/// everywhere.
 inline Tuning small_thresholds() {
   Tuning tuning;
   tuning.coarsest_level = 8;
