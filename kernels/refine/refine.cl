@@ -57,8 +57,8 @@ kernel void refine_count_ranks(uint count, GCDT_MESH_PARAMETERS, global const ul
 // were 1, by atomics; what they end with does not depend on the order. After: the faces of those with won[i] = 1 are
 // disjoint; the last in order is one of them.
 kernel void refine_claim(uint count, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global const uint* edge_marks,
-                         global const uint* numbers, global const uint* ranks, global const uint4* candidates,
-                         uint blocks, global const uint* cavities, global const uint* chosen, volatile global uint* won,
+                         global const uint* numbers, global uint* ranks, global const uint4* candidates, uint blocks,
+                         global const uint* cavities, global const uint* chosen, volatile global uint* won,
                          volatile global RefineReport* report, uint teamed) {
   DECLARE_TOURS(memory);
   const Candidates c = {.mesh = make_mesh(n, points, face_data, edge_faces), .candidates = candidates, .ranks = ranks};
