@@ -162,7 +162,7 @@ kernel void flip_patches(uint level, uint units, uint patches, uint room, uint m
         if (i < count && test_in_patch(patch, mesh, edge_marks, claims, round, tests[i]))
           illegal[atomic_inc(found)] = tests[i];
       }
-      barrier(CLK_LOCAL_MEM_FENCE);
+      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
       const uint candidates = *found;
       FOR_ALL_TILES(tile, candidates) {
         const uint i = tile + get_local_id(0);
