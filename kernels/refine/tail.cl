@@ -154,7 +154,9 @@ kernel void refine_tail(JUDGE_PARAMETERS, LIST_PARAMETERS, global uint* edge_pie
   MAKE_LISTS(lists);
   judge.edge_pieces = edge_pieces;
   judge.sharp = sharp;
-  Round r = {.report = report, .marks = edge_marks, .bits = bits, .last_stamp = last_stamp, .number = number};
+  // Nobody else changes marks meanwhile, so they need not be volatile.
+  global uint* const marks = (global uint*)edge_marks;
+  Round r = {.report = report, .marks = marks, .bits = bits, .last_stamp = last_stamp, .number = number};
   const Search search_of = {judge, lists, bad, urgency, ways, aiming, blocks, cavities, before, 0u};
   const Candidates candidates_of = {judge.mesh, keys, candidates, numbers, ranks, won};
   r.search = search_of;
