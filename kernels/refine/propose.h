@@ -5,6 +5,7 @@
 #ifndef GCDT_PROPOSE_H
 #define GCDT_PROPOSE_H
 
+#include "refine/stack.h"
 #include "refine/team.h"
 #include "refine/wait.h"
 
@@ -239,6 +240,29 @@ static uint conclude(Judge judge, Lists lists, global uint* urgency, uint face, 
 
 static inline bool is_to_be_mended(Judged j) { return j.verdict == VERDICT_SHARP || j.verdict == VERDICT_LARGE; }
 
+// The tour for an aim by one work-item, that with number `owner`. Returns GCDT_LISTED if the cavity's faces are listed.
+static uint tour_alone(Search s, Judged j, Aim* aim, ulong most, uint owner) {
+#ifdef GCDT_CONTIGUOUS
+  StackTour tour;
+  tour_by_stack(s.judge, &j, aim->at.face, aim->target, most, &tour);
+  if (tour.full) {
+    tour_cavity(s.judge, j, aim, false, most, 0, s.lists);
+    return 0u;
+  }
+  aim->sits_out = tour.out;
+  if (tour.out) return 0u;
+  aim->tied = tour.tied;
+  aim->in_way += tour.in_way;
+  aim->fixed += tour.fixed;
+  aim->wanted = !tour.near && aim->in_way == 0u && aim->fixed == 0u;
+  return aim->wanted ? list_faces(&tour, owner, s.cavities, s.blocks, s.lists.report) : 0u;
+#else
+  CavityList cavity = begin_list(s.cavities, s.blocks, owner);
+  tour_cavity(s.judge, j, aim, false, most, &cavity, s.lists);
+  return aim->wanted ? end_list(&cavity) : 0u;
+#endif
+}
+
 // refine_aim.
 GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round, TeamMemory memory) {
   const uint alone = without_teams(count, s.teamed);
@@ -247,11 +271,9 @@ GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round
     s.chosen[i] = GCDT_NONE;
     const Judged j = judge_face(s.judge, t);
     if (!is_to_be_mended(j)) continue;
-    CavityList cavity = begin_list(s.cavities, s.blocks, i);
     const uint number = draw(s.judge.mesh, j.corners, round);
     Aim aim = begin_aim(s.judge, t, j, false);
-    if (has_cavity(aim)) tour_cavity(s.judge, j, &aim, false, (ulong)most << number, &cavity, s.lists);
-    const uint listed = aim.wanted ? end_list(&cavity) : 0u;
+    const uint listed = has_cavity(aim) ? tour_alone(s, j, &aim, (ulong)most << number, i) : 0u;
     const uint candidate = conclude(s.judge, s.lists, s.urgency, t, number, j, aim, true, listed);
     if (listed) s.chosen[i] = candidate;
   }

@@ -301,6 +301,13 @@ GCDT_INLINE u64 gcdt_badness(Shape s) {
   return quotient > 511 ? 0 : 511 - quotient;
 }
 
+// How much sharper than 2^-8 a triangle is, by powers of two: the badness of all such ones is 511.
+#define GCDT_NEEDLE_BITS 6u
+GCDT_INLINE u32 gcdt_needle(Shape s) {
+  const u32 slope = gcdt_log2((u64)s.dot / (u64)s.area);
+  return slope < 8u ? 0u : slope - 8u;
+}
+
 // ---- Places on pieces ----------------------------------------------------------------------------------
 // A piece ab, a < b in (x, y), has places k = 0 .. D, D the larger of |dx| and |dy|: k steps from a along that axis,
 // the other coordinate rounded half up. So a vertex at a place is within half a cell of the piece on one axis and on it

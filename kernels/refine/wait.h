@@ -10,19 +10,21 @@
 // Around a dense outline most triangles are slivers whose cavities have hundreds or thousands of faces, and share them:
 // one of these wins. So who may go through a large cavity is drawn by lot (Lots, below).
 //
-// Of a sharp face the upper half of its word of `urgency` is its place in that order, above 0, of others 0. Bit 0: it
+// Of a sharp face the upper 22 bits of its word of `urgency` are its place in that order, above 0, of others 0. Bit 0: it
 // is in the way of others, as it has not aimed in vain. Bits 1 and 2: its handicap in the next draw.
 #ifndef GCDT_WAIT_H
 #define GCDT_WAIT_H
 
 #include "refine/cavity.h"
 
-#define URGENCY_BITS 16u
+#define URGENCY_BITS 10u
 #define URGENCY_IN_THE_WAY 1u
 #define URGENCY_HANDICAP_BIT 1u
 #define URGENCY_MOST_HANDICAP 3u
 
-static inline uint urgency_of(Shape s) { return gcdt_precedence(s.shortest, gcdt_badness(s)); }
+static inline uint urgency_of(Shape s) {
+  return (gcdt_precedence(s.shortest, gcdt_badness(s)) << GCDT_NEEDLE_BITS) | gcdt_needle(s);
+}
 
 static inline uint in_the_way(uint word) { return word & URGENCY_IN_THE_WAY ? word >> URGENCY_BITS : 0u; }
 

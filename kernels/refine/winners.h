@@ -4,6 +4,7 @@
 #ifndef GCDT_WINNERS_H
 #define GCDT_WINNERS_H
 
+#include "refine/stack.h"
 #include "refine/team.h"
 
 typedef struct Candidates {
@@ -95,6 +96,17 @@ GCDT_GIVEN_LOCAL void count_ranks(Candidates c, uint count, local uint* before) 
 // A face is met once for each of its sides that are looked over.
 static void claim_cavity(Mesh mesh, volatile global const uint* marks, uint root, Vertex x, Ticket t,
                          volatile global RefineReport* report) {
+#ifdef GCDT_CONTIGUOUS
+  Judge judge;
+  judge.mesh = mesh;
+  judge.marks = (volatile global uint*)marks;
+  StackTour stack;
+  tour_by_stack(judge, 0, root, x, ~0ul, &stack);
+  if (!stack.full && is_listed(&stack)) {
+    for (uint i = 0; i < stack.entered; ++i) claim_face(mesh, stack.faces[i], t);
+    return;
+  }
+#endif
   Tour tour = begin_tour(mesh, marks, root, x);
   do claim_face(mesh, tour.face, t);
   while (go_on(&tour));
