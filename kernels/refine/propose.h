@@ -113,7 +113,7 @@ static void judge_anew(Search s, uint t, bool is_new, private BadList* list) {
   }
   const bool encroached = ask_for_encroached(s.judge, t, s.lists);
   const Judged j = judge_face(s.judge, t);
-  const uint verdict = j.verdict, own = verdict == VERDICT_SHARP ? urgency_of(j.shape) : 0u;
+  const uint verdict = j.verdict, own = verdict == VERDICT_SHARP ? urgency_of(s.judge.mesh, j) : 0u;
   s.urgency[t] = (own << URGENCY_BITS) | (is_new ? URGENCY_IN_THE_WAY : s.urgency[t] & ((1u << URGENCY_BITS) - 1u));
   if (encroached || verdict == VERDICT_SHARP || verdict == VERDICT_LARGE)
     add_bad(s, encroached ? t | BAD_ASKS : t, list);

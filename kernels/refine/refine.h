@@ -286,6 +286,8 @@ GCDT_INLINE u64 gcdt_candidate_key(u32 of_subsegment, u64 squared, u64 worse, Ve
   return ((u64)of_subsegment << 63) | ((u64)gcdt_precedence(squared, worse) << 47) | (gcdt_mix(gcdt_tie_key(at)) >> 17);
 }
 
+#define GCDT_MOST_BADNESS 511u
+
 // 511 - min(511, floor(2^8 area / dot)); dot > 0, since the least angle is at most 60 degrees. The rest is below dot.
 GCDT_INLINE u64 gcdt_badness(Shape s) {
   const u64 dot = (u64)s.dot;
@@ -298,10 +300,11 @@ GCDT_INLINE u64 gcdt_badness(Shape s) {
     quotient = 2 * quotient + (rest >= dot);
     if (rest >= dot) rest -= dot;
   }
-  return quotient > 511 ? 0 : 511 - quotient;
+  return quotient > GCDT_MOST_BADNESS ? 0 : GCDT_MOST_BADNESS - quotient;
 }
 
-// How much sharper than 2^-8 a triangle is, by powers of two: the badness of all such ones is 511.
+// How much sharper than 2^-8 a sharp triangle is, by powers of two, below 2^6: the badness of all such ones is 511.
+// (The quotient is above 0, since the tangent of a sharp triangle's least angle is below 1.)
 #define GCDT_NEEDLE_BITS 6u
 GCDT_INLINE u32 gcdt_needle(Shape s) {
   const u32 slope = gcdt_log2((u64)s.dot / (u64)s.area);

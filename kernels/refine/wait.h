@@ -3,27 +3,43 @@
 //
 // Bad triangles stand in clusters, and what mends the worst one mends most of the others, or changes what they aim at.
 // So a sharp face waits as long as one within three steps over unconstrained sides goes before it: the one with the
-// shorter side, by powers of two of its square, then the sharper one. Equal ones do not wait for each other, nor do
-// faces that are only too large, which mend nothing but themselves. A face whose aim was in vain stays in no one's way
-// until its triangle changes, so a round without candidates leaves fewer that do, or has none that waits.
+// shorter side, by powers of two of its square, then the sharper one. Of needles, which are sharper than all that the
+// measure tells apart, the sharper one by powers of two, then one that a hash of its corners chooses: dense outlines
+// with nothing between them are full of them, and next to none of their aims comes to anything. Other equal ones do not
+// wait for each other, nor do faces that are only too large, which mend nothing but themselves. A face whose aim was in
+// vain stays in no one's way until its triangle changes, so a round without candidates leaves fewer that do, or has
+// none that waits.
 //
 // Around a dense outline most triangles are slivers whose cavities have hundreds or thousands of faces, and share them:
 // one of these wins. So who may go through a large cavity is drawn by lot (Lots, below).
 //
-// Of a sharp face the upper 22 bits of its word of `urgency` are its place in that order, above 0, of others 0. Bit 0: it
-// is in the way of others, as it has not aimed in vain. Bits 1 and 2: its handicap in the next draw.
+// Of a sharp face the upper 29 bits of its word of `urgency` are its place in that order, above 0, of others 0. Bit 0:
+// it is in the way of others, as it has not aimed in vain. Bits 1 and 2: its handicap in the next draw.
 #ifndef GCDT_WAIT_H
 #define GCDT_WAIT_H
 
-#include "refine/cavity.h"
+#include "refine/judge.h"
 
-#define URGENCY_BITS 10u
+#define URGENCY_BITS 3u
 #define URGENCY_IN_THE_WAY 1u
 #define URGENCY_HANDICAP_BIT 1u
 #define URGENCY_MOST_HANDICAP 3u
 
-static inline uint urgency_of(Shape s) {
-  return (gcdt_precedence(s.shortest, gcdt_badness(s)) << GCDT_NEEDLE_BITS) | gcdt_needle(s);
+#define URGENCY_LOT_BITS 7u
+
+// A number that is the same for the same three corners, on every device.
+static inline u64 hash_of_corners(Mesh mesh, uint4 corners, u64 seed) {
+  for (uint k = 0; k < 3u; ++k) seed += gcdt_mix(gcdt_tie_key(vertex_at(mesh.points, element(corners, k))));
+  return gcdt_mix(seed);
+}
+
+static inline uint urgency_of(Mesh mesh, Judged j) {
+  const u64 badness = gcdt_badness(j.shape);
+  const uint order = (gcdt_precedence(j.shape.shortest, badness) << GCDT_NEEDLE_BITS) | gcdt_needle(j.shape),
+             lot = badness < GCDT_MOST_BADNESS
+                       ? 0u
+                       : (uint)(hash_of_corners(mesh, j.corners, 0u) >> (64u - URGENCY_LOT_BITS));
+  return (order << URGENCY_LOT_BITS) | lot;
 }
 
 static inline uint in_the_way(uint word) { return word & URGENCY_IN_THE_WAY ? word >> URGENCY_BITS : 0u; }
@@ -36,9 +52,7 @@ static inline uint in_the_way(uint word) { return word & URGENCY_IN_THE_WAY ? wo
 // each round.
 
 static inline uint draw(Mesh mesh, uint4 corners, uint round) {
-  u64 sum = gcdt_mix(round + 1u);
-  for (uint k = 0; k < 3u; ++k) sum += gcdt_mix(gcdt_tie_key(vertex_at(mesh.points, element(corners, k))));
-  const uint lot = (uint)(gcdt_mix(sum) >> 32) | (1u << 20);
+  const uint lot = (uint)(hash_of_corners(mesh, corners, gcdt_mix(round + 1u)) >> 32) | (1u << 20);
   return popcount((lot & (~lot + 1u)) - 1u);
 }
 

@@ -93,3 +93,18 @@ TEST_CASE("all faces are gone through once, and only where a change is not found
     CHECK(more > 0);
   }
 }
+
+TEST_CASE("a tour is the same where the stack is too small, and a cavity has more faces than its list") {
+  runtime::CallHook hook;
+  hook.options = "-DGCDT_STACK_SIDES=4u -DGCDT_STACK_FACES=3u";
+  runtime::Runtime small(of_kind(DeviceKind::threads).device(), hook);
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    const RefinedResult expected = result_of(of_kind(DeviceKind::gpu), c.work, c.options);
+    const RefinedResult r = result_of(small, c.work, c.options);
+    CHECK(mesh_fault(r) == "");
+    CHECK(r.refined.rounds == expected.refined.rounds);
+    CHECK(r.refined.candidates == expected.refined.candidates);
+    CHECK(same(r, expected));
+  }
+}
