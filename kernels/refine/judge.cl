@@ -2,15 +2,28 @@
 // Quality refinement, the first half of a round, a kernel a step (propose.h), and at the end why triangles are left.
 #include "refine/propose.h"
 
+static RefineSettled what_was_settled(global const Counters* counters) {
+  const RefineSettled s = {.failed = counters->failed,
+                           .inserted = counters->list_insert[0],
+                           .rounds = counters->rounds,
+                           .flips_low = counters->flips_low,
+                           .flips_high = counters->flips_high,
+                           .left = counters->list_test[0]};
+  return s;
+}
+
 // One work-item per face, and per face of the list `before` of the last round. Puts kept faces that are to be mended,
 // or have a subsegment to be split for a side, into the list `bad`, and those subsegments into the list `asked`. What a
 // face is depends on itself alone; one whose claim word is below `threshold` has not changed since the last round, so
 // that it is in the list if it was. A face is a new triangle if one of its corners is: all that a round makes are
-// joined to a vertex of that round, which have numbers from `judged` on; others keep what their aims have found. Reads
-// the mesh. Writes: marks by atomic_or, its face's word of `urgency`, each list's words once, at places that atomics
-// give. Lists come in any order, which nothing depends on.
+// joined to a vertex of that round, which have numbers from `judged` on; others keep what their aims have found. If the
+// insertion before and its flips are `unread` by the host, the counters have what these did: the report gets it; there
+// are faces of the vertices that it has inserted, too; and if edges are left to be tested, that is all. Reads the mesh.
+// Writes: marks by atomic_or, its face's word of `urgency`, each list's words once, at places that atomics give. Lists
+// come in any order, which nothing depends on.
 kernel void refine_judge(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* before, global uint* bad,
-                         global uint* urgency, uint faces, uint threshold, uint were_bad, uint judged) {
+                         global uint* urgency, uint faces, uint threshold, uint were_bad, uint judged, uint unread,
+                         global const Counters* counters) {
   Search s;
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
@@ -18,6 +31,11 @@ kernel void refine_judge(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* b
   s.lists = lists;
   s.bad = bad;
   s.urgency = urgency;
+  if (unread) {
+    if (get_global_id(0) == 0) report->settled = what_was_settled(counters);
+    if (counters->list_test[0] > 0u || counters->failed) return;
+    faces += 2u * counters->list_insert[0];
+  }
   BadList list;
   begin_bad(&list);
   FOR_EACH(i, were_bad + faces) {

@@ -78,6 +78,12 @@ typedef struct RefineTail {
   u32 lost;  // a changed face is not found by its vertex: faces have to be judged by a sweep
 } RefineTail;
 
+// What the insertion before and its flips did, if the host has not read it.
+typedef struct RefineSettled {
+  u32 failed, inserted, rounds, flips_low, flips_high;
+  u32 left;  // edges that are still to be tested: nothing is judged before they are
+} RefineSettled;
+
 // Zeroed at the start of a round, but for the sums over all rounds.
 typedef struct RefineReport {
   u32 failed;                     // a loop did not end where theory says it must
@@ -91,6 +97,7 @@ typedef struct RefineReport {
   u32 on_subsegments, bent, far;  // sums: vertices on subsegments; not exactly on their piece; rounded the other way
   u32 encroached;                 // at the end: subsegments with a corner in their lens
   u32 left[GCDT_LEFT_KINDS];      // at the end
+  RefineSettled settled;
   RefineTail tail;
 } RefineReport;
 
@@ -374,7 +381,7 @@ GCDT_INLINE i64 gcdt_shell(Piece piece, u64 squared_length) {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(RefineRules) == 5 * sizeof(u64) + 4 * sizeof(u32), "the same layout on host and device");
-static_assert(sizeof(RefineReport) == (26 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
+static_assert(sizeof(RefineReport) == (32 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "phases/flip.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 #include "flip/patches.h"
@@ -11,6 +12,10 @@ namespace {
 
 static_assert(GCDT_PATCH_WORDS(GCDT_MOST_PATCH_ROOM) * sizeof(cl_uint) <= (std::size_t{1} << 15) - 64);
 static_assert(3 * GCDT_MOST_PATCH_ROOM <= 1u << 16);
+
+/// Rounds of flips that nobody has read yet how many they are: refinement's take one to five, and each takes a stamp
+/// whether it is needed or not.
+constexpr cl_uint rounds_unread = 32;
 
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
@@ -73,12 +78,17 @@ class Flipping {
     return result;
   }
 
-  /// The rounds by lists, of which the host does not know yet how many edges the first has. One work-group begins.
+  /// Rounds by lists, of which the host does not know how many edges the first has, by one work-group.
+  void begin_unread() {
+    const std::uint32_t most = rounds_in_one_group(rounds_unread);
+    stamps_.take(most);
+    mesh_.claims_below = stamps_.claims_below();
+  }
+
+  /// Goes on after begin_unread(), of which the counters have been read.
   FlipResult finish_unread(Ticker& ticker) {
-    rounds_in_one_group();
-    const std::uint32_t in_group = counters_.read().rounds;
-    round_ += in_group;
-    stamps_.take(in_group);
+    round_ = counters_.last().rounds;
+    flips_before_ = 0;
     return finish(counters_.last().list_test[round_ % 3], ticker);
   }
 
@@ -87,7 +97,9 @@ class Flipping {
     std::uint64_t total = round_;
     while (pending > 0) {
       const std::uint32_t rounds_before = counters_.last().rounds;
-      const std::uint32_t launched = pending <= plan_.group_edges ? rounds_in_one_group() : rounds_wide(pending);
+      const bool few = pending <= plan_.group_edges;
+      if (few) rounds_in_one_group(plan_.group_flip_rounds);
+      const std::uint32_t launched = few ? 0 : rounds_wide(pending);
       const device::Counters& c = counters_.read();
       const std::uint32_t in_group = c.rounds - rounds_before;
       round_ += in_group;
@@ -158,14 +170,14 @@ class Flipping {
     return plan_.rounds_per_read;
   }
 
-  // How many rounds were done stands in the counters.
-  std::uint32_t rounds_in_one_group() {
+  // How many rounds were done stands in the counters. Returns how many there may be: `wanted`, if there are stamps.
+  std::uint32_t rounds_in_one_group(std::uint32_t wanted) {
     renew_stamps();
-    const cl_uint most = std::min(stamps_.left(), plan_.group_flip_rounds);
+    const cl_uint most = std::min({stamps_.left(), wanted, plan_.group_flip_rounds});
     runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
                     most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
                     lists_.second, counters_.buffer());
-    return 0;
+    return most;
   }
 
   void renew_stamps() {
@@ -203,9 +215,13 @@ FlipResult flip_queued(runtime::Runtime& runtime, const Plan& plan, const Vertic
       .finish(counters.last().list_test[0], ticker);
 }
 
-FlipResult flip_few_queued(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                           const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh,
-                           Ticker& ticker) {
+void flip_few_unread(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                     const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh) {
+  Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh).begin_unread();
+}
+
+FlipResult flip_left(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                     const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
   return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh).finish_unread(ticker);
 }
 

@@ -21,10 +21,14 @@ FlipResult flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& ver
 FlipResult flip_queued(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                        const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
 
-/// The same where these are few, and the counters have not been read since they were zero: one work-group begins at
-/// once, and the first read comes after it. The mesh may have fewer vertices than `vertices_in_mesh`.
-FlipResult flip_few_queued(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                           const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh,
-                           Ticker& ticker);
+/// The same where these are few, and the counters have not been read since they were zero: one work-group does some
+/// rounds, and nobody reads what they did. The mesh may have fewer vertices than `vertices_in_mesh`. After:
+/// list_test[0] is 0 if no edge is left.
+void flip_few_unread(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                     const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh);
+
+/// What flip_few_unread has left, as the counters say that were just read. Its rounds and flips are in the result.
+FlipResult flip_left(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                     const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
 
 }  // namespace gcdt

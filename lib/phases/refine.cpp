@@ -30,6 +30,12 @@ constexpr std::uint32_t faces_per_block = 16;
 constexpr std::uint32_t sides_per_winner = 4;
 constexpr std::uint32_t most_doublings = GCDT_MOST_DOUBLINGS;
 
+/// Of what an insertion and its flips have counted.
+void check_settled(bool failed, std::uint32_t inserted) {
+  if (failed) throw Error(Status::round_limit, "refine: a tour around a vertex did not end");
+  if (inserted == 0) throw Error(Status::round_limit, "refine: a round inserted nothing");
+}
+
 /// Makes `buffer` hold `size` elements, of which the first `kept` stay.
 template <class T>
 void enlarge(runtime::Runtime& runtime, Buffer<T>& buffer, const char* name, std::size_t size, std::size_t kept) {
@@ -120,9 +126,11 @@ device::RefineReport Refiner::read_report() {
   return report;
 }
 
-// Which faces are to be mended: last_.bad of them, in bad_, when that is read.
+// Which faces are to be mended: last_.bad of them, in bad_, when that is read. If edges are left from flips that nobody
+// has read, none is judged.
 void Refiner::judge_faces() {
-  const cl_uint faces = mesh_.faces(count());
+  const cl_uint faces = mesh_.faces(count()),
+                most_faces = unread_ ? mesh_.faces(std::min(mesh_.n, count() + last_.candidates)) : faces;
   runtime_.fill<cl_uint>(report_, 0, words_of_round);
   if (!keys_.allocated()) {
     const std::size_t room = faces / 4 + least_room;
@@ -131,31 +139,43 @@ void Refiner::judge_faces() {
     candidates_ = runtime_.allocate<cl_uint4>("candidates", room);
   }
   std::swap(bad_, bad_before_);
-  const bool knows = judged_ > 0 && mesh_.claims_cleared == cleared_when_judged_;
-  const auto threshold = static_cast<cl_uint>(knows ? claims_when_judged_ : 0);
-  const cl_uint were_bad = knows ? last_.bad : 0, added = count() - judged_;
+  const bool knows = judged_.vertices > 0 && mesh_.claims_cleared == judged_.cleared;
+  const auto threshold = static_cast<cl_uint>(knows ? judged_.claims : 0);
+  const cl_uint were_bad = knows ? judged_.bad : 0, added = count() - judged_.vertices;
   if (finds_stars_) {
-    launch_judge("tail", "refine_judge_stars", over(last_.bad + added), capacity(), asked_, keys_, numbers_,
-                 candidates_, report_, bad_before_, bad_, urgency_, last_.bad, judged_, added);
+    launch_judge("tail", "refine_judge_stars", over(judged_.bad + added), capacity(), asked_, keys_, numbers_,
+                 candidates_, report_, bad_before_, bad_, urgency_, judged_.bad, judged_.vertices, added);
   } else {
     ++result_.sweeps;
-    launch_judge("judge", "refine_judge", over(were_bad + faces), capacity(), asked_, keys_, numbers_, candidates_,
-                 report_, bad_before_, bad_, urgency_, faces, threshold, were_bad, judged_);
+    launch_judge("judge", "refine_judge", over(were_bad + most_faces), capacity(), asked_, keys_, numbers_, candidates_,
+                 report_, bad_before_, bad_, urgency_, faces, threshold, were_bad, judged_.vertices, cl_uint(unread_),
+                 counters_.buffer());
   }
-  claims_when_judged_ = mesh_.claims_below;
-  cleared_when_judged_ = mesh_.claims_cleared;
-  judged_ = count();
+  judged_before_ = judged_;
+  judged_.claims = mesh_.claims_below;
+  judged_.cleared = mesh_.claims_cleared;
+  judged_.vertices = count();
   finds_stars_ = judges_by_stars();
 }
 
 // `idle`: how many times none was found since the last one. Finds the candidates of what is bad.
-void Refiner::find_candidates(std::uint32_t idle) {
-  const cl_uint faces = mesh_.faces(count());
-  runtime_.launch("judge", "refine_wait", over(faces), mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
-                  mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches, cl_uint(idle > 0),
-                  teamed());
-  do aim(idle);
-  while (!read_candidates());
+void Refiner::find_candidates(std::uint32_t idle, Ticker& ticker) {
+  wait(idle);
+  do {
+    aim(idle);
+    if (read_candidates()) break;
+    if (edges_left_ > 0) {
+      flip_what_is_left(ticker);
+      judge_faces();
+      wait(idle);
+    }
+  } while (true);  // ends: flips leave no edge, and there is room for all candidates the second time
+}
+
+void Refiner::wait(std::uint32_t idle) {
+  runtime_.launch("judge", "refine_wait", over(mesh_.faces(count())), mesh_.n, vertices_.points, mesh_.face_data,
+                  mesh_.edge_faces, mesh_.edge_marks, report_, bad_, urgency_, ways_, aiming_, result_.searches,
+                  cl_uint(idle > 0), teamed());
 }
 
 void Refiner::aim(std::uint32_t idle) {
@@ -166,10 +186,13 @@ void Refiner::aim(std::uint32_t idle) {
                report_, edge_pieces_, sharp_, blocks(), cavities_, teamed());
 }
 
-// False: there was no room for all, but there is the second time, when the same ones are found.
+// False: there was no room for all, but there is the second time, when the same ones are found; or edges are left.
 bool Refiner::read_candidates() {
   last_ = read_report();
+  if (unread_) take_settled();
+  if (edges_left_ > 0) return false;
   if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
+  judged_.bad = last_.bad;
   if (last_.candidates <= capacity()) return true;
   const std::size_t room = last_.candidates + last_.candidates / 4;
   runtime_.reserve(keys_, "keys of candidates", room);
@@ -242,21 +265,49 @@ void Refiner::insert(std::uint32_t most) {
                   lists_.first, counters_.buffer(), report_);
 }
 
-// Makes the mesh Delaunay, and counts the winners. A GPU does without the read before the flips where one work-group
-// takes all of them: in the many small rounds at the end.
+// Makes the mesh Delaunay, and counts the winners. Where one work-group takes all flips, in the many small rounds at
+// the end, a GPU goes on to the next search at once, and what was settled is read with what that finds: each read lets
+// the GPU wait for the host.
 void Refiner::settle(Ticker& ticker) {
-  const bool few = runtime_.kind() == DeviceKind::gpu && last_.candidates <= plan_.group_edges / sides_per_winner;
-  if (!few) counters_.read();
-  const FlipResult flipped = (few ? flip_few_queued : flip_queued)(
-      runtime_, plan_, vertices_, mesh_, lists_, counters_, std::min(mesh_.n, count() + last_.candidates), ticker);
+  const std::uint32_t before = count(), most = std::min(mesh_.n, before + last_.candidates);
+  unread_ = runtime_.kind() == DeviceKind::gpu && last_.candidates <= plan_.group_edges / sides_per_winner;
+  if (unread_) {
+    flip_few_unread(runtime_, plan_, vertices_, mesh_, lists_, counters_, most);
+    return;
+  }
+  const std::uint32_t inserted = counters_.read().list_insert[0];
+  const FlipResult flipped = flip_queued(runtime_, plan_, vertices_, mesh_, lists_, counters_, most, ticker);
   const device::Counters& c = counters_.last();
-  if (c.failed) throw Error(Status::round_limit, "refine: a tour around a vertex did not end");
-  if (c.list_insert[0] == 0) throw Error(Status::round_limit, "refine: a round inserted nothing");
+  check_settled(c.failed != 0, inserted);
   result_.flips += wide(c.flips_low, c.flips_high);
   result_.flip_rounds += flipped.rounds;
-  const std::uint32_t before = count();
-  added_ += c.list_insert[0];
+  added_ += inserted;
   look_for_stars(before, flipped.rounds > 0);
+}
+
+// The report says what was settled since the host read the counters. Edges that are left are counted later.
+void Refiner::take_settled() {
+  const device::RefineSettled& s = last_.settled;
+  unread_ = false;
+  check_settled(s.failed != 0, s.inserted);
+  added_ += s.inserted;
+  edges_left_ = s.left;
+  if (edges_left_ > 0) return;
+  judged_.vertices = count();
+  result_.flips += wide(s.flips_low, s.flips_high);
+  result_.flip_rounds += s.rounds;
+}
+
+// Nothing was judged, since edges are left from flips that nobody has read.
+void Refiner::flip_what_is_left(Ticker& ticker) {
+  std::swap(bad_, bad_before_);
+  judged_ = judged_before_;
+  --result_.sweeps;
+  counters_.read();
+  const FlipResult flipped = flip_left(runtime_, plan_, vertices_, mesh_, lists_, counters_, count(), ticker);
+  result_.flips += flipped.flips;
+  result_.flip_rounds += flipped.rounds;
+  edges_left_ = 0;
 }
 
 // Whether all that has changed can be judged by the stars of the vertices from `first` on. Flips may have taken from a
@@ -299,7 +350,7 @@ RefineResult Refiner::run(Ticker& ticker) {
       if (stage != GCDT_TAIL_CANDIDATES) continue;
       while (!read_candidates()) aim(idle);
     } else {
-      find_candidates(idle);
+      find_candidates(idle, ticker);
     }
     was_small_ = false;
     ++result_.searches;

@@ -68,9 +68,12 @@ class Refiner {
  private:
   void make_room(std::uint32_t capacity);
   void judge_faces();
-  void find_candidates(std::uint32_t idle);
+  void find_candidates(std::uint32_t idle, Ticker& ticker);
+  void wait(std::uint32_t idle);
   void aim(std::uint32_t idle);
   bool read_candidates();
+  void take_settled();
+  void flip_what_is_left(Ticker& ticker);
   void look_for_stars(std::uint32_t first, bool flipped);
   /// Where a work-item is a thread (kernels/refine/tail.cl).
   bool judges_by_stars() const { return runtime_.kind() == DeviceKind::threads; }
@@ -134,13 +137,19 @@ class Refiner {
   runtime::Buffer<cl_uint> won_;     ///< by candidate in order
   runtime::Buffer<cl_uint> report_;  ///< a RefineReport, word by word
   bool labelled_ = false;
-  std::uint32_t judged_ = 0;  ///< vertices when faces were judged last
+  /// Whether the last insertion and its flips have not been read, and how many edges they have left if they have.
+  bool unread_ = false;
+  std::uint32_t edges_left_ = 0;
+  /// What is known of the time when faces were judged last.
+  struct Judged {
+    std::uint32_t vertices = 0, bad = 0;
+    /// Faces that have changed since have claim words from here on, unless claims have been cleared since.
+    std::uint64_t claims = 0;
+    std::uint32_t cleared = 0;
+  };
+  Judged judged_, judged_before_;
   device::RefineReport last_ = {};
   cl_uint stamp_ = 0, bits_ = 0;
-  /// Faces that have changed since they were judged have claim words from here on, unless claims have been cleared
-  /// since.
-  std::uint64_t claims_when_judged_ = 0;
-  std::uint32_t cleared_when_judged_ = 0;
   /// Whether what has changed since faces were judged is found by the stars of the vertices added since.
   bool finds_stars_ = false;
   /// Whether one work-item could not do the round before, which it began.

@@ -38,6 +38,7 @@ std::uint32_t Refiner::do_small_rounds(std::uint32_t& idle, Ticker& ticker) {
                stamps.current(), stamps.bits(), stamps.current() + stamps.left(), result_.searches, idle,
                runtime_.tuning().rounds_of_tail, runtime_.tuning().most_tail_aims, room);
   last_ = read_report();
+  judged_.bad = last_.bad;
   if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
   stamps.take(last_.tail.stamp - stamps.current());
   take_over(stamps);
@@ -56,9 +57,9 @@ void Refiner::take_over(const Stamps& stamps) {
   const device::RefineTail& tail = last_.tail;
   mesh_.claims_below = stamps.claims_below();
   if (tail.judgings > 0) {
-    judged_ = tail.judged;
-    claims_when_judged_ = (std::uint64_t{tail.stamp_judged} + 1) << stamps.bits();
-    cleared_when_judged_ = mesh_.claims_cleared;
+    judged_.vertices = tail.judged;
+    judged_.claims = (std::uint64_t{tail.stamp_judged} + 1) << stamps.bits();
+    judged_.cleared = mesh_.claims_cleared;
   }
   if (tail.judgings % 2 == 1) std::swap(bad_, bad_before_);
   finds_stars_ = tail.lost == 0;
