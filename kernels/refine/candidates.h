@@ -86,6 +86,12 @@ typedef struct Lists {
   volatile global RefineReport* report;
 } Lists;
 
+// Zeroes what a round counts.
+static inline void begin_search(volatile global RefineReport* report) {
+  report->bad = report->aiming = report->sitting_out = report->asked = 0u;
+  report->candidates = report->blocks = report->refused = 0u;
+}
+
 // Puts the subsegment into the list, once: the mark decides by atomic_or. (Of few compared with faces.)
 static inline void ask(Lists lists, uint edge) {
   if (lists.marks[edge] & GCDT_MARK_ASKED) return;

@@ -7,16 +7,16 @@
 // One work-item per candidate, in the order of keys. The first of several with one key sorts these, and tells each its
 // place in order, by number. (Candidates are claimed and inserted in the order in which they were found, which is that
 // of faces: neighbours share cache lines.) All have won until claims are made. And one per subsegment that was asked
-// for: its mark goes. No race: a run of equal keys has one first, other work-items write nothing of it, and each word
-// of `won` and each mark is of one. After: candidates stand in the order of (key, point, ends), which does not depend
-// on how they were found. Ends: each is moved forward at most by the length of its run, which is more than a few where
-// many triangles have one target, and then nothing moves.
+// for: its mark goes. And the counters of what follows are zeroed. No race: a run of equal keys has one first, other
+// work-items write nothing of it, and each word of `won` and each mark is of one. After: candidates stand in the order
+// of (key, point, ends), which does not depend on how they were found. Ends: each is moved forward at most by the
+// length of its run, which is more than a few where many triangles have one target, and then nothing moves.
 kernel void refine_rank(uint count, GCDT_MESH_PARAMETERS, global const ulong* keys, global const uint4* candidates,
                         global uint* numbers, global uint* ranks, global uint* won, global const uint* asked,
-                        global uint* edge_marks, global const RefineReport* report) {
+                        global uint* edge_marks, global const RefineReport* report, global uint* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const uint marked = report->asked;
-  FOR_EACH(i, marked) edge_marks[asked[i]] &= ~GCDT_MARK_ASKED;
+  forget_asked(edge_marks, asked, report->asked);
+  zero_counters(counters);
   FOR_EACH(i, count) {
     const u64 key = keys[i];
     won[i] = 1u;
@@ -39,7 +39,7 @@ kernel void refine_rank(uint count, GCDT_MESH_PARAMETERS, global const ulong* ke
 kernel void refine_count_ranks(uint count, GCDT_MESH_PARAMETERS, global const ulong* keys,
                                global const uint4* candidates, global uint* numbers, global uint* ranks,
                                global uint* won, global const uint* asked, global uint* edge_marks,
-                               global const RefineReport* report) {
+                               global const RefineReport* report, global uint* counters) {
   local uint before[GCDT_COUNTING_TEAMS];
   const Candidates c = {.mesh = make_mesh(n, points, face_data, edge_faces),
                         .keys = keys,
@@ -48,6 +48,7 @@ kernel void refine_count_ranks(uint count, GCDT_MESH_PARAMETERS, global const ul
                         .ranks = ranks,
                         .won = won};
   forget_asked(edge_marks, asked, report->asked);
+  zero_counters(counters);
   count_ranks(c, count, before);
 }
 
@@ -83,7 +84,8 @@ kernel void refine_last_in_order(uint count, uint winners, uint most, global con
 // near in memory; and makes the stars of these Delaunay. Writes the words of its faces and edges and those that its
 // vertex brings, which others do not have (L1: winners' faces are disjoint), and marks of the edges around by atomics.
 // Of a face beyond these it reads whose it is, which stays, and all of it if nobody changes it. After: a valid mesh;
-// edges that may be illegal are queued, and listed; list_insert[0] is the number of winners.
+// edges that may be illegal are queued, and listed; list_insert[0] is the number of winners; the report is as a search
+// wants it.
 kernel void refine_insert(uint count, uint first, uint stamp, uint bits, uint sized, GCDT_MESH_PARAMETERS,
                           global uint* edge_marks, global uint* edge_pieces, global const uint* numbers,
                           global const uint* ranks, global const uint4* candidates, global const uint* before,
@@ -97,7 +99,10 @@ kernel void refine_insert(uint count, uint first, uint stamp, uint bits, uint si
   set_vertices(&in, new_points, inputs, origins, sized, sizes);
   begin_insertion(&in, first, make_claim(stamp, bits));
   uint flips = 0;
-  if (get_global_id(0) == 0) counters->list_insert[0] = before[count];
+  if (get_global_id(0) == 0) {
+    counters->list_insert[0] = before[count];
+    begin_search(report);
+  }
   FOR_EACH(number, count) {
     if (before[number + 1u] > before[number]) flips += insert_winner(in, number, first + before[number]);
   }

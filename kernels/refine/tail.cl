@@ -87,8 +87,7 @@ static uint number_winners(volatile global uint* won, uint count) {
 static void judge_for_next(Round* r, RefineTail* tail, uint winners) {
   volatile global RefineReport* const report = r->report;
   const uint were_bad = report->bad, first = tail->vertices - winners;
-  report->bad = report->aiming = report->sitting_out = report->asked = 0u;
-  report->candidates = report->blocks = report->refused = 0u;
+  begin_search(report);
   global uint* const before = r->search.bad;
   r->search.bad = r->search.chosen;
   r->search.chosen = before;

@@ -20,6 +20,10 @@ static void forget_asked(global uint* edge_marks, global const uint* asked, uint
   FOR_EACH(i, count) edge_marks[asked[i]] &= ~GCDT_MARK_ASKED;
 }
 
+static void zero_counters(global uint* counters) {
+  FOR_EACH(i, (uint)(sizeof(Counters) / sizeof(uint))) counters[i] = 0u;
+}
+
 // ---- Precedence -------------------------------------------------------------------------------------------
 
 // The lesser and the greater end of an edge, by (x, y).

@@ -44,6 +44,9 @@ struct Tuning {
   std::uint32_t most_merged = 1u << 17;
   /// Candidates of a round of refinement that a GPU ranks by comparing all with all, in one launch instead of a sort's.
   std::uint32_t most_ranked_by_count = 1u << 13;
+  /// Candidates of a round of refinement up to which one work-group does the first rounds of flips, and the host reads
+  /// nothing before the next search, on a GPU (NOTES, "Rounds that are read once").
+  std::uint32_t most_unread = 1u << 13;
   /// Tours of cavities that a GPU makes by teams of eight work-items: more fill it by one work-item each (NOTES, "Stars
   /// and teams").
   std::uint32_t most_by_teams = 1u << 15;

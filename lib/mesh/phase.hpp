@@ -65,6 +65,8 @@ class PhaseCounters {
       : runtime_(runtime), buffer_(runtime.allocate<device::Counters>("counters", 1)) {}
   /// Zeroes both copies.
   void zero();
+  /// A kernel has zeroed them.
+  void are_zero() { host_ = {}; }
   const device::Counters& read();
   const device::Counters& last() const { return host_; }
   const runtime::Buffer<device::Counters>& buffer() const { return buffer_; }

@@ -26,8 +26,6 @@ constexpr std::uint32_t least_room = 1024;
 // than that are too large at once, their cavities are gone through again.
 constexpr std::uint32_t faces_per_block = 16;
 
-// Sides that a winner may leave to the rounds of flips, about, with those that it comes upon.
-constexpr std::uint32_t sides_per_winner = 4;
 constexpr std::uint32_t most_doublings = GCDT_MOST_DOUBLINGS;
 
 /// Of what an insertion and its flips have counted.
@@ -131,7 +129,8 @@ device::RefineReport Refiner::read_report() {
 void Refiner::judge_faces() {
   const cl_uint faces = mesh_.faces(count()),
                 most_faces = unread_ ? mesh_.faces(std::min(mesh_.n, count() + last_.candidates)) : faces;
-  runtime_.fill<cl_uint>(report_, 0, words_of_round);
+  if (!report_begun_) runtime_.fill<cl_uint>(report_, 0, words_of_round);
+  report_begun_ = false;
   if (!keys_.allocated()) {
     const std::size_t room = faces / 4 + least_room;
     keys_ = runtime_.allocate<cl_ulong>("keys of candidates", room);
@@ -214,7 +213,8 @@ void Refiner::rank_candidates() {
   runtime_.launch("refine", by_count ? "refine_count_ranks" : "refine_rank",
                   over(std::max<std::size_t>(items, last_.asked)), candidates, mesh_.n, vertices_.points,
                   mesh_.face_data, mesh_.edge_faces, keys_, candidates_, numbers_, ranks_, won_, asked_,
-                  mesh_.edge_marks, report_);
+                  mesh_.edge_marks, report_, counters_.buffer());
+  counters_.are_zero();
 }
 
 // won_ becomes the scan of the candidates that hold all that they claim.
@@ -258,7 +258,7 @@ void Refiner::insert(std::uint32_t most) {
       make_room(static_cast<std::uint32_t>(std::min<std::uint64_t>(most_added_ - added_, room)));
     }
   }
-  counters_.zero();
+  report_begun_ = true;
   runtime_.launch("refine", "refine_insert", over(last_.candidates), last_.candidates, count(), stamp_, bits_,
                   rules_.sized, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
                   edge_pieces_, numbers_, ranks_, candidates_, won_, vertices_.points, origins_begin_, origins_, sizes_,
@@ -270,7 +270,7 @@ void Refiner::insert(std::uint32_t most) {
 // the GPU wait for the host.
 void Refiner::settle(Ticker& ticker) {
   const std::uint32_t before = count(), most = std::min(mesh_.n, before + last_.candidates);
-  unread_ = runtime_.kind() == DeviceKind::gpu && last_.candidates <= plan_.group_edges / sides_per_winner;
+  unread_ = runtime_.kind() == DeviceKind::gpu && last_.candidates <= runtime_.tuning().most_unread;
   if (unread_) {
     flip_few_unread(runtime_, plan_, vertices_, mesh_, lists_, counters_, most);
     return;

@@ -137,6 +137,7 @@ class Refiner {
   runtime::Buffer<cl_uint> won_;     ///< by candidate in order
   runtime::Buffer<cl_uint> report_;  ///< a RefineReport, word by word
   bool labelled_ = false;
+  bool report_begun_ = false;  ///< it is zero where a round begins from zero
   /// Whether the last insertion and its flips have not been read, and how many edges they have left if they have.
   bool unread_ = false;
   std::uint32_t edges_left_ = 0;
