@@ -124,7 +124,7 @@ kernel void count_depths(uint n, global const ulong* keys, global const uint* be
 // A vertex has one first place.
 // After this kernel a stable sort of the ranks by level numbers the vertices.
 kernel void level_vertices(uint n, uint levels, global const DepthLevels* by_depth, global const ulong* keys,
-                           global const uint* before, global uint* level_of_rank, global uint* rank_of_rank) {
+                           global const uint* before, global ulong* level_of_rank, global uint* rank_of_rank) {
   FOR_EACH(i, n) {
     const uint rank = before[i];
     if (before[i + 1u] == rank) continue;

@@ -3,6 +3,8 @@
 // (kernels/constrain/walk.h).
 #pragma once
 
+#include <optional>
+
 #include "mesh/primitives.hpp"
 #include "phases/insert.hpp"
 
@@ -18,11 +20,16 @@ struct WalkedMesh {
 
 /// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
 struct PieceParts {
+  cl_uint pool = 0;                 ///< parts at most beyond one a piece, and those that the piece had before
   cl_uint capacity = 0;             ///< the most parts there may be; their number is begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
+/// `length`: of all, along the longer axis of each; none: nobody knows it, so that it is read back.
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                           const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+                           const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces,
+                           std::optional<std::uint64_t> length);
+/// The faces that constraints of this total length cross on an evenly filled mesh.
+std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length);
 /// The same by the weights of the pieces, which are the crossings counted when the constraints were cleaned. They are a
 /// better measure than lengths, because vertices are seldom spread evenly.
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
