@@ -25,10 +25,11 @@ const char* name(Plan::By by) {
 
 }  // namespace
 
-std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t many) {
+std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had) {
   const std::uint64_t usual =
       std::min<std::uint64_t>(crossings / plan.crossings_per_part + plan.least_parts, plan.most_parts);
-  return static_cast<std::uint32_t>(std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, many)));
+  const std::uint32_t left = plan.long_parts - std::min(had, plan.long_parts);
+  return static_cast<std::uint32_t>(std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left)));
 }
 
 Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes) {
@@ -75,11 +76,9 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.curve_crossings = tuning.curve_crossings.value_or(threads ? 0 : gpu ? Tuning::gpu_curve_crossings : UINT32_MAX);
   plan.curve_bits = gpu ? Tuning::gpu_curve_bits : 32;
   plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
-  const auto at_most = [&](std::uint32_t parts) {
-    return tuning.part_pool || !gpu ? plan.most_parts : std::max(plan.most_parts, std::min(sizes.vertices / 2, parts));
-  };
-  plan.cleaned_parts = at_most(Tuning::gpu_cleaned_parts);
-  plan.enforced_parts = at_most(Tuning::gpu_enforced_parts);
+  plan.long_parts = tuning.part_pool || !gpu
+                        ? plan.most_parts
+                        : std::max(plan.most_parts, std::min(sizes.vertices / 2, Tuning::gpu_long_parts));
   plan.crossings_of_long = Tuning::crossings_of_long;
   plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   plan.crossings_per_part = threads ? Tuning::cpu_crossings_per_part : tuning.crossings_per_part;

@@ -66,9 +66,8 @@ struct Plan {
   unsigned curve_bits = 0;
   std::uint32_t least_parts = 0, most_parts = 0;  ///< of constraints, beyond one each
   std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
-  /// Where parts would have `crossings_of_long` faces and more, there are so many at most when constraints are cleaned,
-  /// and when they are enforced.
-  std::uint32_t cleaned_parts = 0, enforced_parts = 0, crossings_of_long = 0;
+  /// Where parts would have `crossings_of_long` faces and more, there are so many at most.
+  std::uint32_t long_parts = 0, crossings_of_long = 0;
   std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.
@@ -81,8 +80,9 @@ struct Plan {
   std::string text() const;
 };
 
-/// Parts beyond one a constraint, where these cross so many faces in all; `many`: cleaned_parts or enforced_parts.
-std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t many);
+/// Parts beyond one a constraint, where these cross so many faces in all. `had`: so many are there already, and most
+/// are kept; both are at most most_parts + long_parts.
+std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had = 0);
 
 Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes);
 

@@ -57,14 +57,14 @@ PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, co
   runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
   if (!length) length = total_length(runtime, lengths, pieces);
   return make_parts(runtime, primitives, lengths, pieces, *length,
-                    part_pool(plan, expected_crossings(vertices, *length), plan.cleaned_parts), nullptr);
+                    part_pool(plan, expected_crossings(vertices, *length)), nullptr);
 }
 
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                               const Pieces& pieces) {
   const WalkedPieces& walked = pieces.walked;
   return make_parts(runtime, primitives, walked.weights, pieces.count, walked.crossed,
-                    part_pool(plan, walked.crossed, plan.enforced_parts), &walked);
+                    part_pool(plan, walked.crossed, walked.pool), &walked);
 }
 
 PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
