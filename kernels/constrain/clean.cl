@@ -10,10 +10,10 @@
 // walked, and whether it has a length. An index out of range is reported by atomic_min: the least one wins. No other
 // race: each its own words, and sums by atomics (add_lengths). After: kept[c] is 0 or 1; kept[count + 1] is the least
 // 2 c + end out of range, or GCDT_NONE; kept[count + 2] and kept[count + 3], 0 before, are the total length of those
-// that are kept.
+// that are kept, and lengths[c] that of each.
 kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
                       global const int2* points, global const uint* wanted, uint all_wanted, global uint2* ends,
-                      volatile global uint* kept) {
+                      global uint* lengths, volatile global uint* kept) {
   local uint sum;
   u64 mine = 0;
   FOR_EACH(c, count) {
@@ -27,14 +27,20 @@ kernel void clean_map(uint count, uint inputs, global const uint2* constraints, 
     ends[c] = walk_ends((uint2)(input_vertex[in.x], input_vertex[in.y]));
     if (ends[c].x == ends[c].y || !(all_wanted || wanted[c])) continue;
     kept[c] = 1u;
-    mine += piece_length(points, ends[c]);
+    const uint length = (uint)piece_length(points, ends[c]);
+    lengths[c] = length;
+    mine += length;
   }
   add_lengths(&sum, kept + count + 2u, mine);
 }
 
-// One work-item per kept constraint. Gathers its ends. No race: each its own word.
-kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global uint2* to) {
-  FOR_EACH(i, count) to[i] = from[list[i]];
+// One work-item per kept constraint. Gathers its ends and its length. No race: each its own words.
+kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global const uint* from_lengths,
+                         global uint2* to, global uint* to_lengths) {
+  FOR_EACH(i, count) {
+    to[i] = from[list[i]];
+    to_lengths[i] = from_lengths[list[i]];
+  }
 }
 
 // One work-item per kept constraint. The same for their numbers. No race: each its own word.

@@ -89,7 +89,9 @@ void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size
   const std::size_t most = by_one_item()           ? Tuning::one_item_keys
                            : walk_ == Walk::serial ? GCDT_SORT_SMALL
                                                    : runtime_.tuning().most_merged;
-  if (count <= most)
+  // One digit takes fewer launches than merging, but for a block alone.
+  const bool by_digit = walk_ == Walk::group && bits <= GCDT_GROUP_DIGIT_BITS && count > GCDT_SORT_SMALL;
+  if (count <= most && !by_digit)
     sort_few(keys, values, count, bits);
   else
     sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);

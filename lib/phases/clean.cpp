@@ -45,13 +45,14 @@ Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertic
 Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted) {
   const cl_uint all = wanted.empty();
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
+  auto lengths = runtime_.allocate<cl_uint>("lengths of constraints", count_);
   // Behind the flags their sum, the first end that is no input point, and the length of those kept in two words.
   auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 4);
   const auto wanted_buffer = runtime_.upload("wanted constraints", wanted);
   runtime_.fill<cl_uint>(kept, GCDT_NONE, 1, std::size_t(count_) + 1);
   runtime_.fill<cl_uint>(kept, 0, 2, std::size_t(count_) + 2);
   runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
-                  vertices_.points, wanted_buffer, all, ends, kept);
+                  vertices_.points, wanted_buffer, all, ends, lengths, kept);
   primitives_.exclusive_scan(kept, kept, count_);
   std::array<cl_uint, 4> found;
   runtime_.read(kept, found.data(), found.size(), count_);
@@ -61,8 +62,10 @@ Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted
   result.length = wide(found[2], found[3]);
   result.list = runtime_.allocate<cl_uint>("list of constraints", result.count);
   result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
+  result.lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", result.count);
   primitives_.compact_indices(kept, result.list, count_);
-  runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, result.ends);
+  runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, lengths, result.ends,
+                  result.lengths);
   result.along_curve = pays_along_curve(plan, result);
   if (result.along_curve) put_along_curve(plan, result);
   return result;
@@ -86,10 +89,13 @@ void Cleaner::put_along_curve(const Plan& plan, Kept& kept) {
   primitives_.sort(keys, places, kept.count, sorted);
   auto list = runtime_.allocate<cl_uint>("list of constraints", kept.count);
   auto ends = runtime_.allocate<cl_uint2>("ends of kept constraints", kept.count);
-  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, places, kept.ends, ends);
+  auto lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", kept.count);
+  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, places, kept.ends, kept.lengths, ends,
+                  lengths);
   runtime_.launch("clean", "clean_gather_list", over(kept.count), kept.count, places, kept.list, list);
   kept.list = std::move(list);
   kept.ends = std::move(ends);
+  kept.lengths = std::move(lengths);
   kept.places = std::move(places);
 }
 
@@ -163,7 +169,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   runtime_.end_step();
   Step walking(runtime_, "walk");
   const PieceParts parts =
-      parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count, kept.length);
+      parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.lengths, kept.count, kept.length);
   Found found = walk(walked, kept, parts, counters);
   result.walk_ms = walking.end();
   result.hits = counters.last().hits;

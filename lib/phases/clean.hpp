@@ -39,11 +39,12 @@ class Cleaner {
  private:
   struct Kept {
     cl_uint count = 0;
-    runtime::Buffer<cl_uint> list;    ///< input constraints with a length, ascending or along the curve
-    runtime::Buffer<cl_uint2> ends;   ///< their vertices
-    runtime::Buffer<cl_uint> places;  ///< if along the curve: the place of each in ascending order
+    runtime::Buffer<cl_uint> list;     ///< input constraints with a length, ascending or along the curve
+    runtime::Buffer<cl_uint2> ends;    ///< their vertices
+    runtime::Buffer<cl_uint> lengths;  ///< along the longer axis of each
+    runtime::Buffer<cl_uint> places;   ///< if along the curve: the place of each in ascending order
     bool along_curve = false;
-    std::uint64_t length = 0;  ///< of all, each along its longer axis
+    std::uint64_t length = 0;  ///< of all
   };
   Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);
   void put_along_curve(const Plan& plan, Kept& kept);

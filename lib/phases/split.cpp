@@ -126,7 +126,7 @@ const Buffer<cl_uint2>& Splitter::route(const Plan& plan, const Vertices& vertic
   auto codes = runtime_.allocate<cl_ulong>("codes by rank", n);
   runtime_.launch("split", "split_codes", over(n), n, vertices.levels_buffer, vertices.points, codes);
 
-  const PieceParts parts = parts_by_length(runtime_, primitives_, plan, vertices, ends, marked_, std::nullopt);
+  const PieceParts parts = parts_by_length(runtime_, primitives_, plan, vertices, ends, marked_);
   auto offsets = runtime_.allocate<cl_uint>("vertices of parts", std::size_t(parts.capacity) + 1);
   auto areas = runtime_.allocate<cl_ulong>("areas of parts", parts.capacity);
   auto total = runtime_.filled<cl_uint>("vertices of all parts", 2, 0);

@@ -51,13 +51,17 @@ std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length)
 }
 
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                           const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces,
-                           std::optional<std::uint64_t> length) {
+                           const Vertices& vertices, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces,
+                           std::uint64_t length) {
+  return make_parts(runtime, primitives, lengths, pieces, length, part_pool(plan, expected_crossings(vertices, length)),
+                    nullptr);
+}
+
+PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                           const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
   auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
   runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
-  if (!length) length = total_length(runtime, lengths, pieces);
-  return make_parts(runtime, primitives, lengths, pieces, *length,
-                    part_pool(plan, expected_crossings(vertices, *length)), nullptr);
+  return parts_by_length(runtime, primitives, plan, vertices, lengths, pieces, total_length(runtime, lengths, pieces));
 }
 
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
