@@ -61,8 +61,8 @@ std::vector<Variant> variants(std::uint32_t vertices) {
   for (const std::uint32_t crossings : {4u, 16u, 32u})
     add("crossings a part " + std::to_string(crossings)).tuning.crossings_per_part = crossings;
   for (const bool sorted : {false, true})
-    add(sorted ? "constraints cleaned along the curve" : "constraints cleaned as given").tuning.walk_along_curve =
-        sorted;
+    add(sorted ? "constraints cleaned along the curve" : "constraints cleaned as given").tuning.curve_crossings =
+        sorted ? 0 : UINT32_MAX;
   add("vertices shuffled").edit = shuffle_vertices;
   return all;
 }

@@ -148,6 +148,7 @@ def besides_table(rows):
             ms(row["phases"]["check"]),
             ms(row["regions_ms"]),
             ms(row["locate_ms"]),
+            ms(row["device_locate_ms"]) if "device_locate_ms" in row else "-",
             ms(row["verify_ms"]) if row["verify_ms"] else "-",
         ]
         for row in rows
@@ -162,6 +163,7 @@ def besides_table(rows):
             "device check ms",
             "regions, depths, windings ms",
             "1M points located, from and to the host ms",
+            "device to device ms",
             "proof on the host, one thread ms",
         ],
         lines,

@@ -29,8 +29,9 @@ struct Row {
   /// Of one traced call more: milliseconds and launches of each kernel.
   std::map<std::string, std::pair<double, int>> kernels;
   /// What may be asked of a mesh besides, in ms: labels of all regions (on top of the call), 1M random points located
-  /// with their weights (from and to the host), and the proof by gcdt::verify (beside other rows', 0 if not made).
-  double regions_ms = 0, locate_ms = 0, verify_ms = 0;
+  /// with their weights, from and to the host and from and to device memory, and the proof by gcdt::verify (beside
+  /// other rows', 0 if not made).
+  double regions_ms = 0, locate_ms = 0, device_locate_ms = 0, verify_ms = 0;
   bool same_bytes = true;  ///< every timed call gave the same triangles
   std::vector<std::pair<std::string, PeerTimes>> peers;
 };

@@ -20,6 +20,7 @@
 #include <gcdt/gcdt.hpp>
 #include <gcdt/verify.hpp>
 
+#include "device_caller.hpp"
 #include "pinned.hpp"
 #include "rates.hpp"
 #include "results.hpp"
@@ -75,6 +76,7 @@ class Benchmark {
         peers_(start_peers()),
         solver_(arguments.device),
         pinned_(solver_.device()),
+        device_(solver_.device()),
         results_(file()) {}
 
   bool run() {
@@ -244,6 +246,7 @@ class Benchmark {
     }
     row.regions_ms = middle(regions);
     row.locate_ms = middle(locating);
+    row.device_locate_ms = middle(device_.time_locate(row.work.points, row.work.constraints, row.options, inside, 5));
   }
 
   void time_peers(Row& row) {
@@ -298,6 +301,7 @@ class Benchmark {
   std::vector<Peer> peers_;  // started before there are threads of an OpenCL driver
   Solver solver_;
   PinnedCaller pinned_;
+  DeviceCaller device_;
   Results results_;
   std::vector<std::unique_ptr<Row>> waiting_;  ///< to be verified
   bool good_ = true;

@@ -2,15 +2,20 @@
 // Cleaning constraints (docs/contract.md, 3): end points to vertices, zero-length ones out, each split
 // at every vertex on it (found by walking), equal pieces merged with the list of their sources.
 #include "constrain/clean.h"
+#include "constrain/length.h"
 #include "constrain/walk.h"
 #include "sort/mark_first.h"
 
 // One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in which it is
 // walked, and whether it has a length. An index out of range is reported by atomic_min: the least one wins. No other
-// race: each its own words. After: kept[c] is 0 or 1; kept[count + 1] is the least 2 c + end out of range, or
-// GCDT_NONE.
+// race: each its own words, and sums by atomics (add_lengths). After: kept[c] is 0 or 1; kept[count + 1] is the least
+// 2 c + end out of range, or GCDT_NONE; kept[count + 2] and kept[count + 3], 0 before, are the total length of those
+// that are kept, and lengths[c] that of each.
 kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
-                      global const uint* wanted, uint all_wanted, global uint2* ends, volatile global uint* kept) {
+                      global const int2* points, global const uint* wanted, uint all_wanted, global uint2* ends,
+                      global uint* lengths, volatile global uint* kept) {
+  local uint sum;
+  u64 mine = 0;
   FOR_EACH(c, count) {
     const uint2 in = constraints[c];
     kept[c] = 0u;
@@ -20,13 +25,22 @@ kernel void clean_map(uint count, uint inputs, global const uint2* constraints, 
       continue;
     }
     ends[c] = walk_ends((uint2)(input_vertex[in.x], input_vertex[in.y]));
-    kept[c] = (ends[c].x != ends[c].y && (all_wanted || wanted[c])) ? 1u : 0u;
+    if (ends[c].x == ends[c].y || !(all_wanted || wanted[c])) continue;
+    kept[c] = 1u;
+    const uint length = (uint)piece_length(points, ends[c]);
+    lengths[c] = length;
+    mine += length;
   }
+  add_lengths(&sum, kept + count + 2u, mine);
 }
 
-// One work-item per kept constraint. Gathers its ends. No race: each its own word.
-kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global uint2* to) {
-  FOR_EACH(i, count) to[i] = from[list[i]];
+// One work-item per kept constraint. Gathers its ends and its length. No race: each its own words.
+kernel void clean_gather(uint count, global const uint* list, global const uint2* from, global const uint* from_lengths,
+                         global uint2* to, global uint* to_lengths) {
+  FOR_EACH(i, count) {
+    to[i] = from[list[i]];
+    to_lengths[i] = from_lengths[list[i]];
+  }
 }
 
 // One work-item per kept constraint. The same for their numbers. No race: each its own word.
@@ -34,12 +48,12 @@ kernel void clean_gather_list(uint count, global const uint* list, global const 
   FOR_EACH(i, count) to[i] = from[list[i]];
 }
 
-// One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, and its own
-// number, to be sorted. No race: its own words.
-kernel void clean_ranks(uint count, GCDT_LEVELS_POINTER levels, global const uint2* ends, global uint* keys,
+// One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, without its
+// low bits, and its own number, to be sorted. No race: its own words.
+kernel void clean_ranks(uint count, uint low, GCDT_LEVELS_POINTER levels, global const uint2* ends, global ulong* keys,
                         global uint* places) {
   FOR_EACH(i, count) {
-    keys[i] = gcdt_rank_of_vertex(levels, ends[i].x);
+    keys[i] = gcdt_rank_of_vertex(levels, ends[i].x) >> low;
     places[i] = i;
   }
 }
@@ -52,24 +66,27 @@ kernel void clean_count(uint count, global const uint* begins, global const uint
 }
 
 // One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it, or writes them in
-// order to hits[offsets[part] ...]. No race: each part has its own words, or its own range; faces crossed are added to
-// their constraint's count. After counting: counts[part] for every part, 0 beyond the last; part_face[part], where it
-// begins, is GCDT_NONE if it failed.
+// order to hits[offsets[part] ...]: the first of a part is known from counting, so that only parts with more walk
+// again. No race: each part has its own words, or its own range; faces crossed are added to their constraint's count,
+// and to that of all. After counting: counts[part] for every part, 0 beyond the last; first_hits[part] if that is not
+// 0; part_face[part], where it begins, is GCDT_NONE if it failed.
 kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_FAN_PARAMETERS,
                        global const uint2* ends, global const uint* list, global const uint* begins,
                        global const int4* lines, global const uint* part_piece, global uint* part_face,
-                       global const uint* searched, global const uint* offsets, global uint* counts, global uint* hits,
-                       volatile global uint* crossed, volatile global Counters* counters) {
+                       global const uint* searched, global const uint* offsets, global uint* counts,
+                       global uint* first_hits, global uint* hits, volatile global uint* crossed,
+                       volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
   const uint parts = begins[pieces];
-  uint steps = 0, hit = 0;
+  uint steps = 0, hit = 0, pairs = 0;
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
     const uint before = task == GCDT_CLEAN_ALL ? 0u : offsets[part + 1u] - offsets[part];
+    if (task == GCDT_CLEAN_WRITE && before == 1u) hits[offsets[part]] = first_hits[part];
     if (part < parts &&
-        (task == GCDT_CLEAN_ALL || (task == GCDT_CLEAN_REST ? searched[part] == GCDT_NONE : before > 0u))) {
+        (task == GCDT_CLEAN_ALL || (task == GCDT_CLEAN_REST ? searched[part] == GCDT_NONE : before > 1u))) {
       const uint c = part_piece[part];
       Walk w;
       uint event =
@@ -77,7 +94,10 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
         if (event == WALK_HIT) {
-          if (task == GCDT_CLEAN_WRITE) hits[offsets[part] + found] = w.hit;
+          if (task == GCDT_CLEAN_WRITE)
+            hits[offsets[part] + found] = w.hit;
+          else if (found == 0u)
+            first_hits[part] = w.hit;
           ++found;
           event = walk_turn(&w, walked, w.hit, &steps);
         } else {
@@ -86,7 +106,10 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
         }
       }
       if (event == WALK_END) {
-        if (task != GCDT_CLEAN_WRITE && edges > 0u) atomic_add(crossed + list[c], edges);
+        if (task != GCDT_CLEAN_WRITE && edges > 0u) {
+          atomic_add(crossed + list[c], edges);
+          pairs += edges;
+        }
       } else if (task == GCDT_CLEAN_ALL) {
         part_face[part] = GCDT_NONE;
         lose_patience(&walked);
@@ -102,6 +125,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
     if (task != GCDT_CLEAN_WRITE) counts[part] = found;
   }
   add_for_group(&sum, &counters->steps_low, &counters->steps_high, task == GCDT_CLEAN_WRITE ? 0u : steps);
+  add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
   hit = sum_of_group(&sum, hit);
   if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
 }

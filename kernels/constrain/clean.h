@@ -5,6 +5,6 @@
 
 #define GCDT_CLEAN_ALL 0u    // counts the vertices on each; where a walk fails, says so, since it may want fans
 #define GCDT_CLEAN_REST 1u   // counts those of the parts that failed, and takes over the others' counts
-#define GCDT_CLEAN_WRITE 2u  // writes the vertices of parts that have some
+#define GCDT_CLEAN_WRITE 2u  // writes the vertices of parts that have several, and copies the others
 
 #endif

@@ -38,14 +38,13 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
         ++pairs;
       }
     }
-    Compared seen_left = nothing_compared(), seen_right = nothing_compared();
     // Ends: every edge crossed lies further along the piece.
     while (event == WALK_CROSS) {
       volatile global uint *left = near_left(near, w.code), *right = near_right(near, w.code);
       const uint at_left = *left, at_right = *right;
       const Behind behind = look_behind(&w, mesh);
-      reduce_piece(left, at_left, c, &w, w.left, 0u, &seen_left, mesh, lines, counters);
-      reduce_piece(right, at_right, c, &w, w.right, 0u, &seen_right, mesh, lines, counters);
+      reduce_piece(left, at_left, c, &w, w.left, 0u, mesh, lines, counters);
+      reduce_piece(right, at_right, c, &w, w.right, 0u, mesh, lines, counters);
       event = walk_cross(&w, mesh, behind);
       // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
       if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
@@ -213,8 +212,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
                      chain_side(near, w.across_left, w.third_side == 0, w.across_right ^ 1u, c), counters);
         if (w.third_side != 0 && word > claim) {
           volatile global uint* at = far + 3u * (word - claim - 1u) + cut_corner(&w);
-          Compared seen = nothing_compared();
-          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, &seen, mesh, lines, counters);
+          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, mesh, lines, counters);
         }
         word = behind.corners.w;
         event = walk_cross(&w, mesh, behind);

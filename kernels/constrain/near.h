@@ -37,30 +37,11 @@ static int compare_pieces(Vertex a1, Vertex b1, Vertex a2, Vertex b2, Vertex u) 
   return PIECES_CROSS;
 }
 
-// The last comparison on one side of a walk. Along a run of edges around u it is mostly asked again.
-typedef struct Compared {
-  uint u, piece;
-  int order;
-} Compared;
-
-static inline Compared nothing_compared(void) {
-  Compared seen;
-  seen.u = GCDT_NONE;
-  seen.piece = GCDT_NONE;
-  seen.order = SAME_PLACE;
-  return seen;
-}
-
-// Compares `piece` with the walk's own, c, from u.
-static int compare_with_walk(private Compared* seen, uint piece, const private Walk* w, uint u, Mesh mesh,
-                             global const int4* lines) {
-  if (seen->u != u || seen->piece != piece) {
-    const int4 line = lines[piece];
-    seen->u = u;
-    seen->piece = piece;
-    seen->order = compare_pieces(line_begin(line), line_end(line), w->va, w->vb, load_vertex(mesh.points, mesh.n, u));
-  }
-  return seen->order;
+// Compares `piece` with the walk's own from u. (To remember the last answer, which is mostly asked for again, takes
+// registers that more work-items need: NOTES, "Many crossings".)
+static inline int compare_with_walk(uint piece, const private Walk* w, uint u, Mesh mesh, global const int4* lines) {
+  const int4 line = lines[piece];
+  return compare_pieces(line_begin(line), line_end(line), w->va, w->vb, load_vertex(mesh.points, mesh.n, u));
 }
 
 // Makes *word, which was `current`, the piece nearest to u (farthest = 0) or farthest from it (farthest = 1), of
@@ -68,12 +49,11 @@ static int compare_with_walk(private Compared* seen, uint piece, const private W
 // work-items cannot matter; crossing ones set the failure bit. Ends: the word changes only to nearer
 // (farther) pieces, so each exchange that fails does so for another of finitely many.
 static void reduce_piece(volatile global uint* word, uint current, uint c, const private Walk* w, uint u, uint farthest,
-                         private Compared* seen, Mesh mesh, global const int4* lines,
-                         volatile global Counters* counters) {
+                         Mesh mesh, global const int4* lines, volatile global Counters* counters) {
   for (;;) {
     if (current == c) return;
     if (current != GCDT_NONE) {
-      const int order = compare_with_walk(seen, current, w, u, mesh, lines);
+      const int order = compare_with_walk(current, w, u, mesh, lines);
       if (order == PIECES_CROSS) {
         atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
         return;

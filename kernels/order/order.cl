@@ -15,17 +15,6 @@ kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows
   survey_items(items_of_share(n, row, rows), 0u, type, coordinates, maxima + (size_t)row * GCDT_SURVEY_COLUMNS);
 }
 
-// One work-item per row of the table, over its share of the vertices.
-// Reads: coordinates, all finite. Writes: maxima[row]: the most decimals that a coordinate needs to be
-//   written, `limit` + 1 if one of them cannot be written with `limit`.
-// A row has one work-item.
-// After this kernel the folded table holds the number of decimals of the whole input.
-kernel void count_decimals(uint n, uint type, global const ulong* coordinates, int limit, uint rows,
-                           global ulong* maxima) {
-  FOR_EACH(row, rows)
-  maxima[row] = (ulong)decimals_of_items(items_of_share(n, row, rows), type, coordinates, limit);
-}
-
 // One work-item per element of the smaller table `folded`.
 // Reads: maxima. Writes: folded[row][column], the maximum of that column over the rows of maxima
 //   congruent to `row` modulo folded_rows.
@@ -46,16 +35,6 @@ kernel void quantise(uint n, uint type, global const ulong* coordinates, global 
   FOR_EACH(row, rows)
   quantise_items(items_of_share(n, row, rows), 0u, type, coordinates, scale, keys, values,
                  maxima + (size_t)row * GCDT_QUANTISE_COLUMNS);
-}
-
-// One work-item per vertex.
-// Reads: coordinates, all of which can be written with decimals->digits decimals. Writes: keys[v],
-//   values[v] as `quantise` does.
-// A vertex has one work-item.
-// After this kernel a stable sort of the keys gives the order along the curve.
-kernel void quantise_decimals(uint n, uint type, global const ulong* coordinates, global const Decimals* decimals,
-                              global ulong* keys, global uint* values) {
-  FOR_EACH(v, n) quantise_decimal(v, type, coordinates, decimals, keys, values);
 }
 
 // One work-item per place in the sorted order.
@@ -124,7 +103,7 @@ kernel void count_depths(uint n, global const ulong* keys, global const uint* be
 // A vertex has one first place.
 // After this kernel a stable sort of the ranks by level numbers the vertices.
 kernel void level_vertices(uint n, uint levels, global const DepthLevels* by_depth, global const ulong* keys,
-                           global const uint* before, global uint* level_of_rank, global uint* rank_of_rank) {
+                           global const uint* before, global ulong* level_of_rank, global uint* rank_of_rank) {
   FOR_EACH(i, n) {
     const uint rank = before[i];
     if (before[i + 1u] == rank) continue;

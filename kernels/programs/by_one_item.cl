@@ -9,6 +9,15 @@
 #include "output/output.cl"
 #include "sort/sort_by_one_item.h"
 
+// One work-group, its first work-item alone: for CPUs, where that is faster than lanes and barriers, and than launches
+// for each digit. Sorts pairs by the bits below `bits` of the key, stably, by digits of 8 bits.
+// Reads, writes: keys and values, and the other ones by turns.
+// After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
+kernel void sort_by_one_item(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
+                             global u32* other_values) {
+  if (get_local_id(0) == 0) sort_by_digits(count, bits, keys, values, other_keys, other_values);
+}
+
 // The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
 // back in between: of what it calls only the counting of decimals is not the host's, too. Leaves the grid in *report.
 static void choose_grid(uint n, uint type, global const ulong* coordinates, global OrderReport* report) {

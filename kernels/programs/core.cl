@@ -5,6 +5,7 @@
 #include "common/mesh.cl"
 #include "common/selftest.cl"
 #include "insert/grow.cl"
+#include "order/decimals.cl"
 #include "order/order.cl"
 #include "output/output.cl"
 #include "programs/by_one_item.cl"

@@ -8,7 +8,7 @@
 //   *_serial  the group's first work-item walks the part alone. For CPUs, where a group is a loop of
 //             one thread: a plain walk is the fastest there is, and lanes and barriers only cost.
 //   *_group   the whole group walks the part in tiles. For GPUs: neighbours read neighbours.
-#include "common/shared.h"
+#include "sort/compact.h"
 
 // One work-group per part, its first work-item alone.
 // Reads: in. Writes: sums.
@@ -41,13 +41,4 @@ kernel void scan_serial(u32 count, u32 span, u32 parts, global const u32* in, gl
     }
     if (end == count) out[count] = running;
   }
-}
-
-// One work-item per element.
-// Reads: offsets[0 .. count]. Writes: out.
-// offsets[i] differs between any two elements that are kept: each raises the offset by one.
-// After: out lists the kept elements, ascending.
-kernel void compact_indices(u32 count, global const u32* offsets, global u32* out) {
-  FOR_EACH(i, count)
-  if (offsets[i + 1] != offsets[i]) out[offsets[i]] = i;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scan by whole work-groups, for GPUs; parts as in primitives.cl.
-#include "common/shared.h"
+#include "sort/compact.h"
 
 // Work-items that take part in a group's sums; further ones only keep the barriers company.
 #ifndef GCDT_SCAN_LANES

@@ -96,17 +96,6 @@ kernel void sort_segments(u32 segments, global const u32* first, global u64* key
   }
 }
 
-// ---- One work-item alone ------------------------------------------------------------------------------
-
-// One work-group, its first work-item alone: for CPUs, where that is faster than lanes and barriers, and than launches
-// for each digit. Sorts pairs by the bits below `bits` of the key, stably, by digits of 8 bits.
-// Reads, writes: keys and values, and the other ones by turns.
-// After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
-kernel void sort_by_one_item(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
-                             global u32* other_values) {
-  if (get_local_id(0) == 0) sort_by_digits(count, bits, keys, values, other_keys, other_values);
-}
-
 // ---- Buckets ------------------------------------------------------------------------------------------
 
 // One work-item per pair. Its bucket is what the key has from bit `low` on; pairs beyond `buckets` are left out.

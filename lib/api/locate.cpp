@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C interface: point location and interpolation with host arrays.
 #include "api/state.hpp"
+#include "device/host_room.hpp"
 #include "device/parts.hpp"
+#include "device/transfer_chunks.hpp"
 
 using namespace gcdt;
 using namespace gcdt::api;
@@ -38,6 +40,19 @@ void locate_all(gcdt_result& result, const Points& points, To&& to, Use&& use) {
   }
 }
 
+template <class T>
+runtime::HostRoom::Range range_of(Array<T>& array, std::size_t first, std::size_t count) {
+  return {reinterpret_cast<unsigned char*>(array.data() + first), count * sizeof(T)};
+}
+
+/// Threads that make new arrays ready while queries are located.
+runtime::HostRoom make_room(const runtime::Runtime& runtime, const std::vector<runtime::HostRoom::Range>& ranges) {
+  std::size_t bytes = 0;
+  for (const auto& range : ranges) bytes += range.bytes;
+  if (!runtime::prepares_host_memory(runtime) || bytes < runtime.tuning().least_chunked) return {};
+  return {ranges, runtime.tuning().room_threads};
+}
+
 /// The weights of a query: the areas are exact, and so is their sum, below 2^63.
 std::array<double, 3> weights_of(cl_int triangle, const cl_long* areas) {
   if (triangle < 0) return {0, 0, 0};
@@ -61,9 +76,13 @@ int32_t gcdt_locate(gcdt_result* result, int32_t coordinate_type, const void* po
     // The caller's arrays are written only when nothing can fail any more.
     Array<cl_int> found(queries.size());
     Array<cl_long> areas(weights ? 3 * queries.size() : 0);
+    runtime::HostRoom room =
+        make_room(result->state->runtime, {range_of(found, 0, found.size()), range_of(areas, 0, areas.size())});
     locate_all(
         *result, queries,
-        [&](std::size_t first, std::size_t) {
+        [&](std::size_t first, std::size_t some) {
+          room.leave(range_of(found, first, some));
+          if (weights) room.leave(range_of(areas, 3 * first, 3 * some));
           return Destination{found.data() + first, nullptr, weights ? areas.data() + 3 * first : nullptr};
         },
         [](std::size_t, std::size_t) {});

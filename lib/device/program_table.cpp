@@ -19,6 +19,7 @@ const ProgramInfo programs[] = {
     {"constrain", "constrain", true},
     {"core", "core", true},
     {"crossings", "crossings", true},
+    {"decimals", "core", false},
     {"domain", "domain", false},
     {"domain_each", "domain_each", false},
     {"enforce", "enforce", false},

@@ -70,8 +70,8 @@ struct Tuning {
   std::optional<std::uint32_t> part_pool;
   /// Crossed faces of a part, about: enough to be worth finding its first face.
   std::uint32_t crossings_per_part = 8;
-  /// Whether constraints are cleaned in the order of the curve; none: where a work-item is a thread.
-  std::optional<bool> walk_along_curve;
+  /// Crossed faces a constraint from which on they are cleaned in the order of the curve; none: by the device, below.
+  std::optional<std::uint32_t> curve_crossings;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
   /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
   /// need to help it, each of which wakes all of them (bench/NOTES.md).
@@ -228,6 +228,13 @@ struct Tuning {
   /// Parts of constraints: a GPU wants some hundred thousand work-items (NOTES, "Single problems": 2^15 to 2^19
   /// tried); a CPU, per compute unit, only enough to even out its threads' load (not measured).
   static constexpr std::uint32_t gpu_parts = 1u << 17, cpu_parts_per_unit = 512;
+  /// Where parts would have more crossed faces than so many, a GPU gets more parts, up to half as many as there are
+  /// vertices: a launch lasts as long as its longest walks, and lanes wait for the longest beside them. A part takes
+  /// some 100 bytes (NOTES, "Many crossings").
+  static constexpr std::uint32_t gpu_long_parts = 1u << 19, crossings_of_long = 32;
+  /// Crossed faces a constraint from which on GPUs clean them in the order of the curve: lanes side by side then read
+  /// the same faces, which a sort by so many bits pays for (NOTES, "Many crossings").
+  static constexpr std::uint32_t gpu_curve_crossings = 16, gpu_curve_bits = 12;
   /// Crossed faces of a part on threads, about: where a part begins takes as long to find as some to hundreds of faces
   /// to cross (NOTES, "Threads: parts": a closed comb of 1000 vertices cleaned in 0.7 ms instead of 4.9).
   static constexpr std::uint32_t cpu_crossings_per_part = 128;

@@ -25,6 +25,13 @@ const char* name(Plan::By by) {
 
 }  // namespace
 
+std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had) {
+  const std::uint64_t usual =
+      std::min<std::uint64_t>(crossings / plan.crossings_per_part + plan.least_parts, plan.most_parts);
+  const std::uint32_t left = plan.long_parts - std::min(had, plan.long_parts);
+  return static_cast<std::uint32_t>(std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left)));
+}
+
 Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes) {
   using By = Plan::By;
   const bool threads = device.kind == DeviceKind::threads, lanes = device.kind == DeviceKind::lanes;
@@ -66,8 +73,13 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
 
   const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one;
   plan.constraints = each ? By::each : By::all;
-  plan.along_curve = tuning.walk_along_curve.value_or(threads);
+  plan.curve_crossings = tuning.curve_crossings.value_or(threads ? 0 : gpu ? Tuning::gpu_curve_crossings : UINT32_MAX);
+  plan.curve_bits = gpu ? Tuning::gpu_curve_bits : 32;
   plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
+  plan.long_parts = tuning.part_pool || !gpu
+                        ? plan.most_parts
+                        : std::max(plan.most_parts, std::min(sizes.vertices / 2, Tuning::gpu_long_parts));
+  plan.crossings_of_long = Tuning::crossings_of_long;
   plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   plan.crossings_per_part = threads ? Tuning::cpu_crossings_per_part : tuning.crossings_per_part;
   plan.all_pairs = lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
@@ -85,7 +97,7 @@ std::string Plan::text() const {
     all += "; problems sorted by " + std::string(name(sort_problems)) + ", inserted by " + name(problems);
   all += grows ? "; vertices one after the other in at most " + std::to_string(grown_shares) + " sequences"
                : "; vertices in rounds, level by level";
-  all += "; constraints by " + std::string(name(constraints)) + (along_curve ? ", along the curve" : "");
+  all += "; constraints by " + std::string(name(constraints)) + (curve_crossings == 0 ? ", along the curve" : "");
   if (!grows) all += "; flips within patches from " + std::to_string(least_patched) + " edges on";
   if (!grows) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
   return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check);

@@ -60,9 +60,14 @@ struct Plan {
 
   // Constrain.
   By constraints = By::all;  ///< all, or each: one work-item enforces a problem's, one after the other
-  bool along_curve = false;  ///< constraints are walked in the order of the curve
+  /// Crossed faces a constraint from which on they are cleaned in the order of the curve; and how many bits of that
+  /// order count.
+  std::uint32_t curve_crossings = 0;
+  unsigned curve_bits = 0;
   std::uint32_t least_parts = 0, most_parts = 0;  ///< of constraints, beyond one each
   std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
+  /// Where parts would have `crossings_of_long` faces and more, there are so many at most.
+  std::uint32_t long_parts = 0, crossings_of_long = 0;
   std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.
@@ -74,6 +79,10 @@ struct Plan {
   /// In words, for the trace and --stats.
   std::string text() const;
 };
+
+/// Parts beyond one a constraint, where these cross so many faces in all. `had`: so many are there already, and most
+/// are kept; both are at most most_parts + long_parts.
+std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had = 0);
 
 Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes);
 

@@ -57,7 +57,8 @@ void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>
 
 void Primitives::compact_indices(const Buffer<cl_uint>& offsets, const Buffer<cl_uint>& out, std::size_t count) {
   if (count == 0) return;
-  runtime_.launch("primitives", "compact_indices", runtime::over(count), static_cast<cl_uint>(count), offsets, out);
+  runtime_.launch(walk_ == Walk::serial ? "primitives" : "primitives_group", "compact_indices", runtime::over(count),
+                  static_cast<cl_uint>(count), offsets, out);
 }
 
 template <class Key>
@@ -88,7 +89,9 @@ void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size
   const std::size_t most = by_one_item()           ? Tuning::one_item_keys
                            : walk_ == Walk::serial ? GCDT_SORT_SMALL
                                                    : runtime_.tuning().most_merged;
-  if (count <= most)
+  // One digit takes fewer launches than merging, but for a block alone.
+  const bool by_digit = walk_ == Walk::group && bits <= GCDT_GROUP_DIGIT_BITS && count > GCDT_SORT_SMALL;
+  if (count <= most && !by_digit)
     sort_few(keys, values, count, bits);
   else
     sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
@@ -114,7 +117,7 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
     }
     return;
   }
-  runtime_.launch("sort_finish", "sort_by_one_item", runtime::one_group(), n, cl_uint{bits}, keys, values,
+  runtime_.launch("by_one_item", "sort_by_one_item", runtime::one_group(), n, cl_uint{bits}, keys, values,
                   other_keys64_, other_values_);
   if ((bits + GCDT_SERIAL_DIGIT_BITS - 1) / GCDT_SERIAL_DIGIT_BITS % 2 == 0) return;
   std::swap(keys, other_keys64_);

@@ -45,41 +45,57 @@ Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertic
 Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted) {
   const cl_uint all = wanted.empty();
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
-  // Behind the flags their sum, and the first end that is no input point.
-  auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 2);
+  auto lengths = runtime_.allocate<cl_uint>("lengths of constraints", count_);
+  // Behind the flags their sum, the first end that is no input point, and the length of those kept in two words.
+  auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 4);
   const auto wanted_buffer = runtime_.upload("wanted constraints", wanted);
   runtime_.fill<cl_uint>(kept, GCDT_NONE, 1, std::size_t(count_) + 1);
+  runtime_.fill<cl_uint>(kept, 0, 2, std::size_t(count_) + 2);
   runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
-                  wanted_buffer, all, ends, kept);
+                  vertices_.points, wanted_buffer, all, ends, lengths, kept);
   primitives_.exclusive_scan(kept, kept, count_);
-  std::array<cl_uint, 2> found;
+  std::array<cl_uint, 4> found;
   runtime_.read(kept, found.data(), found.size(), count_);
   if (found[1] != GCDT_NONE) throw index_error(found[1] / 2, found[1] % 2, inputs_);
   Kept result;
   result.count = found[0];
+  result.length = wide(found[2], found[3]);
   result.list = runtime_.allocate<cl_uint>("list of constraints", result.count);
   result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
+  result.lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", result.count);
   primitives_.compact_indices(kept, result.list, count_);
-  runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, result.ends);
-  result.along_curve = plan.along_curve;
-  if (result.along_curve) put_along_curve(result);
+  runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, lengths, result.ends,
+                  result.lengths);
+  result.along_curve = pays_along_curve(plan, result);
+  if (result.along_curve) put_along_curve(plan, result);
   return result;
+}
+
+// Lengths are of each problem's own grid, so that of several they say nothing about all faces.
+bool Cleaner::pays_along_curve(const Plan& plan, const Kept& kept) const {
+  if (plan.curve_crossings == 0) return true;
+  return vertices_.roots == 1 && kept.count > 0 &&
+         expected_crossings(vertices_, kept.length) / kept.count >= plan.curve_crossings;
 }
 
 // Constraints that lie side by side cross the same faces: a thread that walks them one after the other has these in its
 // cache.
-void Cleaner::put_along_curve(Kept& kept) {
-  auto keys = runtime_.allocate<cl_uint>("ranks of constraints", kept.count);
+void Cleaner::put_along_curve(const Plan& plan, Kept& kept) {
+  auto keys = runtime_.allocate<cl_ulong>("ranks of constraints", kept.count);
   auto places = runtime_.allocate<cl_uint>("places of constraints", kept.count);
-  runtime_.launch("clean", "clean_ranks", over(kept.count), kept.count, vertices_.levels_buffer, kept.ends, keys,
-                  places);
-  primitives_.sort(keys, places, kept.count, std::max(1u, bit_width(vertices_.n())));
+  const unsigned bits = std::max(1u, bit_width(vertices_.n())), sorted = std::min(bits, plan.curve_bits);
+  runtime_.launch("clean", "clean_ranks", over(kept.count), kept.count, cl_uint{bits - sorted}, vertices_.levels_buffer,
+                  kept.ends, keys, places);
+  primitives_.sort(keys, places, kept.count, sorted);
   auto list = runtime_.allocate<cl_uint>("list of constraints", kept.count);
   auto ends = runtime_.allocate<cl_uint2>("ends of kept constraints", kept.count);
-  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, places, kept.ends, ends);
+  auto lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", kept.count);
+  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, places, kept.ends, kept.lengths, ends,
+                  lengths);
   runtime_.launch("clean", "clean_gather_list", over(kept.count), kept.count, places, kept.list, list);
   kept.list = std::move(list);
   kept.ends = std::move(ends);
+  kept.lengths = std::move(lengths);
   kept.places = std::move(places);
 }
 
@@ -101,7 +117,7 @@ void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const Kept& ke
   runtime_.launch("clean", "clean_walk", over(parts.capacity), task, kept.count, parts.capacity, mesh.n,
                   vertices_.points, mesh.face_data, mesh.edge_faces, cl_uint{fans.made}, fans.begins, fans.faces,
                   kept.ends, kept.list, parts.begins, found.begins.lines, found.begins.pieces, found.begins.faces,
-                  searched, found.offsets, counts, found.hits, found.crossed, counters.buffer());
+                  searched, found.offsets, counts, found.first_hits, found.hits, found.crossed, counters.buffer());
 }
 
 Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts,
@@ -110,6 +126,7 @@ Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const Kept& kept, const P
   found.begins = find_first_faces(runtime_, walked, kept.ends, kept.count, parts, nullptr, true, counters);
   found.crossed = runtime_.filled<cl_uint>("faces crossed by constraints", count_, 0);
   found.offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
+  found.first_hits = runtime_.allocate<cl_uint>("first vertices on parts", parts.capacity);
   found.hits = runtime_.allocate<cl_uint>("vertices on constraints", 0);
   launch_walk(GCDT_CLEAN_ALL, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
   primitives_.exclusive_scan(found.offsets, found.offsets, parts.capacity);
@@ -151,7 +168,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   result.zero_length = selected - kept.count;
   runtime_.end_step();
   Step walking(runtime_, "walk");
-  const PieceParts parts = parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.ends, kept.count);
+  const PieceParts parts =
+      parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.lengths, kept.count, kept.length);
   Found found = walk(walked, kept, parts, counters);
   result.walk_ms = walking.end();
   result.hits = counters.last().hits;
@@ -169,6 +187,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
                   kept.along_curve ? kept.places : kept.list, firsts, keys, sources, found.crossed, whole);
   result.pieces = merge(vertices_, std::move(keys), std::move(sources), found.crossed, whole, count, bits);
   result.pieces.walked.faces = std::move(found.begins.faces);
+  result.pieces.walked.crossed = wide(counters.last().pairs_low, counters.last().pairs_high);
+  result.pieces.walked.pool = parts.pool;
   return result;
 }
 

@@ -39,19 +39,23 @@ class Cleaner {
  private:
   struct Kept {
     cl_uint count = 0;
-    runtime::Buffer<cl_uint> list;    ///< input constraints with a length, ascending or along the curve
-    runtime::Buffer<cl_uint2> ends;   ///< their vertices
-    runtime::Buffer<cl_uint> places;  ///< if along the curve: the place of each in ascending order
+    runtime::Buffer<cl_uint> list;     ///< input constraints with a length, ascending or along the curve
+    runtime::Buffer<cl_uint2> ends;    ///< their vertices
+    runtime::Buffer<cl_uint> lengths;  ///< along the longer axis of each
+    runtime::Buffer<cl_uint> places;   ///< if along the curve: the place of each in ascending order
     bool along_curve = false;
+    std::uint64_t length = 0;  ///< of all
   };
   Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);
-  void put_along_curve(Kept& kept);
+  void put_along_curve(const Plan& plan, Kept& kept);
+  bool pays_along_curve(const Plan& plan, const Kept& kept) const;
   /// What the walks along the parts of the kept constraints leave.
   struct Found {
     PartBegins begins;
-    runtime::Buffer<cl_uint> offsets;  ///< parts + 1: of each part's vertices among all
-    runtime::Buffer<cl_uint> crossed;  ///< faces, by constraint
-    runtime::Buffer<cl_uint> hits;     ///< the vertices, after write_hits()
+    runtime::Buffer<cl_uint> offsets;     ///< parts + 1: of each part's vertices among all
+    runtime::Buffer<cl_uint> crossed;     ///< faces, by constraint
+    runtime::Buffer<cl_uint> first_hits;  ///< the first vertex of each part that has some
+    runtime::Buffer<cl_uint> hits;        ///< the vertices, after write_hits()
   };
   Found walk(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, PhaseCounters& counters);
   void walk_rest(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,

@@ -82,8 +82,9 @@ runtime::Buffer<device::Levels> make_levels(runtime::Runtime& runtime, Primitive
                                             const SortedCodes& sorted, const ChosenLevels& chosen) {
   const device::Levels& levels = chosen.levels;
   if (!levels.tabled) return runtime.upload_one("levels", levels);
-  auto keys = runtime.allocate<cl_uint>("levels of ranks", levels.n),
-       ranks = runtime.allocate<cl_uint>("ranks", levels.n);
+  // Keys of 64 bits, since the program that sorts them is needed in any case.
+  auto keys = runtime.allocate<cl_ulong>("levels of ranks", levels.n);
+  auto ranks = runtime.allocate<cl_uint>("ranks", levels.n);
   const auto by_depth = runtime.upload_one("levels of depths", chosen.by_depth);
   runtime.launch("order", "level_vertices", runtime::over(sorted.count), sorted.count, cl_uint{levels.count}, by_depth,
                  sorted.codes, sorted.before, keys, ranks);

@@ -172,8 +172,8 @@ std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtim
 
 int count_decimals(runtime::Runtime& runtime, const InputPoints& points, cl_int limit) {
   Maxima maxima(runtime, points.n, 1);
-  runtime.launch("order", "count_decimals", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
-                 limit, maxima.rows, maxima.table);
+  runtime.launch("decimals", "count_decimals", runtime::over_large(maxima.rows), points.n, points.type,
+                 points.coordinates, limit, maxima.rows, maxima.table);
   return static_cast<int>(maxima.read(runtime)[0]);
 }
 
@@ -183,7 +183,7 @@ Codes codes_on(runtime::Runtime& runtime, const InputPoints& points, const Chose
   made.numbers = runtime.allocate<cl_uint>("input numbers", points.n);
   if (chosen.decimals) {
     const auto decimals = runtime.upload_one("decimals", *chosen.decimals);
-    runtime.launch("order", "quantise_decimals", runtime::over(points.n), points.n, points.type, points.coordinates,
+    runtime.launch("decimals", "quantise_decimals", runtime::over(points.n), points.n, points.type, points.coordinates,
                    decimals, made.codes, made.numbers);
     return made;
   }

@@ -4,20 +4,26 @@
 namespace gcdt {
 
 namespace {
-// Crossed faces are about (total weight >> shift) * factor. `walked` is not read unless `again`.
-PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                      const runtime::Buffer<cl_uint>& weights, cl_uint pieces, cl_uint shift, cl_uint factor,
-                      cl_uint again, const runtime::Buffer<cl_uint2>& walked) {
-  const cl_uint least = plan.least_parts, most = plan.most_parts;
+// `whole`: of all weights, or more. `before`, if any, says what parts pieces have that were walked before.
+PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
+                      cl_uint pieces, std::uint64_t whole, cl_uint pool, const WalkedPieces* before) {
   PieceParts parts;
-  parts.capacity = pieces + (again ? 2 * most : most);
+  parts.pool = pool;
+  parts.capacity = pieces + pool + (before ? before->pool : 0);
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
-  runtime::Buffer<cl_uint> total = runtime.filled<cl_uint>("weight of pieces", 2, 0);
-  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
-  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, least, most, shift, factor,
-                 cl_uint{plan.crossings_per_part}, weights, total, again, walked, parts.begins);
+  const auto none = runtime.allocate<cl_uint2>("no parts", 0);
+  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, cl_ulong{whole}, pool, weights,
+                 cl_uint{before != nullptr}, before ? before->parts : none, parts.begins);
   primitives.exclusive_scan(parts.begins, parts.begins, pieces);
   return parts;
+}
+
+std::uint64_t total_length(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces) {
+  const auto total = runtime.filled<cl_uint>("length of pieces", 2, 0);
+  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, lengths, total);
+  cl_uint words[2];
+  runtime.read(total, words, 2);
+  return wide(words[0], words[1]);
 }
 
 // Without what was walked before, buffers that are not read take its place.
@@ -36,18 +42,33 @@ void launch_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, con
 
 }  // namespace
 
+// Below 2^31 lengths of below 2^31, times the square root of at most 2^32 faces, by 2^31. (Each step of the loop comes
+// nearer: it ends.)
+std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length) {
+  std::uint64_t root = 1;
+  while (root * root < device::gcdt_face_count(vertices.n())) ++root;
+  return (length >> 31) * root;
+}
+
+PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                           const Vertices& vertices, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces,
+                           std::uint64_t length) {
+  return make_parts(runtime, primitives, lengths, pieces, length, part_pool(plan, expected_crossings(vertices, length)),
+                    nullptr);
+}
+
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                            const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
-  cl_uint root = 1;
-  while (std::uint64_t(root) * root < device::gcdt_face_count(vertices.n())) ++root;
   auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
   runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
-  return make_parts(runtime, primitives, plan, lengths, pieces, 31, root, 0, ends);
+  return parts_by_length(runtime, primitives, plan, vertices, lengths, pieces, total_length(runtime, lengths, pieces));
 }
 
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                               const Pieces& pieces) {
-  return make_parts(runtime, primitives, plan, pieces.walked.weights, pieces.count, 0, 1, 1, pieces.walked.parts);
+  const WalkedPieces& walked = pieces.walked;
+  return make_parts(runtime, primitives, walked.weights, pieces.count, walked.crossed,
+                    part_pool(plan, walked.crossed, walked.pool), &walked);
 }
 
 PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,

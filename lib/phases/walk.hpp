@@ -18,11 +18,19 @@ struct WalkedMesh {
 
 /// Pieces cut into parts of about equal length for load balance (paper, section 6.2).
 struct PieceParts {
+  cl_uint pool = 0;                 ///< parts at most beyond one a piece, and those that the piece had before
   cl_uint capacity = 0;             ///< the most parts there may be; their number is begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
+/// By length along the longer axis; `length`: of all pieces.
+PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                           const Vertices& vertices, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces,
+                           std::uint64_t length);
+/// The same of pieces whose lengths nobody knows. Blocks.
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                            const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+/// The faces that constraints of this total length cross on an evenly filled mesh.
+std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length);
 /// The same by the weights of the pieces, which are the crossings counted when the constraints were cleaned. They are a
 /// better measure than lengths, because vertices are seldom spread evenly.
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,

@@ -42,16 +42,22 @@ std::uint64_t cleaned_bytes(const Sizes& s) { return 8 * s.m + piece_bytes(s) + 
 // there. So the sides of all holes, more than h, are at most (c - h) + 2 m, and h <= c / 2 + m.
 std::uint64_t hexagons(const Sizes& s) { return std::min(s.crossed_faces, s.crossed_faces / 2 + s.m); }
 
+// Of parts beyond those in constant_bytes, of constraints that cross much (part_pool, mesh/plan.cpp).
+std::uint64_t more_parts(const Sizes& s) {
+  constexpr std::uint64_t usual = Tuning::gpu_parts, most = Tuning::gpu_long_parts;
+  return s.m == 0 ? 0 : std::clamp(s.n / 2, usual, most) - usual;
+}
+
 // Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
-std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * s.m; }
+std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * (s.m + more_parts(s)); }
 
 // Fans (phases/fans.hpp): beginnings, elements of faces, and 20 bytes for each of at most 2.3 n elements. Beside them
 // the history, and of constraints, which are no pieces yet, input, ends and number, crossed faces, lines and what parts
-// have (beginnings, pieces, faces twice, hits).
+// have (beginnings, pieces, faces twice, hits, first hits).
 std::uint64_t fan_step(const Sizes& s) {
   const std::uint64_t elements = 23 * s.n / 10;
   return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 20 * elements +
-         (8 + 12 + 4 + 16 + 24) * s.m;
+         (8 + 12 + 4 + 16 + 28) * s.m + 28 * more_parts(s);
 }
 
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
@@ -59,7 +65,7 @@ std::uint64_t fan_step(const Sizes& s) {
 // hexagons faces and farthest cuts.
 std::uint64_t crossed_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
-         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 16 * hexagons(s);
+         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 16 * more_parts(s) + 16 * hexagons(s);
 }
 
 std::uint64_t walk_step(const Sizes& s) { return crossed_step(s) + history_bytes(s) + chunk_bytes(s); }

@@ -26,7 +26,6 @@ constexpr Needed needed[] = {
     {"insert"},
     {"primitives_group"},
     {"mesh"},
-    {"primitives", true},
     {"constrain", true},
     {"clean", true},
     {"flip"},

@@ -48,6 +48,17 @@ TEST_CASE("results are the same with room and without, and are not kept in far t
   }
 }
 
+TEST_CASE("points are located the same with room and without") {
+  Solver with = hooked_solver(preparing()), without = hooked_solver(preparing(false));
+  const Workload work = workload("uniform", 500);
+  const std::vector<Point> queries = uniform(many, 7).points;
+  const Result there = with.solve(work.points), here = without.solve(work.points);
+  std::vector<std::array<double, 3>> weights, expected;
+  CHECK(there.locate(queries, &weights) == here.locate(queries, &expected));
+  CHECK(weights == expected);
+  CHECK(there.locate(queries) == here.locate(queries));
+}
+
 TEST_CASE("room is made for what a result will have, in the arrays themselves") {
   Triangulation to;
   const auto ranges = [&to](std::size_t n, std::size_t m, const Options& options) {

@@ -18,13 +18,12 @@ namespace {
 using Names = std::set<std::string>;
 
 // Programs and kernels that only CPUs launch (kernels/README.md), where few vertices, problems or constraints are one
-// work-item's, walks are one work-item's, and constraints are cleaned and checked along the curve.
+// work-item's, walks are one work-item's, and constraints are checked along the curve.
 const Names programs_of_cpus = {"core",        "grow",          "by_one_item",   "arrange", "enforce",
                                 "domain_each", "sort32_serial", "sort64_serial", "tail"};
 // Every device computes these in one way: they need not be launched by one that is treated as a GPU.
 const Names programs_of_one_way = {"predicates", "selftest"}, kernels_of_one_way = {"locate_weights"};
-const Names kernels_of_cpus = {"sort_by_one_item",  "scan_sum_serial", "scan_serial",       "clean_ranks",
-                               "clean_gather_list", "clean_count",     "check_first_pieces"};
+const Names kernels_of_cpus = {"sort_by_one_item", "scan_sum_serial", "scan_serial", "check_first_pieces"};
 // No test launches these, and why. (Empty, and best left so.)
 const std::map<std::string, std::string> excused = {};
 

@@ -89,9 +89,13 @@ TEST_CASE("limits by device") {
     CHECK(plan.group_rounds == usual.rounds_of_group);
     CHECK(plan.group_vertices == usual.one_group_vertices);
     CHECK(plan.all_pairs == (few ? 2048 : 65536));
-    CHECK(plan.along_curve == (device.kind == DeviceKind::threads));
+    CHECK(plan.curve_crossings == (device.kind == DeviceKind::threads ? 0
+                                   : device.kind == DeviceKind::gpu   ? 16
+                                                                      : UINT32_MAX));
+    CHECK(plan.curve_bits == (device.kind == DeviceKind::gpu ? 12 : 32));
     CHECK(plan.lists_pieces == (device.kind == DeviceKind::threads));
     CHECK(plan.most_parts == (device.kind == DeviceKind::gpu ? 1u << 17 : 512 * device.units));
+    CHECK(plan.long_parts == plan.most_parts);
     CHECK(plan.least_parts == (device.kind == DeviceKind::gpu ? 4096 : 64));
     CHECK(plan.grown_shares == 4 * device.units);
     // A launch of many problems is as long as one of 2^24 vertices, or has a group for each.
@@ -101,10 +105,28 @@ TEST_CASE("limits by device") {
   }
   Tuning none;
   none.part_pool = 0;
-  none.walk_along_curve = true;
+  none.curve_crossings = 0;
   CHECK(make_plan(gpu, none, one(10)).most_parts == 0);
   CHECK(make_plan(gpu, none, one(10)).least_parts == 0);
-  CHECK(make_plan(gpu, none, one(10)).along_curve);
+  CHECK(make_plan(gpu, none, one(10000000)).long_parts == 0);
+  CHECK(make_plan(gpu, none, one(10)).curve_crossings == 0);
+}
+
+TEST_CASE("constraints that cross much get more parts on GPUs, as far as there are vertices") {
+  const Plan plan = make_plan(gpu, {}, one(1000000));
+  CHECK(plan.long_parts == 500000);
+  CHECK(make_plan(gpu, {}, one(10000000)).long_parts == 1u << 19);
+  CHECK(make_plan(gpu, {}, one(400000)).long_parts == 200000);
+  CHECK(part_pool(plan, 0) == 4096);
+  CHECK(part_pool(plan, 8000) == 5096);
+  CHECK(part_pool(plan, 32u << 17) == 1u << 17);
+  CHECK(part_pool(plan, 32u << 18) == 1u << 18);
+  CHECK(part_pool(plan, 32u << 19) == 500000);
+  // Those that there are already are not made again.
+  CHECK(part_pool(plan, 32u << 19, 100000) == 400000);
+  CHECK(part_pool(plan, 32u << 19, 500000) == 1u << 17);
+  CHECK(part_pool(plan, 8000, 500000) == 5096);
+  CHECK(part_pool(make_plan(threads, {}, one(1000000)), 1u << 31) == 512 * threads.units);
 }
 
 TEST_CASE("a plan in words names its ways") {

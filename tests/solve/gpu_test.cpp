@@ -151,6 +151,32 @@ TEST_CASE("llvmpipe treated as a GPU gives PoCL's bytes, by sweeps of a mesh tha
   CHECK(difference(as_gpu(DeviceKind::lanes).triangulate(problem.points), solver().triangulate(problem.points)) == "");
 }
 
+TEST_CASE("a device treated as a GPU cleans constraints along the curve where they cross much, and only there") {
+  std::map<std::string, int> launches;
+  Solver gpu = as_gpu(DeviceKind::threads, {}, [&](const TraceSpan& span) {
+    if (span.on_device) ++launches[span.name];
+  });
+  Workload across = uniform(4000, 5), along;  // 60 lines over all of it, side by side; as many short ones
+  along.points = across.points;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const double y = (i + 1) / 64.0;
+    across.points.push_back({-0.5, y}), across.points.push_back({1.5, y});
+    along.points.push_back({-0.5, y}), along.points.push_back({-0.5, y + 1.0 / 128});
+    const auto first = static_cast<std::uint32_t>(across.points.size() - 2);
+    // Neighbours on the curve do not stand side by side, so that their order changes.
+    across.constraints.push_back({first + (i % 2), first + 1 - (i % 2)}),
+        along.constraints.push_back({first, first + 1});
+  }
+  std::swap(across.constraints[3], across.constraints[50]);
+  for (const Workload* problem : {&across, &along}) {
+    launches.clear();
+    CHECK(difference(gpu.triangulate(problem->points, problem->constraints),
+                     solver().triangulate(problem->points, problem->constraints)) == "");
+    CHECK(launches["clean_walk"] > 0);
+    CHECK(launches["clean_ranks"] == (problem == &across ? 1 : 0));
+  }
+}
+
 // Flips and steps: as in statistics_test.cpp, by levels.
 TEST_CASE(
     "rounds are counted as they are launched, where none is inside a work-group; flips and steps as theory expects") {
