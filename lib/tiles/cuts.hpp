@@ -20,6 +20,7 @@ class Cuts {
   explicit Cuts(std::vector<std::uint64_t> first_codes) : first_codes_(std::move(first_codes)) {}
 
   std::size_t tiles() const { return first_codes_.size() + 1; }
+  const std::vector<std::uint64_t>& first_codes() const { return first_codes_; }  ///< of each tile but the first
   std::size_t tile_of(std::uint64_t code) const;
   /// The first and the last code of a tile. A tile without points may have none in between.
   std::array<std::uint64_t, 2> codes_of(std::size_t tile) const;

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "tiles/final.hpp"
-#include "tiles/partition.hpp"
-#include "tiles/staged.hpp"
+#include "tiles/share_out.hpp"
 #include "tiles/tiles.h"
 
 namespace gcdt::tiles {
@@ -65,6 +64,7 @@ struct TileTask {
   Staged& staged;  ///< the input's vertices, but those that were added
   const Cuts& cuts;
   bool check;
+  StagedConstraints* constraints = nullptr;  ///< null: each tile's share has its own
 };
 
 /// Takes the tile's vertices from the input, triangulates them with its constraints, dropping what crosses, and finds

@@ -139,15 +139,18 @@ std::vector<Role> TiledRun::roles_of(const std::vector<std::uint32_t>& numbers, 
 /// Tiles and seam. Returns the pairs of constraints that cross, of which each has one that is open, or was dropped in
 /// its tile and so handed up to the seam (docs/scale.md, T3).
 std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
+  std::optional<StagedConstraints> constraints;
+  if (team_.is_alone() && task_.input.constraints.end_points.empty())
+    task_.constraints = &constraints.emplace(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
   Partition all;
   {
     const Timed timed(report_.ms_share);
-    all = partition(task_.input, task_.cuts, roles);
-    exchange_shares(team_, all);
+    all = share_out(roles);
   }
   {
     const Timed timed(report_.ms_tiles);
-    solve_tiles(roles, std::move(all.tiles));
+    solve_tiles(roles, all);
+    constraints.reset(), task_.constraints = nullptr;
   }
   const Timed timed(report_.ms_seam);
   gather_tiles(team_, tiles_);
@@ -164,21 +167,32 @@ std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
   return crossings;
 }
 
+/// By the devices, where the process has the whole input.
+Partition TiledRun::share_out(const std::vector<Role>& roles) {
+  const GridInput& input = task_.input;
+  if (task_.constraints)
+    return partition_open(input, task_.cuts, roles,
+                          find_open(pool_, task_.staged, *task_.constraints, input, task_.cuts, roles));
+  Partition all = partition(input, task_.cuts, roles);
+  exchange_shares(team_, all);
+  return all;
+}
+
 void TiledRun::solve_uncrossed(const std::vector<Role>& roles) {
   if (!solve_parts(roles).empty()) throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
 }
 
 /// Every tile of the rank, by whichever device takes it; and once more those that a device had when it was lost. Ends:
 /// it is lost for good. A process by itself forgets a tile's share when it is solved, and makes it again.
-void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> given) {
+void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
   tiles_.clear();
   tiles_.resize(task_.cuts.tiles());
-  std::vector<std::shared_ptr<const Share>> shares(given.size());
-  const auto keep_shares = [&](std::vector<Share> all) {
-    for (std::size_t t = 0; t < all.size(); ++t)
-      if (!shares[t]) shares[t] = std::make_shared<const Share>(std::move(all[t]));
+  std::vector<std::shared_ptr<const Share>> shares(tiles_.size());
+  const auto keep_shares = [&](std::vector<Share> given) {
+    for (std::size_t t = 0; t < given.size(); ++t)
+      if (!shares[t]) shares[t] = std::make_shared<const Share>(std::move(given[t]));
   };
-  keep_shares(std::move(given));
+  keep_shares(std::move(all.tiles));
   std::vector<std::uint32_t> wanted(range_.size());
   std::iota(wanted.begin(), wanted.end(), static_cast<std::uint32_t>(range_.first));
   Spiller spiller(pool_, task_.staged, room_, range_);
@@ -186,7 +200,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> gi
     std::vector<std::uint64_t> n{0}, m{0};
     for (const std::uint32_t t : wanted) {
       n.push_back(n.back() + task_.input.n() / tiles_.size() + shares[t]->foreign.size());
-      m.push_back(m.back() + shares[t]->constraints.size());
+      m.push_back(m.back() + shares[t]->constraints.size() + shares[t]->expected);
     }
     const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
     std::mutex mutex;
@@ -200,7 +214,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> gi
         if (is_solved[t]) return ForestResult();  // another device was faster
         share = shares[t];
       }
-      spiller.make_room(lent, sizes.n(problem), sizes.m(problem));
+      spiller.make_room(lent, sizes.n(problem), sizes.m(problem), task_.constraints);
       SolvedTile solved = solve_tile(lent, task_, *share, t);
       {
         const std::lock_guard<std::mutex> lock(mutex);
@@ -215,7 +229,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> gi
     wanted.clear();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t)
       if (tiles_[t].final.on_device() && pool_.report(tiles_[t].device).lost) wanted.push_back(t);
-    if (!wanted.empty() && team_.is_alone()) keep_shares(partition(task_.input, task_.cuts, roles).tiles);
+    if (!wanted.empty() && team_.is_alone()) keep_shares(share_out(roles).tiles);
   }
 }
 

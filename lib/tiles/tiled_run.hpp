@@ -45,7 +45,8 @@ class TiledRun {
 
   std::vector<Constraint> solve_parts(const std::vector<Role>& roles);
   void solve_uncrossed(const std::vector<Role>& roles);
-  void solve_tiles(const std::vector<Role>& roles, std::vector<Share> given);
+  Partition share_out(const std::vector<Role>& roles);
+  void solve_tiles(const std::vector<Role>& roles, Partition& all);
   std::vector<Constraint> solve_seam();
 
   ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
@@ -63,7 +64,7 @@ class TiledRun {
 
   DevicePool& pool_;
   Team& team_;
-  const TileTask task_;
+  TileTask task_;
   const Options& options_;
   TiledReport& report_;
   Options own_;
