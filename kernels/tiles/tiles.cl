@@ -5,6 +5,7 @@
 #include "common/corners.h"
 #include "common/pieces.h"
 #include "common/predicates.h"
+#include "tiles/final_pieces.h"
 #include "tiles/shares.h"
 #include "tiles/tiles.h"
 
@@ -157,7 +158,7 @@ kernel void tile_not_final(const uint count, global const uint* list, global uin
 // that are. All that write a word write 1.
 kernel void tile_mark(const uint triangles, const uint own, global const uint* final, global const uint* corners,
                       global const uchar* constrained, global const Levels* levels, global const uint* input_vertex,
-                      const uint pieces, global const uint2* ends, global uint* wanted, global uchar* kept) {
+                      const uint pieces, global const uint2* ends, global uint* wanted, global uint* kept) {
   FOR_EACH(t, triangles) {
     for (uint k = 0; k < 3u; ++k) {
       const uint v = corners[3u * t + k];
@@ -166,17 +167,10 @@ kernel void tile_mark(const uint triangles, const uint own, global const uint* f
       } else if ((constrained[t] >> k) & 1u) {
         const uint piece = find_piece(levels, pieces, ends, input_vertex[corners[3u * t + next_corner(k)]],
                                       input_vertex[corners[3u * t + previous_corner(k)]]);
-        if (piece != GCDT_NONE) kept[piece] = 1;
+        if (piece != GCDT_NONE) kept[piece] = 1u;
       }
     }
   }
-}
-
-// One work-item per piece. Makes the ends of those that are kept input numbers. Pair p is read and written by one
-// work-item.
-kernel void tile_kept_ends(const uint pieces, global const uchar* kept, global const uint* ids, global uint2* ends) {
-  FOR_EACH(p, pieces)
-  if (kept[p]) ends[p] = (uint2)(ids[ends[p].x], ids[ends[p].y]);
 }
 
 // One work-item per triangle. Reads the scan of final, and the mesh. Writes the final triangles' arrays, where
@@ -226,8 +220,8 @@ kernel void tile_codes(const uint count, global const uint* corners, global cons
   FOR_EACH(i, count) codes[i] = code_of_point(points[corners[3u * GCDT_TILE_STEP * i]]);
 }
 
-// One work-item per corner of a final triangle that leaves the device before its place is known. Makes the tile's
-// vertex an input number. Word i is read and written by one work-item.
+// One work-item per corner of a final triangle, or end of a kept piece, that leaves the device before its place is
+// known. Makes the tile's vertex an input number. Word i is read and written by one work-item.
 kernel void tile_input_numbers(const uint count, global const uint* ids, global uint* corners) {
   FOR_EACH(i, count) corners[i] = ids[corners[i]];
 }

@@ -71,11 +71,21 @@ class TileRun {
   const Constraint& ends_of(std::uint32_t known) const {
     return task_.constraints ? task_.input.constraints.ends[known] : share_.constraints[known];
   }
-  /// Makes a list of the tile's constraints one of what they are known by.
-  void make_known(const Buffer<cl_uint>& list, std::size_t count) {
-    if (!task_.constraints || count == 0) return;
-    runtime_.launch("tiles", "share_known", over(count), static_cast<cl_uint>(count),
-                    static_cast<cl_uint>(places_.size()), places_, list);
+  /// Makes a list of the tile's constraints one of what `by` has for them.
+  void make_known(const Buffer<cl_uint>& by, const Buffer<cl_uint>& list, std::size_t count) {
+    if (count == 0) return;
+    runtime_.launch("tiles", "share_known", over(count), static_cast<cl_uint>(count), static_cast<cl_uint>(by.size()),
+                    by, list);
+  }
+  /// Of the tile's constraints the input numbers.
+  Buffer<cl_uint> numbers() {
+    if (!task_.constraints)
+      return runtime_.upload("numbers of constraints", share_.constraint_ids.data(), share_.constraint_ids.size());
+    const Array<std::uint32_t>& given = task_.input.constraints.numbers;
+    if (given.empty()) return std::move(places_);
+    const auto all = runtime_.upload("numbers of constraints", given.data(), given.size());
+    make_known(all, places_, places_.size());
+    return std::move(places_);
   }
 
   void triangulate(Taken taken) {
@@ -147,7 +157,7 @@ class TileRun {
 
   // Of passages and of what was dropped, which passes from now on, too. All that are its own are open ends.
   void find_ends() {
-    make_known(made_.dropped, made_.dropped.size());
+    if (task_.constraints) make_known(places_, made_.dropped, made_.dropped.size());
     const auto dropped = read_all_of<std::uint32_t>(runtime_, made_.dropped, made_.dropped.size());
     check_below(dropped, known_constraints(), "a dropped constraint is none of the tile");
     for (const std::uint32_t c : dropped) solved_.dropped.push_back({number_of(c), ends_of(c)});
@@ -191,7 +201,7 @@ class TileRun {
   void give_to_seam() {
     const cl_uint pieces = made_.pieces.count;
     auto wanted = runtime_.filled<cl_uint>("vertices of the seam", std::size_t{solved_.own} + 1, 0);
-    auto kept = runtime_.filled<cl_uchar>("kept pieces", pieces, 0);
+    auto kept = runtime_.filled<cl_uint>("kept pieces", std::size_t{pieces} + 1, 0);
     if (triangles() == 0)
       runtime_.launch("tiles", "tile_standing", over(solved_.own), solved_.own, made_.representatives, wanted);
     else
@@ -202,7 +212,7 @@ class TileRun {
     const auto list = runtime_.allocate<cl_uint>("vertices of the seam", count);
     primitives_.compact_indices(wanted, list, solved_.own);
     solved_.vertices = seam_vertices(list, count);
-    give_pieces(kept);
+    part_pieces(kept);
   }
 
   Buffer<cl_uint2> pieces_as_vertices() {
@@ -213,23 +223,39 @@ class TileRun {
     return ends;
   }
 
-  void give_pieces(const Buffer<cl_uchar>& kept) {
-    const Pieces& pieces = made_.pieces;
-    const cl_uint count = pieces.count;
-    solved_.kept = read_array<std::uint8_t>(runtime_, kept, count);
-    if (count > 0) runtime_.launch("tiles", "tile_kept_ends", over(count), count, kept, ids(), pieces.ends);
-    solved_.pieces = read_array<Constraint>(runtime_, pieces.ends, count);
-    check_ends_below(solved_.pieces, task_.input.n(), "the end of a piece is no vertex of the input");
-    if (pieces.source_count != count) {  // else each has one, since each has some
-      solved_.source_offsets = read_array<std::uint32_t>(runtime_, pieces.source_offsets, std::size_t{count} + 1);
-      check_offsets(solved_.source_offsets, count, pieces.source_count, "the sources of a piece are not there");
+  /// Those that are kept stay on the device. `kept`: flags, which are scanned.
+  void part_pieces(const Buffer<cl_uint>& kept) {
+    const Pieces& all = made_.pieces;
+    const cl_uint count = all.count;
+    if (count == 0) return;
+    make_known(numbers(), all.sources, all.source_count);
+    FinalPieces& final = solved_.final.pieces;
+    final.count = scan(kept, count);
+    const auto before = runtime_.allocate<cl_uint>("sources of kept pieces before", std::size_t{count} + 1);
+    runtime_.launch("tiles", "pieces_sources", over(count), count, kept, all.source_offsets, before);
+    final.source_count = primitives_.scan_total(before, count);
+    if (final.source_count > all.source_count) refuse("the sources of a piece are not there");
+    const cl_uint of_seam = count - final.count, seam_sources = all.source_count - final.source_count;
+    final.ends = runtime_.allocate<cl_uint2>("kept pieces", final.count);
+    final.offsets = runtime_.allocate<cl_uint>("kept source offsets", std::size_t{final.count} + 1);
+    final.sources = runtime_.allocate<cl_uint>("kept sources", final.source_count);
+    const auto ends = runtime_.allocate<cl_uint2>("pieces of the seam", of_seam);
+    const auto offsets = runtime_.allocate<cl_uint>("source offsets of the seam", std::size_t{of_seam} + 1),
+               sources = runtime_.allocate<cl_uint>("sources of the seam", seam_sources);
+    runtime_.launch("tiles", "pieces_part", over(count), count, kept, before, all.ends, all.source_offsets, all.sources,
+                    final.ends, final.offsets, final.sources, ends, offsets, sources);
+    runtime_.fill<cl_uint>(final.offsets, final.source_count, 1, final.count);
+    runtime_.fill<cl_uint>(offsets, seam_sources, 1, of_seam);
+    // Each piece has some source: where there are as many sources as pieces, each has one.
+    if (final.source_count == final.count) final.offsets = {};
+    solved_.pieces = read_array<Constraint>(runtime_, ends, of_seam);
+    check_ends_below(solved_.pieces, all_, "the end of a piece is no vertex of the tile");
+    if (seam_sources != of_seam) {
+      solved_.source_offsets = read_array<std::uint32_t>(runtime_, offsets, std::size_t{of_seam} + 1);
+      check_offsets(solved_.source_offsets, of_seam, seam_sources, "the sources of a piece are not there");
     }
-    make_known(pieces.sources, pieces.source_count);
-    solved_.sources = read_array<std::uint32_t>(runtime_, pieces.sources, pieces.source_count);
-    check_below(solved_.sources, known_constraints(), "a source of a piece is no constraint of the tile");
-    if (!task_.constraints || !task_.input.constraints.numbers.empty())
-      for_each_in_threads(solved_.sources.size(),
-                          [&](std::size_t i) { solved_.sources[i] = number_of(solved_.sources[i]); });
+    solved_.sources = read_array<std::uint32_t>(runtime_, sources, seam_sources);
+    check_below(solved_.sources, task_.input.constraints.count, "a source of a piece is no constraint of the input");
   }
 
   std::vector<SeamVertex> seam_vertices(const Buffer<cl_uint>& list, cl_uint count) {

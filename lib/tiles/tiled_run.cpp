@@ -26,7 +26,7 @@ TiledRun::TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged&
       options_(options),
       report_(report),
       range_(own_tiles(team, cuts.tiles())),
-      room_(pool, input.given.points.size() + input.added.size()) {
+      room_(pool, input.given.points.size() + input.added.size(), team.is_alone() ? input.constraints.size() : 0) {
   own_.grid = FixedGrid{0, 0, "1"};  // the seam is in cells of the common grid
   own_.check = options.check;
   report_.tiles = static_cast<std::uint32_t>(cuts.tiles());

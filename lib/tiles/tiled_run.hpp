@@ -50,8 +50,11 @@ class TiledRun {
   std::vector<Constraint> solve_seam();
 
   ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
-  bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before, ForestResult& joined);
-  void finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, Order* order, ResultPart& part);
+  bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before,
+                   std::vector<TilePieces>& pieces, ForestResult& joined);
+  void finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, std::vector<TilePieces> pieces,
+              Order* order, ResultPart& part);
+  std::vector<TilePieces> pieces_of_seam();
   void leave_pieces();
   void write_representatives(ForestResult& result) const;
   void count(const OwnPlaces& places, ForestResult& result);
