@@ -39,7 +39,7 @@ kernel void pieces_part(const uint pieces, global const uint* before, global con
 // ones come before it, and how many sources these have. Words i have one writer. Ends: the range halves.
 kernel void pieces_before(const uint count, const uint kept, const uint with_offsets, global const ulong2* keys,
                           global const uint2* ends, global const uint* offsets, global const int2* points,
-                          global uint* before, global uint* sources_before) {
+                          global uint* counts, global uint* source_counts) {
   FOR_EACH(i, count) {
     const ulong2 key = keys[i];
     uint low = 0, high = kept;
@@ -52,8 +52,8 @@ kernel void pieces_before(const uint count, const uint kept, const uint with_off
       else
         high = middle;
     }
-    before[i] = low;
-    sources_before[i] = with_offsets ? offsets[low] : low;
+    counts[i] = low;
+    source_counts[i] = with_offsets ? offsets[low] : low;
   }
 }
 

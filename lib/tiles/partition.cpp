@@ -10,7 +10,7 @@ namespace gcdt::tiles {
 namespace {
 
 /// A tile's part of all constraints is off by about sqrt(1 / sample).
-constexpr std::size_t constraints_sampled = std::size_t{1} << 14;
+constexpr std::size_t constraints_sampled = std::size_t{1} << 12;
 
 constexpr std::uint16_t open_constraint = std::numeric_limits<std::uint16_t>::max();
 

@@ -12,24 +12,28 @@ ResultPart TiledRun::write(const std::vector<Role>& roles, const std::vector<std
   for (;;) {
     if (!tell("join", 0.9)) throw Error(Status::cancelled, "cancelled during join");
     std::optional<Order> order;
-    if (team_.is_first()) order.emplace(Solved{tiles_, seam_, between_});
-    Order* const at_first = order ? &*order : nullptr;
-    OwnPlaces places = scatter_places(team_, tiles_.size(), at_first);
-    std::uint32_t triangles = 0;
-    for (std::size_t i = 0; i < range_.size(); ++i)
-      triangles += tiles_[range_.first + i].final.count + places.tiles[i].of_seam;
-    for (SolvedTile& tile : tiles_)
-      if (triangles > room_.most() && tile.final.is_in_result()) tile.final.leave_result();
+    OwnPlaces places;
     ResultPart part;
-    part.result = room_.take(triangles);
-    part.first = places.tiles[0].first;
     std::vector<std::vector<std::uint32_t>> before(range_.size());
-    std::vector<TilePieces> pieces = pieces_of_seam();
-    make_room_for_pieces(tiles_, range_.first, pieces, part.result);
+    std::vector<TilePieces> pieces;
+    {
+      const Timed timed(report_.ms_write);
+      if (team_.is_first()) order.emplace(Solved{tiles_, seam_, between_});
+      places = scatter_places(team_, tiles_.size(), order ? &*order : nullptr);
+      std::uint32_t triangles = 0;
+      for (std::size_t i = 0; i < range_.size(); ++i)
+        triangles += tiles_[range_.first + i].final.count + places.tiles[i].of_seam;
+      for (SolvedTile& tile : tiles_)
+        if (triangles > room_.most() && tile.final.is_in_result()) tile.final.leave_result();
+      part.result = room_.take(triangles);
+      part.first = places.tiles[0].first;
+      pieces = pieces_of_seam();
+      make_room_for_pieces(tiles_, range_.first, pieces, part.result);
+    }
     if (write_tiles(places, before, pieces, part.result)) {
       const Timed timed(report_.ms_join);
       for (TilePlaces& own : places.tiles) own.make_keys = {};
-      finish(places, std::move(before), std::move(pieces), at_first, part);
+      finish(places, std::move(before), std::move(pieces), order ? &*order : nullptr, part);
       part.result.statistics.constraints_dropped = dropped.size();
       std::copy(dropped.begin(), dropped.end(), room<std::uint32_t>(part.result, GCDT_DROPPED, dropped.size()));
       return part;
