@@ -114,8 +114,8 @@ TEST_CASE("every workload, cut evenly, gives the bytes of one device") {
   }
 }
 
-TEST_CASE("even cuts are those of all codes in their order, if there are few") {
-  for (const std::size_t n : {0, 1, 5, 1000}) {
+TEST_CASE("even cuts are those of all codes in their order, if there are few, or within the slack the roundest code") {
+  for (const std::size_t n : {0, 1, 5, 1000, 5000}) {
     const Workload work = uniform(n);
     for (const std::size_t tiles : {1, 2, 3, 7, 64}) {
       CAPTURE(n);
@@ -126,10 +126,19 @@ TEST_CASE("even cuts are those of all codes in their order, if there are few") {
         std::sort(codes.begin(), codes.end());
         Cuts cuts = evenly(tiles)(input);
         CHECK(cuts.tiles() == tiles);
-        for (std::size_t t = 1; t < tiles; ++t) CHECK(cuts.tile_of(n == 0 ? 0 : codes[n * t / tiles]) >= t);
-        for (std::size_t v = 0; v < n; ++v) {
-          const std::size_t t = cuts.tile_of(codes[v]);
-          if (t + 1 < tiles) CHECK(codes[v] < codes[n * (t + 1) / tiles]);
+        const std::size_t slack = tiles::slack_of_cut(n, tiles);
+        for (std::size_t t = 1; t < tiles && n > 0; ++t) {
+          const std::uint64_t made = cuts.first_codes()[t - 1], even = codes[n * t / tiles];
+          const std::uint64_t low = codes[n * t / tiles - slack], high = codes[n * t / tiles + slack];
+          if (slack == 0 || low == even) {
+            CHECK(made == even);
+            continue;
+          }
+          const std::uint64_t last_bit = made & (~made + 1);
+          CHECK(low < made);
+          CHECK(made <= high);
+          CHECK(made - last_bit <= low);
+          CHECK(made + last_bit > high);
         }
         return cuts;
       };
