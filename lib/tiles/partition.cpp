@@ -135,12 +135,17 @@ void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role
       1);
 }
 
-/// About how many constraints each tile has: from a sample, with their first ends for all of them.
+/// About how many constraints each tile has: from a sample, with their first ends for all of them. Tiles that have
+/// about as many are said to have the same number, since the largest are solved first, and what comes in another order
+/// than it lies in the result waits in memory of its own when it leaves a device (docs/scale.md, T7).
 void expect_constraints(const GridInput& input, const Cuts& cuts, Partition& made) {
   const std::size_t m = input.constraints.size(), count = std::min(m, constraints_sampled);
   std::vector<std::uint64_t> found(cuts.tiles(), 0);
   for (std::size_t i = 0; i < count; ++i) ++found[cuts.tile_of(code_of(input.end_of(m * i / count, 0)))];
-  for (std::size_t t = 0; t < cuts.tiles(); ++t) made.tiles[t].expected = count == 0 ? 0 : m * found[t] / count;
+  for (std::size_t t = 0; t < cuts.tiles() && count > 0; ++t) {
+    const std::size_t even = m / cuts.tiles(), own = m * found[t] / count;
+    made.tiles[t].expected = own > even - even / 4 && own < even + even / 4 ? even : own;
+  }
 }
 
 }  // namespace

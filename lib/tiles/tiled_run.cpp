@@ -206,7 +206,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
     std::mutex mutex;
     std::vector<bool> is_solved(tiles_.size(), false);
     spiller.expect(wanted.size());
-    run("tiles", 0, tiles_share, sizes, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t problem) {
+    run("tiles", 0, tiles_share, sizes, [&](DevicePool::Lent& lent, std::uint32_t problem) {
       const std::uint32_t t = wanted[problem];
       std::shared_ptr<const Share> share;  // as long as it is needed here
       {
@@ -241,7 +241,7 @@ std::vector<Constraint> TiledRun::solve_seam() {
     const auto solve = [&](DevicePool::Lent& lent, std::uint32_t) {
       return triangulate_single(lent.runtime, lent.primitives, problem, 0, own_);
     };
-    PoolResult made = run("seam", tiles_share, seam_share, problem, DevicePool::Who::gpus, solve);
+    PoolResult made = run("seam", tiles_share, seam_share, problem, solve);
     const auto [result, place] = made.places.at(0);
     made_seam_ = std::move(made.results.at(result).singles.at(place));
   } catch (const Error& error) {
@@ -259,14 +259,31 @@ std::vector<Constraint> TiledRun::solve_seam() {
   return {};
 }
 
-/// Throws the error of the first problem that has one.
-PoolResult TiledRun::run(const char* phase, double from, double to, const BatchInput& sizes, DevicePool::Who who,
+/// By GPUs if there are some: a CPU beside them takes longer for one problem than they do for all, and takes cores from
+/// the threads that feed them. By all if that fails for want of memory, or because GPUs are lost. Throws the error of
+/// the first problem that has one.
+PoolResult TiledRun::run(const char* phase, double from, double to, const BatchInput& sizes,
                          const DevicePool::MakeOne& make) {
   Options options;
   options.progress = [&](const char*, double done) { return tell(phase, from + (to - from) * done); };
-  PoolResult made = pool_.make_each(sizes, options, who, make);
-  if (!made.errors.empty()) throw made.errors.begin()->second;
-  return made;
+  const auto by = [&](DevicePool::Who who) {
+    PoolResult made = pool_.make_each(sizes, options, who, make);
+    if (!made.errors.empty()) throw made.errors.begin()->second;
+    return made;
+  };
+  const auto lost = [&] {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < pool_.size(); ++i) count += pool_.report(i).lost.has_value();
+    return count;
+  };
+  const std::size_t before = lost();
+  try {
+    return by(DevicePool::Who::gpus);
+  } catch (const Error& error) {
+    const bool for_memory = error.status() == Status::out_of_memory;
+    if (pool_.size() - lost() < (for_memory ? 2u : 1u) || (!for_memory && lost() == before)) throw;
+  }
+  return by(DevicePool::Who::all);
 }
 
 /// Of pairs of the seam's constraints those of the input, the smaller number first, ascending. Two straight

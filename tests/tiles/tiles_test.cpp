@@ -309,6 +309,35 @@ TEST_CASE("a device treated as a GPU gives the same bytes") {
   }
 }
 
+TEST_CASE("a CPU beside a GPU gets no tile, unless that is lost or has no room") {
+  const Workload work = workload("letters", 3000);
+  const OneProblem problem(work);
+  const Singles alone({work});
+  enum { healthy_gpu, small_gpu, lost_gpu };
+  for (const int kind : {healthy_gpu, small_gpu, lost_gpu}) {
+    CAPTURE(kind);
+    const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+    constexpr std::uint64_t never = std::uint64_t{1} << 40;
+    runtime::CallHook gpu = treated_as(DeviceKind::gpu);
+    if (kind == small_gpu) gpu.tuning.memory_bytes = 24u << 20;
+    if (kind == lost_gpu) gpu.before = failing(calls, never, true, CL_INVALID_COMMAND_QUEUE).before;
+    std::atomic<bool> is_solved_by_cpu{false};
+    const Trace trace = [&](const TraceSpan& span) {
+      if (span.name == "take" && span.device_number == 1) is_solved_by_cpu = true;
+    };
+    DevicePool pool({{cl::Context(), app_device(), gpu}, {cl::Context(), app_device(), {}}}, {}, trace);
+    Options options;
+    options.progress = [&](const char* phase, double) {
+      if (std::string(phase) == "tiles") *calls = never;  // from now on it fails
+      return true;
+    };
+    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, 4, evenly(4));
+    CHECK(difference(test::part_of(made, 0), alone.meshes[0]) == "");
+    CHECK(is_solved_by_cpu == (kind != healthy_gpu));
+    CHECK(pool.report(0).lost.has_value() == (kind == lost_gpu));
+  }
+}
+
 TEST_CASE("devices of two vendors share the tiles of one problem") {
   std::vector<DevicePool::Member> members;
   for (const cl::Device& device : all_of_them) members.push_back({cl::Context(), device, {}});
