@@ -13,6 +13,7 @@ import math
 import numpy
 
 SAMPLE = 1 << 16  # codes from which cuts are chosen, or 256 a tile (lib/tiles/cuts.cpp)
+SLACK = 64  # of a tile's vertices a cut may have this part more on one side (lib/tiles/cuts.hpp)
 BITS = 12  # the boundary is counted between cells of a square of 2^BITS by 2^BITS
 SMALL = 0.1  # the law holds as long as the seam is this part of all vertices; beyond, seams of neighbouring cuts meet
 
@@ -30,6 +31,13 @@ def spread(numbers):
     return numbers
 
 
+def roundest(codes, begin, slack):
+    """The code that ends in most zeros of those within the slack."""
+    low, high = int(codes[begin - slack]), int(codes[begin + slack])
+    zeros = (low ^ high).bit_length() - 1
+    return int(codes[begin]) if low >= int(codes[begin]) else high >> zeros << zeros
+
+
 def boundary(tiles, seed=1):
     """The length of all boundaries between so many tiles of the unit square, cut as even_cuts() does."""
     random = numpy.random.default_rng(seed)
@@ -37,7 +45,8 @@ def boundary(tiles, seed=1):
     # Of 16 bits a coordinate, which are finer than the cells.
     x, y = (random.integers(0, 1 << 16, count) for _ in range(2))
     codes = numpy.sort(spread(x) | spread(y) << numpy.uint64(1))
-    cuts = codes[[count * t // tiles for t in range(1, tiles)]] >> numpy.uint64(2 * (16 - BITS))
+    cuts = numpy.array([roundest(codes, count * t // tiles, count // tiles // SLACK) for t in range(1, tiles)])
+    cuts = cuts.astype(numpy.uint64) >> numpy.uint64(2 * (16 - BITS))
     side = spread(numpy.arange(1 << BITS))
     tile = numpy.searchsorted(cuts, (side[:, None] | side[None, :] << numpy.uint64(1)).ravel(), "right")
     tile = tile.reshape(1 << BITS, 1 << BITS)

@@ -5,6 +5,8 @@
 #include "common/corners.h"
 #include "common/pieces.h"
 #include "common/predicates.h"
+#include "tiles/final_pieces.h"
+#include "tiles/shares.h"
 #include "tiles/tiles.h"
 
 // ---- Its input --------------------------------------------------------------------------------------
@@ -25,19 +27,6 @@ kernel void tile_take(const uint count, const uint first_id, const uint at, glob
     coordinates[place] = (ulong)gcdt_gather_bits(codes[i]) | ((ulong)gcdt_gather_bits(codes[i] >> 1) << 32);
     ids[place] = first_id + i;
   }
-}
-
-// The place of an id among ids[low .. high - 1], which ascend; `high` if it is not there. Ends: the range halves.
-static inline uint place_of_id(global const uint* ids, uint low, uint high, uint wanted) {
-  const uint end = high;
-  while (low < high) {
-    const uint middle = low + (high - low) / 2u;
-    if (ids[middle] < wanted)
-      low = middle + 1u;
-    else
-      high = middle;
-  }
-  return low < end && ids[low] == wanted ? low : end;
 }
 
 // One work-item per number. Reads ids: those of own vertices ascend, and so do the others. Writes vertices[i], the
@@ -145,8 +134,6 @@ static inline Reach reach_of_circle(int2 a, int2 b, int2 c, int4 all) {
   return reach;
 }
 
-static inline ulong code_of(int2 p) { return gcdt_morton((uint)p.x, (uint)p.y); }
-
 // One work-item per triangle. Reads the mesh and points. Writes final[t]: whether the box around its circle, cut to
 // `all`, the box of all vertices, is the tile's. Word t has one writer.
 // After this kernel the final triangles are of the whole result, but for those that an open constraint passes (T2).
@@ -155,7 +142,7 @@ kernel void tile_final(const uint triangles, global const uint* corners, global 
   FOR_EACH(t, triangles) {
     const Reach reach =
         reach_of_circle(points[corners[3u * t]], points[corners[3u * t + 1u]], points[corners[3u * t + 2u]], all);
-    final[t] = code_of(reach.least) >= first_code && code_of(reach.most) <= last_code ? 1u : 0u;
+    final[t] = code_of_point(reach.least) >= first_code && code_of_point(reach.most) <= last_code ? 1u : 0u;
   }
 }
 
@@ -184,13 +171,6 @@ kernel void tile_mark(const uint triangles, const uint own, global const uint* f
       }
     }
   }
-}
-
-// One work-item per piece. Makes the ends of those that are kept input numbers. Pair p is read and written by one
-// work-item.
-kernel void tile_kept_ends(const uint pieces, global const uint* kept, global const uint* ids, global uint2* ends) {
-  FOR_EACH(p, pieces)
-  if (kept[p]) ends[p] = (uint2)(ids[ends[p].x], ids[ends[p].y]);
 }
 
 // One work-item per triangle. Reads the scan of final, and the mesh. Writes the final triangles' arrays, where
@@ -237,11 +217,11 @@ kernel void tile_border(const uint finals, global const uint* before, global con
 // One work-item per GCDT_TILE_STEP final triangles. Writes codes[i], of the first corner of the first of them. Word i
 // has one writer.
 kernel void tile_codes(const uint count, global const uint* corners, global const int2* points, global ulong* codes) {
-  FOR_EACH(i, count) codes[i] = code_of(points[corners[3u * GCDT_TILE_STEP * i]]);
+  FOR_EACH(i, count) codes[i] = code_of_point(points[corners[3u * GCDT_TILE_STEP * i]]);
 }
 
-// One work-item per corner of a final triangle that leaves the device before its place is known. Makes the tile's
-// vertex an input number. Word i is read and written by one work-item.
+// One work-item per corner of a final triangle, or end of a kept piece, that leaves the device before its place is
+// known. Makes the tile's vertex an input number. Word i is read and written by one work-item.
 kernel void tile_input_numbers(const uint count, global const uint* ids, global uint* corners) {
   FOR_EACH(i, count) corners[i] = ids[corners[i]];
 }
@@ -256,8 +236,8 @@ kernel void tile_before(const uint count, const uint finals, global const ulong2
     uint low = 0, high = finals;
     while (low < high) {
       const uint middle = low + (high - low) / 2u;
-      ulong found = code_of(points[corners[3u * middle]]), wanted = key.x;
-      if (found == wanted) found = code_of(points[corners[3u * middle + 1u]]), wanted = key.y;
+      ulong found = code_of_point(points[corners[3u * middle]]), wanted = key.x;
+      if (found == wanted) found = code_of_point(points[corners[3u * middle + 1u]]), wanted = key.y;
       if (found < wanted)
         low = middle + 1u;
       else

@@ -71,16 +71,19 @@ bool DevicePool::all_lost() const {
   return std::all_of(reports_.begin(), reports_.end(), [](const DeviceReport& r) { return r.lost.has_value(); });
 }
 
+/// Of all that are lost; where a call was for GPUs alone, others may be left.
 void DevicePool::throw_reasons() const {
-  Status status = reports_.front().lost->status();
-  std::int32_t code = reports_.front().lost->opencl_code();
+  std::optional<Status> status;
+  std::int32_t code = 0;
   std::string message = "no device of the pool is left:";
   for (const DeviceReport& report : reports_) {
-    if (report.lost->status() != status) status = Status::device_failed;
+    if (!report.lost) continue;
+    if (!status) status = report.lost->status(), code = report.lost->opencl_code();
+    if (report.lost->status() != *status) status = Status::device_failed;
     if (report.lost->opencl_code() != code) code = 0;
     message += "\n  " + report.info.name + " (" + report.info.platform + "): " + report.lost->what();
   }
-  throw Error(status, message, {}, 0, code);
+  throw Error(status.value_or(Status::device_failed), message, {}, 0, code);
 }
 
 void DevicePool::lose(std::size_t device, const Error& error) {

@@ -306,6 +306,10 @@ struct Tuning {
   /// 32 bytes each, within these: a chunk takes two waits (NOTES, "Tiles").
   static constexpr std::size_t least_tile_chunk = std::size_t{1} << 14, most_tile_chunk = std::size_t{1} << 24;
   static constexpr std::uint64_t part_of_tile_chunk = 512;
+  /// Constraints of a block that a device of a pool shares out: as many as a part of its memory has room for at 32
+  /// bytes each, and at most so many, since devices take blocks by turns.
+  static constexpr std::size_t most_constraints_of_block = std::size_t{1} << 22;
+  static constexpr std::uint64_t part_of_constraint_block = 2048;
   /// Of so many of the host's cores one makes room for the result of tiles.
   static constexpr unsigned cores_of_room_thread = 4;
   /// Bytes of a problem that are prefetched before it is gathered: as much as a first cache holds (NOTES, "Batches").

@@ -27,6 +27,28 @@ void select_cuts(std::vector<std::uint64_t>& sample, std::size_t first, std::siz
   select_cuts(sample, middle, end, begin_of);
 }
 
+/// The code c that ends in most zeros, of those with low < c <= high.
+std::uint64_t roundest(std::uint64_t low, std::uint64_t high) {
+  std::uint64_t zeros = 0;
+  // Ends: a number without any bit is not above `low`.
+  for (std::uint64_t more = 1; (high & ~more) > low; more = more << 1 | 1) zeros = more;
+  return high & ~zeros;
+}
+
+/// Of codes in the sample's parts between even cuts, the cut that is best for tile t.
+template <class BeginOf>
+std::uint64_t best_cut(std::vector<std::uint64_t>& sample, std::size_t tile, std::size_t tiles, BeginOf&& begin_of) {
+  const auto at = [&](std::size_t place) { return sample.begin() + static_cast<std::ptrdiff_t>(place); };
+  const std::size_t begin = begin_of(tile), slack = slack_of_cut(sample.size(), tiles);
+  const std::uint64_t even = sample[begin];
+  if (slack == 0) return even;
+  // Both are within the parts beside the cut, which have several times as many.
+  std::nth_element(at(begin_of(tile - 1)), at(begin - slack), at(begin));
+  std::nth_element(at(begin), at(begin + slack), at(begin_of(tile + 1)));
+  const std::uint64_t low = sample[begin - slack], high = sample[begin + slack];
+  return low < even ? roundest(low, high) : even;
+}
+
 }  // namespace
 
 std::size_t Cuts::tile_of(std::uint64_t code) const {
@@ -60,7 +82,7 @@ Cuts even_cuts(const GridInput& input, std::size_t tiles, Team& team) {
   if (team.is_first() && count > 0) {
     const auto begin_of = [&](std::size_t tile) { return count * tile / tiles; };
     select_cuts(sample, 0, tiles, begin_of);
-    for (std::size_t t = 1; t < tiles; ++t) first_codes.push_back(sample[begin_of(t)]);
+    for (std::size_t t = 1; t < tiles; ++t) first_codes.push_back(best_cut(sample, t, tiles, begin_of));
   } else if (team.is_first()) {
     first_codes.assign(tiles - 1, 0);
   }

@@ -20,6 +20,7 @@ class Cuts {
   explicit Cuts(std::vector<std::uint64_t> first_codes) : first_codes_(std::move(first_codes)) {}
 
   std::size_t tiles() const { return first_codes_.size() + 1; }
+  const std::vector<std::uint64_t>& first_codes() const { return first_codes_; }  ///< of each tile but the first
   std::size_t tile_of(std::uint64_t code) const;
   /// The first and the last code of a tile. A tile without points may have none in between.
   std::array<std::uint64_t, 2> codes_of(std::size_t tile) const;
@@ -30,8 +31,13 @@ class Cuts {
   std::vector<std::uint64_t> first_codes_;
 };
 
+/// How many vertices of a sample a cut may have more or fewer on one side than an even one would.
+inline std::size_t slack_of_cut(std::size_t sample, std::size_t tiles) { return sample / tiles / 64; }
+
 /// Cuts that give each of so many tiles about as many of the vertices, from a sample of them: the same for all ranks,
-/// and for any number of them. Those given to a rank follow each other.
+/// and for any number of them. Those given to a rank follow each other. Of the codes within the slack a cut is the one
+/// that ends in most zeros: then the tiles on both sides are of few rectangles, so that their borders are short, and a
+/// tile has no vertex far before a long straight border, from which thousands of triangles would reach to it.
 Cuts even_cuts(const GridInput& input, std::size_t tiles, Team& team);
 
 }  // namespace gcdt::tiles

@@ -13,7 +13,7 @@ using runtime::Runtime;
 std::uint64_t FinalTriangles::device_bytes() const {
   if (!on_device()) return 0;
   return corners.bytes() + neighbours.bytes() + constrained.bytes() + (ids.allocated() ? ids.bytes() : 0) +
-         (points.allocated() ? points.bytes() : 0);
+         (points.allocated() ? points.bytes() : 0) + pieces.device_bytes();
 }
 
 std::function<void(Runtime& runtime)> FinalTriangles::begin_spill(Runtime& runtime, const SpillTo& to) {
@@ -28,14 +28,17 @@ std::function<void(Runtime& runtime)> FinalTriangles::begin_spill(Runtime& runti
     take_codes(runtime);
     const cl_uint words = 3 * count;
     if (words > 0) runtime.launch("tiles", "tile_input_numbers", over(words), words, ids, corners);
-    // From here on corners are input numbers, or will be, and must not be made so twice, even if waiting fails.
+    pieces.number_ends(runtime, ids);
+    // From here on corners and ends are input numbers, or will be, and must not be made so twice, even if waiting
+    // fails.
     const runtime::Buffer<cl_uint> in_use = std::move(ids);
     points = {};
     runtime.finish();
   }
   spilled_ = made;
-  return [this, made](Runtime& any) {
+  return [this, made, directory = to.directory](Runtime& any) {
     Step reading(any, "spill");
+    pieces.spill(any, directory);
     if (made->file) {
       made->file->put(any, corners);
       made->file->put(any, neighbours);
@@ -62,7 +65,7 @@ void FinalTriangles::take_codes(Runtime& runtime) {
 void FinalTriangles::end_spill() {
   if (!spilled_) return;
   if (spilled_->done)
-    corners = {}, neighbours = {}, constrained = {};
+    corners = {}, neighbours = {}, constrained = {}, pieces.leave();
   else
     spilled_.reset();
 }
@@ -89,6 +92,7 @@ void FinalTriangles::leave_result() {
 
 void FinalTriangles::release() {
   corners = {}, neighbours = {}, constrained = {}, ids = {}, points = {};
+  pieces.leave();
   forget(codes);
   spilled_.reset();
 }

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "batch/device_pool.hpp"
-#include "tiles/spill.hpp"
+#include "tiles/final_pieces.hpp"
 
 namespace gcdt::tiles {
 
@@ -42,6 +42,8 @@ class FinalTriangles {
   // Until begin_spill().
   runtime::Buffer<cl_uint> ids;     ///< by vertex: input numbers
   runtime::Buffer<cl_int2> points;  ///< by vertex
+  /// The pieces along these triangles: they leave the device with them, but are not given back with them.
+  FinalPieces pieces;
   /// From begin_spill() on: the code of the first corner of each GCDT_TILE_STEP-th triangle.
   Array<cl_ulong> codes;
 
@@ -67,7 +69,7 @@ class FinalTriangles {
   const Berth& berth() const { return spilled_->berth; }
   /// From the result's arrays to memory of its own.
   void leave_result();
-  /// Gives all memory back; `count` stays.
+  /// Gives all memory back, but of pieces that have been spilled; `count` stays.
   void release();
 
  private:
@@ -81,9 +83,6 @@ class FinalTriangles {
   };
   std::shared_ptr<Spilled> spilled_;
 };
-
-/// Of the seam's triangles among those of a tile, in their order: the codes of their first two vertices.
-using SeamKeys = std::vector<std::array<std::uint64_t, 2>>;
 
 /// Where the triangles of a tile go in the result.
 struct TilePlaces {

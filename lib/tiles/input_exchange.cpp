@@ -12,37 +12,74 @@ constexpr std::size_t of_round = std::size_t{1} << 22;
 
 using Point = std::array<double, 2>;
 
-/// Some of a rank's vertices for each rank, in their order: a counting sort by parts.
+/// Things for each rank, in their order: a counting sort by parts. A part's thread counts in an array of its own
+/// making, since one beside another thread's would go to and fro between caches.
+class ByRank {
+ public:
+  /// Thing i is for rank_of(i).
+  template <class RankOf>
+  ByRank(std::size_t count, std::size_t ranks, RankOf&& rank_of)
+      : parts_(count), before_(parts_.size()), counts_(ranks, 0) {
+    parts_.run([&](std::size_t part, std::size_t first, std::size_t end) {
+      std::vector<std::size_t> own(ranks, 0);
+      for (std::size_t i = first; i < end; ++i) ++own[rank_of(i)];
+      before_[part] = std::move(own);
+    });
+    for (std::vector<std::size_t>& part : before_)
+      for (std::size_t rank = 0; rank < ranks; ++rank) {
+        const std::size_t some = part[rank];
+        part[rank] = counts_[rank];
+        counts_[rank] += some;
+      }
+  }
+  /// How many are for each rank.
+  const std::vector<std::size_t>& counts() const { return counts_; }
+  /// Calls use(i, rank, place) for each thing, in threads; `place` is among those of its rank.
+  template <class RankOf, class Use>
+  void for_each(RankOf&& rank_of, Use&& use) const {
+    parts_.run([&](std::size_t part, std::size_t first, std::size_t end) {
+      std::vector<std::size_t> next = before_[part];
+      for (std::size_t i = first; i < end; ++i) {
+        const std::size_t rank = rank_of(i);
+        use(i, rank, next[rank]++);
+      }
+    });
+  }
+
+ private:
+  const Parts parts_;
+  std::vector<std::vector<std::size_t>> before_;  ///< by part and rank
+  std::vector<std::size_t> counts_;
+};
+
+template <class T>
+void put_at(Bytes& bytes, std::size_t place, const T& value) {
+  std::memcpy(bytes.data() + place * sizeof(T), &value, sizeof(T));
+}
+template <class T>
+T get_at(const Bytes& bytes, std::size_t place) {
+  T value;
+  std::memcpy(&value, bytes.data() + place * sizeof(T), sizeof(T));
+  return value;
+}
+
+/// Some of a rank's vertices for each rank, in their order: points, then numbers.
 class VertexMessages {
  public:
   VertexMessages(const GridInput& block, const Array<std::uint16_t>& rank_of, std::size_t ranks)
       : block_(block), rank_of_(rank_of), ranks_(ranks) {}
 
   std::vector<Bytes> of(std::size_t first, std::size_t end) const {
-    const Parts parts(end - first);
-    std::vector<std::vector<std::size_t>> at(parts.size(), std::vector<std::size_t>(ranks_, 0));
-    parts.run([&](std::size_t part, std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) ++at[part][rank_of_[first + i]];
-    });
+    const auto rank_of = [&](std::size_t i) { return std::size_t{rank_of_[first + i]}; };
+    const ByRank by_rank(end - first, ranks_, rank_of);
+    const std::vector<std::size_t>& counts = by_rank.counts();
     std::vector<Bytes> messages(ranks_);
-    std::vector<std::size_t> counts(ranks_, 0);
-    for (std::size_t rank = 0; rank < ranks_; ++rank) {
-      for (std::vector<std::size_t>& part : at) {
-        const std::size_t count = part[rank];
-        part[rank] = counts[rank];
-        counts[rank] += count;
-      }
-      messages[rank].resize(counts[rank] * bytes_of_vertex);
-    }
+    for (std::size_t rank = 0; rank < ranks_; ++rank) messages[rank].resize(counts[rank] * bytes_of_vertex);
     const auto* given = static_cast<const Point*>(block_.given.points.data());
-    parts.run([&](std::size_t part, std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        const std::size_t rank = rank_of_[first + i], place = at[part][rank]++;
-        const auto number = static_cast<std::uint32_t>(block_.given.first + first + i);
-        std::memcpy(messages[rank].data() + place * sizeof(Point), given + first + i, sizeof(Point));
-        std::memcpy(messages[rank].data() + counts[rank] * sizeof(Point) + place * sizeof number, &number,
-                    sizeof number);
-      }
+    by_rank.for_each(rank_of, [&](std::size_t i, std::size_t rank, std::size_t place) {
+      const auto number = static_cast<std::uint32_t>(block_.given.first + first + i);
+      std::memcpy(messages[rank].data() + place * sizeof(Point), given + first + i, sizeof(Point));
+      std::memcpy(messages[rank].data() + counts[rank] * sizeof(Point) + place * sizeof number, &number, sizeof number);
     });
     return messages;
   }
@@ -57,37 +94,31 @@ class VertexMessages {
 
 std::uint64_t rounds_of(Team& team, std::size_t own) { return team.greatest((own + of_round - 1) / of_round); }
 
-/// Asks other ranks for a value of each number: `rank_of(i)` has that of numbers[i], and answers with answer(number).
-template <class T, class RankOf, class Answer>
-std::vector<T> ask(Team& team, const std::vector<std::uint32_t>& numbers, RankOf&& rank_of, Answer&& answer) {
-  std::vector<std::vector<std::uint32_t>> asked(team.size());
-  for (std::size_t i = 0; i < numbers.size(); ++i) asked[rank_of(i)].push_back(numbers[i]);
-  std::vector<Bytes> messages;
-  for (const std::vector<std::uint32_t>& some : asked) {
-    Packer packer;
-    packer.put(some);
-    messages.push_back(packer.take());
-  }
+/// Asks other ranks for a value of each of `count` numbers: rank_of(i) has that of number_of(i), and answers with
+/// answer(number); the value goes to take(i, value).
+template <class T, class NumberOf, class RankOf, class Answer, class Take>
+void ask(Team& team, std::size_t count, NumberOf&& number_of, RankOf&& rank_of, Answer&& answer, Take&& take) {
+  const ByRank by_rank(count, team.size(), rank_of);
+  std::vector<Bytes> messages(team.size());
+  for (std::size_t rank = 0; rank < team.size(); ++rank)
+    messages[rank].resize(by_rank.counts()[rank] * sizeof(std::uint32_t));
+  by_rank.for_each(rank_of, [&](std::size_t i, std::size_t rank, std::size_t place) {
+    put_at<std::uint32_t>(messages[rank], place, number_of(i));
+  });
   std::vector<Bytes> answers;
   for (const Bytes& message : team.exchange(std::move(messages))) {
-    std::vector<std::uint32_t> wanted;
-    Unpacker(message).append_to(wanted);
-    std::vector<T> values(wanted.size());
-    for_each_in_threads(wanted.size(), [&](std::size_t i) { values[i] = answer(wanted[i]); });
-    Packer packer;
-    packer.put(values);
-    answers.push_back(packer.take());
+    const std::size_t wanted = message.size() / sizeof(std::uint32_t);
+    Bytes values(wanted * sizeof(T));
+    for_each_in_threads(wanted,
+                        [&](std::size_t i) { put_at<T>(values, i, answer(get_at<std::uint32_t>(message, i))); });
+    answers.push_back(std::move(values));
   }
-  std::vector<std::vector<T>> got(team.size());
   answers = team.exchange(std::move(answers));
-  for (std::size_t rank = 0; rank < team.size(); ++rank) Unpacker(answers[rank]).append_to(got[rank]);
-  std::vector<T> values(numbers.size());
-  std::vector<std::size_t> next(team.size(), 0);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t rank = rank_of(i);
-    values[i] = got[rank].at(next[rank]++);
-  }
-  return values;
+  for (std::size_t rank = 0; rank < team.size(); ++rank)
+    if (answers[rank].size() != by_rank.counts()[rank] * sizeof(T))
+      throw Error(Status::check_failed, "tiles: a rank has not answered all that it was asked for");
+  by_rank.for_each(
+      rank_of, [&](std::size_t i, std::size_t rank, std::size_t place) { take(i, get_at<T>(answers[rank], place)); });
 }
 
 }  // namespace
@@ -100,7 +131,9 @@ OwnVertices exchange_vertices(Team& team, const GridInput& block, const Cuts& cu
   });
   // How many come from each rank: those of a rank follow each other, as its numbers do.
   std::vector<std::uint64_t> counts(team.size() * team.size(), 0);
-  for (const std::uint16_t rank : rank_of) ++counts[rank * team.size() + team.rank()];
+  const ByRank by_rank(count, team.size(), [&](std::size_t i) { return std::size_t{rank_of[i]}; });
+  for (std::size_t rank = 0; rank < team.size(); ++rank)
+    counts[rank * team.size() + team.rank()] = by_rank.counts()[rank];
   team.raise(counts.data(), counts.size());
   std::vector<std::size_t> place(team.size() + 1, 0);
   for (std::size_t rank = 0; rank < team.size(); ++rank)
@@ -135,25 +168,26 @@ Array<std::array<GridPoint, 2>> end_points(Team& team, const GridInput& block) {
   for (std::uint64_t round = 0; round < rounds; ++round) {
     const std::size_t first = std::min(constraints.size(), static_cast<std::size_t>(round) * of_round),
                       end = std::min(constraints.size(), first + of_round);
-    std::vector<std::uint32_t> ends;
-    for (std::size_t c = first; c < end; ++c) ends.insert(ends.end(), constraints[c].begin(), constraints[c].end());
-    const std::vector<GridPoint> found = ask<GridPoint>(
-        team, ends, [&](std::size_t i) { return rank_of_part(block.given.count, ends[i], team.size()); },
-        [&](std::uint32_t v) { return block.at(v); });
-    for (std::size_t i = 0; i < found.size(); ++i) points[first + i / 2][i % 2] = found[i];
+    const auto end_at = [&](std::size_t i) { return constraints[first + i / 2][i % 2]; };
+    ask<GridPoint>(
+        team, 2 * (end - first), end_at,
+        [&](std::size_t i) { return rank_of_part(block.given.count, end_at(i), team.size()); },
+        [&](std::uint32_t v) { return block.at(v); },
+        [&](std::size_t i, const GridPoint& point) { points[first + i / 2][i % 2] = point; });
   }
   return points;
 }
 
 Array<std::array<double, 2>> coordinates_of(Team& team, const RankResult& rank, const std::vector<Wanted>& wanted) {
-  std::vector<std::uint32_t> numbers;
-  for (const Wanted& one : wanted) numbers.push_back(one.number);
   const std::size_t each = rank.cuts.tiles() / team.size();
   const GivenVertices given{Points(rank.own.vertices), 0, rank.own.numbers, 0};
-  const std::vector<Point> found = ask<Point>(
-      team, numbers, [&](std::size_t i) { return rank.cuts.tile_of(code_of(wanted[i].point)) / each; },
-      [&](std::uint32_t v) { return rank.own.vertices[given.place_of(v)]; });
-  return {found.begin(), found.end()};
+  Array<Point> found(wanted.size());
+  ask<Point>(
+      team, wanted.size(), [&](std::size_t i) { return wanted[i].number; },
+      [&](std::size_t i) { return rank.cuts.tile_of(code_of(wanted[i].point)) / each; },
+      [&](std::uint32_t v) { return rank.own.vertices[given.place_of(v)]; },
+      [&](std::size_t i, const Point& point) { found[i] = point; });
+  return found;
 }
 
 }  // namespace gcdt::tiles

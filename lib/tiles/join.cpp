@@ -7,7 +7,7 @@ namespace gcdt::tiles {
 
 namespace {
 
-using Key = std::array<std::uint64_t, 2>;  // of a piece: the codes of its ends
+using Key = SeamKeys::value_type;  // of a piece: the codes of its ends
 
 /// Writes what a tile could not know: the seam's triangles among its own, and who is across at the border.
 class SeamWriter {
@@ -73,69 +73,62 @@ class Joiner final : public SeamTaker {
   const bool check_;
 };
 
-/// The pieces of the result, in Z-order of their ends: those that the tiles keep, and those of the seam. Both are in
-/// that order, so parts of a tile's pieces are merged with those of the seam that lie between, each by a thread.
+/// The pieces of the result that begin in one tile, in Z-order of their ends: the tile's own, and the seam's among
+/// them.
 class PieceWriter {
  public:
-  PieceWriter(const GridInput& input, const std::vector<WrittenTile>& tiles) : input_(input), tiles_(tiles) {}
+  PieceWriter(const GridInput& input, const WrittenTile& tile)
+      : input_(input), pieces_(tile.pieces), seam_(pieces_.of_seam), to_(pieces_.to), final_(tile.tile.final.pieces) {}
 
-  void write(ForestResult& result) {
-    std::vector<Range> parts;
-    for (const WrittenTile& tile : tiles_)
-      for (const Range& range : ranges(tile)) parts.push_back(range);
-    std::vector<Counts> before(parts.size() + 1, Counts{0, 0});
-    for_each_in_threads(
-        parts.size(), [&](std::size_t i) { before[i + 1] = counts_of(parts[i]); }, 1);
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      before[i + 1] = {before[i][0] + before[i + 1][0], before[i][1] + before[i + 1][1]};
-    const Target to = {room<Constraint>(result, GCDT_PIECES, before.back()[0]),
-                       room<std::uint32_t>(result, GCDT_SOURCE_OFFSETS, before.back()[0] + 1),
-                       room<std::uint32_t>(result, GCDT_SOURCES, before.back()[1])};
-    for_each_in_threads(
-        parts.size(), [&](std::size_t i) { merge(parts[i], before[i], to); }, 1);
-    to.offsets[before.back()[0]] = static_cast<std::uint32_t>(before.back()[1]);
+  void write() {
+    if (pieces_.are_written) return write_of_seam();
+    own_ = final_.is_spilled() ? final_.take(input_.n(), input_.constraints.count) : HostPieces{};
+    merge();
   }
 
  private:
-  using Counts = std::array<std::size_t, 2>;  ///< pieces and sources
-  /// Pieces of a tile, and pieces of the seam that begin there.
-  struct Range {
-    const WrittenTile* from;
-    std::size_t first, end, first_of_seam, end_of_seam;
-  };
-  struct Target {
-    Constraint* ends;
-    std::uint32_t *offsets, *sources;
-    void add(const Constraint& piece, Span<std::uint32_t> from, Counts& at) const {
-      ends[at[0]] = piece;
-      offsets[at[0]++] = static_cast<std::uint32_t>(at[1]);
-      for (const std::uint32_t c : from) sources[at[1]++] = c;
-    }
-  };
-
-  std::vector<Range> ranges(const WrittenTile& tile) const {
-    constexpr std::size_t of_part = 1u << 10;
-    const std::size_t count = tile.tile.pieces.size(), parts = count / of_part + 1;
-    std::vector<Range> all;
-    for (std::size_t i = 0; i < parts; ++i) {
-      const std::size_t first = count * i / parts, end = count * (i + 1) / parts;
-      const std::size_t of_seam = i == 0 ? 0 : of_seam_before(tile, first);
-      if (!all.empty()) all.back().end_of_seam = of_seam;
-      all.push_back({&tile, first, end, of_seam, tile.seam.pieces.size()});
-    }
-    return all;
+  /// The seam's alone. What the device says of the tile's is within bounds (FinalPieces::write()).
+  void write_of_seam() const {
+    for_each_in_threads(seam_.pieces.size(), [&](std::size_t i) {
+      add_of_seam(i, pieces_.before.pieces[i] + i, pieces_.before.sources[i] + seam_.source_offsets[i]);
+    });
   }
 
-  /// How many pieces of the seam come before the tile's kept pieces from `first` on: all, if there are none. Ends: the
-  /// tile has finitely many, and the range halves.
-  std::size_t of_seam_before(const WrittenTile& tile, std::size_t first) const {
-    while (first < tile.tile.pieces.size() && tile.tile.kept[first] == 0) ++first;
-    std::size_t least = 0, end = tile.seam.pieces.size();
-    if (first == tile.tile.pieces.size()) return end;
-    const Key here = key_of(tile.tile.pieces[first]);
+  /// Parts of the tile's pieces are merged with those of the seam that lie between, each by a thread.
+  void merge() const {
+    constexpr std::size_t of_part = 1u << 10;
+    const std::size_t count = own_.ends.size(), parts = count / of_part + 1;
+    for_each_in_threads(
+        parts,
+        [&](std::size_t part) {
+          const std::size_t first = count * part / parts, end = count * (part + 1) / parts;
+          merge(first, end, part == 0 ? 0 : of_seam_before(first),
+                part + 1 == parts ? seam_.pieces.size() : of_seam_before(end));
+        },
+        1);
+  }
+
+  void merge(std::size_t first, std::size_t end, std::size_t first_of_seam, std::size_t end_of_seam) const {
+    std::size_t next = first_of_seam;
+    const auto place_sources = [&](std::size_t piece) { return own_.offset(piece) + seam_.source_offsets[next]; };
+    for (std::size_t piece = first; piece < end; ++piece) {
+      if (next < end_of_seam) {
+        const Key here = key_of(own_.ends[piece]);
+        for (; next < end_of_seam && key_of_seam(next) < here; ++next)
+          add_of_seam(next, piece + next, place_sources(piece));
+      }
+      add(piece + next, place_sources(piece), own_.ends[piece], own_.sources_of(piece));
+    }
+    for (; next < end_of_seam; ++next) add_of_seam(next, end + next, place_sources(end));
+  }
+
+  /// How many pieces of the seam come before the tile's from `first` on. Ends: the range halves.
+  std::size_t of_seam_before(std::size_t first) const {
+    std::size_t least = 0, end = seam_.pieces.size();
+    const Key here = key_of(own_.ends[first]);
     while (least < end) {
       const std::size_t middle = least + (end - least) / 2;
-      if (key_of_seam(tile.seam, middle) < here)
+      if (key_of_seam(middle) < here)
         least = middle + 1;
       else
         end = middle;
@@ -143,43 +136,27 @@ class PieceWriter {
     return least;
   }
 
-  static Counts counts_of(const Range& range) {
-    const SolvedTile& tile = range.from->tile;
-    const auto& offsets = range.from->seam.source_offsets;
-    Counts counts = {range.end_of_seam - range.first_of_seam,
-                     std::size_t{offsets[range.end_of_seam]} - offsets[range.first_of_seam]};
-    for (std::size_t piece = range.first; piece < range.end; ++piece)
-      if (tile.kept[piece] != 0) ++counts[0], counts[1] += tile.sources_of(piece).size();
-    return counts;
+  void add_of_seam(std::size_t number, std::size_t at, std::size_t at_source) const {
+    const std::uint32_t begin = seam_.source_offsets[number], end = seam_.source_offsets[number + 1];
+    add(at, at_source, seam_.pieces[number], {seam_.sources.data() + begin, end - begin});
+  }
+  void add(std::size_t at, std::size_t at_source, const Constraint& ends, Span<std::uint32_t> sources) const {
+    to_.ends[at] = ends;
+    to_.offsets[at] = to_.first_source + static_cast<std::uint32_t>(at_source);
+    std::copy(sources.begin(), sources.end(), to_.sources + at_source);
   }
 
-  /// `at`: how many pieces and sources come before the range.
-  void merge(const Range& range, Counts at, const Target& to) const {
-    const SolvedTile& tile = range.from->tile;
-    const Returned& seam = range.from->seam;
-    std::size_t next = range.first_of_seam;
-    const auto add_of_seam = [&] {
-      const std::uint32_t begin = seam.source_offsets[next], end = seam.source_offsets[next + 1];
-      to.add(seam.pieces[next++], {seam.sources.data() + begin, end - begin}, at);
-    };
-    for (std::size_t piece = range.first; piece < range.end; ++piece) {
-      if (tile.kept[piece] == 0) continue;
-      if (next < range.end_of_seam) {
-        const Key here = key_of(tile.pieces[piece]);
-        while (next < range.end_of_seam && key_of_seam(seam, next) < here) add_of_seam();
-      }
-      to.add(tile.pieces[piece], tile.sources_of(piece), at);
-    }
-    while (next < range.end_of_seam) add_of_seam();
-  }
-
-  Key key_of_seam(const Returned& seam, std::size_t piece) const {
-    return seam.piece_keys.empty() ? key_of(seam.pieces[piece]) : seam.piece_keys[piece];
+  Key key_of_seam(std::size_t piece) const {
+    return seam_.keys.empty() ? key_of(seam_.pieces[piece]) : seam_.keys[piece];
   }
   Key key_of(const Constraint& ends) const { return {code_of(input_.at(ends[0])), code_of(input_.at(ends[1]))}; }
 
   const GridInput& input_;
-  const std::vector<WrittenTile>& tiles_;
+  const TilePieces& pieces_;
+  const SeamPieces& seam_;
+  const PieceBerth to_;
+  FinalPieces& final_;
+  HostPieces own_;
 };
 
 }  // namespace
@@ -195,7 +172,38 @@ void join(const GridInput& input, const std::vector<WrittenTile>& tiles, bool ch
     Joiner joiner(writers, border, check);
     give(joiner);
   }
-  PieceWriter(input, tiles).write(result);
+  for (const WrittenTile& tile : tiles) PieceWriter(input, tile).write();
+}
+
+void make_room_for_pieces(const std::vector<SolvedTile>& tiles, std::size_t first_tile, std::vector<TilePieces>& pieces,
+                          ForestResult& result) {
+  std::size_t count = 0, sources = 0;
+  std::vector<std::array<std::size_t, 2>> firsts;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const FinalPieces& own = tiles[first_tile + i].final.pieces;
+    firsts.push_back({count, sources});
+    count += own.count + pieces[i].of_seam.pieces.size();
+    sources += own.source_count + pieces[i].of_seam.sources.size();
+  }
+  auto* ends = room<Constraint>(result, GCDT_PIECES, count);
+  auto* offsets = room<std::uint32_t>(result, GCDT_SOURCE_OFFSETS, count + 1);
+  auto* all_sources = room<std::uint32_t>(result, GCDT_SOURCES, sources);
+  offsets[count] = static_cast<std::uint32_t>(sources);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const auto [first, first_source] = firsts[i];
+    pieces[i].to = {ends + first, offsets + first, all_sources + first_source,
+                    static_cast<std::uint32_t>(first_source)};
+  }
+}
+
+SeamKeys keys_of(const GridInput& input, const SeamPieces& pieces) {
+  if (!pieces.keys.empty()) return pieces.keys;
+  SeamKeys keys(pieces.pieces.size());
+  for_each_in_threads(keys.size(), [&](std::size_t i) {
+    const Constraint& ends = pieces.pieces[i];
+    keys[i] = {code_of(input.at(ends[0])), code_of(input.at(ends[1]))};
+  });
+  return keys;
 }
 
 }  // namespace gcdt::tiles

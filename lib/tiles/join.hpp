@@ -27,19 +27,36 @@ Span<T> array_of(const ForestResult& result, std::int32_t array) {
           static_cast<std::size_t>(result.begins[slot].back())};
 }
 
+/// The pieces of a tile, as far as they are in the result.
+struct TilePieces {
+  SeamPieces of_seam;
+  PieceBerth to;
+  PiecesBefore before;  ///< what FinalPieces::write() returned, if it wrote the tile's own
+  bool are_written = false;
+};
+
 /// A tile whose final triangles are written.
 struct WrittenTile {
-  const SolvedTile& tile;
+  SolvedTile& tile;                          ///< gives up its pieces, if they are spilled
   std::uint32_t first;                       ///< the place of its first triangle in the result
   const std::vector<std::uint32_t>& before;  ///< what write_tile() returned; must outlive the object
   Returned seam;
+  TilePieces& pieces;
 };
 
+/// Room for the pieces of a rank's tiles, of which the first one's come first: sets where each has its own.
+void make_room_for_pieces(const std::vector<SolvedTile>& tiles, std::size_t first_tile, std::vector<TilePieces>& pieces,
+                          ForestResult& result);
+
+/// The keys of the seam's pieces.
+SeamKeys keys_of(const GridInput& input, const SeamPieces& pieces);
+
 /// What is left to do when the tiles of a rank have written their final triangles: the seam's triangles, the border
-/// between, and the pieces, as one device would have made them (docs/scale.md, T4). The arrays of triangles begin with
-/// the first tile's. With `check`, throws check_failed unless the mesh is locally Delaunay at the border; what is on
-/// either side, the runs have checked. `give`, if it is not null, gives the seam's triangles and what is across at the
-/// border, of which the tiles have none then; `border`: the tile of each edge of that.
+/// between, and the pieces that no device has written, as one device would have made them (docs/scale.md, T4). The
+/// arrays of triangles begin with the first tile's. With `check`, throws check_failed unless the mesh is locally
+/// Delaunay at the border; what is on either side, the runs have checked. `give`, if it is not null, gives the seam's
+/// triangles and what is across at the border, of which the tiles have none then; `border`: the tile of each edge of
+/// that.
 void join(const GridInput& input, const std::vector<WrittenTile>& tiles, bool check, ForestResult& result,
           const std::vector<Seam::Border>& border = {}, const std::function<void(SeamTaker& to)>& give = {});
 

@@ -25,7 +25,11 @@ void each_of_share(OneShare& share, Use&& use) {
 }
 template <class OneReturned, class Use>
 void each_of_returned(OneReturned& r, Use&& use) {
-  use(r.triangles), use(r.across), use(r.piece_keys), use(r.pieces), use(r.source_offsets), use(r.sources);
+  use(r.triangles), use(r.across);
+}
+template <class OnePieces, class Use>
+void each_of_pieces(OnePieces& p, Use&& use) {
+  use(p.keys), use(p.pieces), use(p.source_offsets), use(p.sources);
 }
 
 void put(Packer& to, const Share& share) {
@@ -36,7 +40,6 @@ void append(Unpacker& from, Share& share) {
   each_of_share(share, [&](auto& array) { from.append_to(array); });
 }
 
-/// Of the pieces only those that are the seam's.
 void put(Packer& to, const SolvedTile& tile) {
   to.put_one(tile.own);
   to.put_one(tile.box);
@@ -47,17 +50,9 @@ void put(Packer& to, const SolvedTile& tile) {
   to.put(tile.dropped);
   to.put(tile.ends);
   to.put(tile.stand_ins);
-  std::vector<Constraint> pieces;
-  std::vector<std::uint32_t> offsets(1, 0), sources;
-  for (std::size_t p = 0; p < tile.pieces.size(); ++p) {
-    if (tile.kept[p] != 0) continue;
-    pieces.push_back(tile.pieces[p]);
-    for (const std::uint32_t c : tile.sources_of(p)) sources.push_back(c);
-    offsets.push_back(static_cast<std::uint32_t>(sources.size()));
-  }
-  to.put(pieces);
-  to.put(offsets);
-  to.put(sources);
+  to.put(tile.pieces);
+  to.put(tile.source_offsets);
+  to.put(tile.sources);
 }
 
 void get(Unpacker& from, SolvedTile& tile) {
@@ -74,7 +69,6 @@ void get(Unpacker& from, SolvedTile& tile) {
   from.append_to(tile.pieces);
   from.append_to(tile.source_offsets);
   from.append_to(tile.sources);
-  tile.kept.assign(tile.pieces.size(), 0);
 }
 
 void put(Packer& to, const Returned& returned) {
@@ -83,6 +77,27 @@ void put(Packer& to, const Returned& returned) {
 
 void get(Unpacker& from, Returned& returned) {
   each_of_returned(returned, [&](auto& array) { from.append_to(array); });
+}
+
+void put(Packer& to, const SeamPieces& pieces) {
+  each_of_pieces(pieces, [&](const auto& array) { to.put(array); });
+}
+
+void get(Unpacker& from, SeamPieces& pieces) {
+  each_of_pieces(pieces, [&](auto& array) { from.append_to(array); });
+}
+
+/// Of what the first rank has for all tiles that of the rank's.
+template <class T>
+std::vector<T> scatter(Team& team, std::size_t tiles, std::vector<T> all) {
+  if (team.is_alone()) return all;
+  std::vector<Bytes> messages;
+  if (team.is_first()) messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) { put(to, all[t]); });
+  const Bytes message = team.scatter(std::move(messages));
+  Unpacker from(message);
+  std::vector<T> own(own_tiles(team, tiles).size());
+  for (T& one : own) get(from, one);
+  return own;
 }
 
 }  // namespace
@@ -168,15 +183,12 @@ void gather_before(Team& team, std::size_t tiles, std::vector<std::vector<std::u
   }
 }
 
+std::vector<SeamPieces> scatter_pieces(Team& team, std::size_t tiles, std::vector<SeamPieces> all) {
+  return scatter(team, tiles, std::move(all));
+}
+
 std::vector<Returned> scatter_returned(Team& team, std::size_t tiles, std::vector<Returned> all) {
-  if (team.is_alone()) return all;
-  std::vector<Bytes> messages;
-  if (team.is_first()) messages = for_ranks(team, tiles, [&](std::size_t t, Packer& to) { put(to, all[t]); });
-  const Bytes message = team.scatter(std::move(messages));
-  Unpacker from(message);
-  std::vector<Returned> own(own_tiles(team, tiles).size());
-  for (Returned& returned : own) get(from, returned);
-  return own;
+  return scatter(team, tiles, std::move(all));
 }
 
 }  // namespace gcdt::tiles

@@ -37,6 +37,7 @@ OwnPlaces scatter_places(Team& team, std::size_t tiles, Order* order);
 void gather_before(Team& team, std::size_t tiles, std::vector<std::vector<std::uint32_t>>& own, Order* order);
 
 /// Of what the first rank has for all tiles that of the rank's.
+std::vector<SeamPieces> scatter_pieces(Team& team, std::size_t tiles, std::vector<SeamPieces> all);
 std::vector<Returned> scatter_returned(Team& team, std::size_t tiles, std::vector<Returned> all);
 
 }  // namespace gcdt::tiles

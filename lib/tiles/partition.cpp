@@ -9,6 +9,9 @@ namespace gcdt::tiles {
 
 namespace {
 
+/// A tile's part of all constraints is off by about sqrt(1 / sample).
+constexpr std::size_t constraints_sampled = std::size_t{1} << 12;
+
 constexpr std::uint16_t open_constraint = std::numeric_limits<std::uint16_t>::max();
 
 Role role_of(const std::vector<Role>& roles, std::size_t constraint) {
@@ -132,7 +135,30 @@ void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role
       1);
 }
 
+/// About how many constraints each tile has: from a sample, with their first ends for all of them. Tiles that have
+/// about as many are said to have the same number, since the largest are solved first, and what comes in another order
+/// than it lies in the result waits in memory of its own when it leaves a device (docs/scale.md, T7).
+void expect_constraints(const GridInput& input, const Cuts& cuts, Partition& made) {
+  const std::size_t m = input.constraints.size(), count = std::min(m, constraints_sampled);
+  std::vector<std::uint64_t> found(cuts.tiles(), 0);
+  for (std::size_t i = 0; i < count; ++i) ++found[cuts.tile_of(code_of(input.end_of(m * i / count, 0)))];
+  for (std::size_t t = 0; t < cuts.tiles() && count > 0; ++t) {
+    const std::size_t even = m / cuts.tiles(), own = m * found[t] / count;
+    made.tiles[t].expected = own > even - even / 4 && own < even + even / 4 ? even : own;
+  }
+}
+
 }  // namespace
+
+Partition partition_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles,
+                         std::vector<OpenConstraint> open) {
+  Partition made;
+  made.tiles.resize(cuts.tiles());
+  made.open = std::move(open);
+  expect_constraints(input, cuts, made);
+  share_open(input, cuts, roles, made);
+  return made;
+}
 
 Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles) {
   Partition made;

@@ -20,8 +20,9 @@ struct Foreign {
 
 /// What a tile has beside its own vertices. All numbers are input numbers.
 struct Share {
-  Array<Constraint> constraints;
+  Array<Constraint> constraints;        ///< none, where devices share them out (share_out.hpp)
   Array<std::uint32_t> constraint_ids;  ///< ascending
+  std::uint64_t expected = 0;           ///< where they do, about how many there are
   std::vector<Passage> passages;
   /// Vertices of other tiles where passages end, ascending: the tile's mesh has them, too.
   std::vector<Foreign> foreign;
@@ -52,6 +53,10 @@ enum class Role : std::uint8_t {
 /// Of the constraints that the process has. The ends of all are vertices. `roles`: by constraint of the process; none
 /// if all are `any`.
 Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles);
+
+/// The same where each tile's device finds the tile's constraints. `open`: what find_open() returned.
+Partition partition_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles,
+                         std::vector<OpenConstraint> open);
 
 /// Whether all ends of the process's constraints are vertices.
 bool has_good_ends(const GridInput& input);

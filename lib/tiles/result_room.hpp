@@ -18,11 +18,11 @@ inline Berth berth_of(ForestResult& result) {
           elements_of<std::uint8_t>(result, GCDT_CONSTRAINED)};
 }
 
-/// Room for the triangles of n vertices, and their representatives. Only time depends on when it is made. Tiles wait
-/// there for their places.
+/// Room for the triangles of n vertices, and their representatives, and for the pieces of m constraints. Only time
+/// depends on when it is made. Tiles wait there for their places.
 class ResultRoom {
  public:
-  ResultRoom(const DevicePool& pool, std::uint64_t n) : vertices_(static_cast<std::size_t>(n)) {
+  ResultRoom(const DevicePool& pool, std::uint64_t n, std::uint64_t m) : vertices_(static_cast<std::size_t>(n)) {
     if (!pool.prepares_host_memory() || n < Tuning::least_prepared_vertices) return;
     const unsigned threads = std::max(1u, std::thread::hardware_concurrency() / Tuning::cores_of_room_thread);
     try {
@@ -32,6 +32,14 @@ class ResultRoom {
         const std::size_t first = 2 * vertices_ * part / parts_in_turn,
                           end = 2 * vertices_ * (part + 1) / parts_in_turn;
         for (const runtime::HostRoom::Range& range : ranges(first, end - first)) all.push_back(range);
+      }
+      if (m > 0) {  // some constraints are cut into several pieces
+        const std::size_t pieces = static_cast<std::size_t>(m + m / 32);
+        for (const auto& [array, bytes] : {std::pair{GCDT_PIECES, sizeof(Constraint)},
+                                           {GCDT_SOURCE_OFFSETS, sizeof(std::uint32_t)},
+                                           {GCDT_SOURCES, sizeof(std::uint32_t)}})
+          all.push_back(
+              {made_.arrays[static_cast<std::size_t>(array)].reuse<unsigned char>(pieces * bytes), pieces * bytes});
       }
       room_.emplace(all, threads);
       numbering_ = std::async(std::launch::async, [this] { number(); });

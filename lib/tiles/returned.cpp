@@ -76,7 +76,7 @@ class TriangleGiver {
 };
 
 /// Shares out the seam's pieces, which are in Z-order: so each tile's follow each other.
-void write_pieces(const Solved& solved, bool with_keys, std::vector<Returned>& returned) {
+void write_pieces(const Solved& solved, bool with_keys, std::vector<SeamPieces>& returned) {
   const ProblemMesh& mesh = solved.between.mesh;
   const auto code = [&](std::uint32_t v) { return code_of(solved.seam.points[v]); };
   const auto for_sources = [&](std::size_t piece, const auto& use) {
@@ -92,23 +92,23 @@ void write_pieces(const Solved& solved, bool with_keys, std::vector<Returned>& r
     pieces += sources > 0, of_pieces += sources;
   }
   for (std::size_t tile = 0; tile < returned.size(); ++tile) {
-    Returned& to = returned[tile];
-    if (with_keys) to.piece_keys.reserve(counts[tile][0]);
+    SeamPieces& to = returned[tile];
+    if (with_keys) to.keys.reserve(counts[tile][0]);
     to.pieces.reserve(counts[tile][0]), to.source_offsets.reserve(counts[tile][0] + 1);
     to.sources.reserve(counts[tile][1]);
   }
   for (std::size_t piece = 0; piece < mesh.pieces.size(); ++piece) {
     const Constraint& ends = mesh.pieces[piece];
-    Returned& to = returned[tile_of(piece)];
+    SeamPieces& to = returned[tile_of(piece)];
     const auto before = static_cast<std::ptrdiff_t>(to.sources.size());
     for_sources(piece, [&](std::uint32_t c) { to.sources.push_back(c); });
     if (to.sources.begin() + before == to.sources.end()) continue;  // of the border alone
     std::sort(to.sources.begin() + before, to.sources.end());
-    if (with_keys) to.piece_keys.push_back({code(ends[0]), code(ends[1])});
+    if (with_keys) to.keys.push_back({code(ends[0]), code(ends[1])});
     to.pieces.push_back({solved.seam.ids[ends[0]], solved.seam.ids[ends[1]]});
     to.source_offsets.push_back(static_cast<std::uint32_t>(before));
   }
-  for (Returned& to : returned) to.source_offsets.push_back(static_cast<std::uint32_t>(to.sources.size()));
+  for (SeamPieces& to : returned) to.source_offsets.push_back(static_cast<std::uint32_t>(to.sources.size()));
 }
 
 /// Edges of the hull of all: of the tiles' hulls those that the seam has nothing across from, and of the seam's.
@@ -193,15 +193,18 @@ std::uint32_t Order::place_in_seam(std::uint32_t triangle) const {
 
 void give_back(const Solved& solved, const Order& order, SeamTaker& to) { TriangleGiver(solved, order, to).give(); }
 
-std::vector<Returned> returned_by(const Solved& solved, const Order* order) {
+std::vector<Returned> returned_by(const Solved& solved, const Order& order) {
   std::vector<Returned> returned(solved.tiles.size());
-  if (order) {
-    Collector collector(solved, *order, returned);
-    give_back(solved, *order, collector);
-    collector.finish();
-  }
-  write_pieces(solved, order != nullptr, returned);
+  Collector collector(solved, order, returned);
+  give_back(solved, order, collector);
+  collector.finish();
   return returned;
+}
+
+std::vector<SeamPieces> seam_pieces_by(const Solved& solved, bool with_keys) {
+  std::vector<SeamPieces> pieces(solved.tiles.size());
+  write_pieces(solved, with_keys, pieces);
+  return pieces;
 }
 
 void check_count(const Solved& solved, const Order& order, std::uint64_t vertices) {

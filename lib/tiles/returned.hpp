@@ -87,19 +87,17 @@ class SeamTaker {
 /// Gives all when `order` knows all places.
 void give_back(const Solved& solved, const Order& order, SeamTaker& to);
 
-/// What a tile gets of the seam.
+/// What a tile gets of the seam, where ranks are told; a process by itself takes it as it comes (SeamTaker).
 struct Returned {
-  // Where ranks are told; a process by itself takes them as they come (SeamTaker).
   Array<SeamTriangle> triangles;  ///< those with their first vertex in the tile, in their order
   Array<Across> across;
-  // The seam's pieces that begin in the tile, in Z-order, without those of the border alone.
-  Array<std::array<std::uint64_t, 2>> piece_keys;  ///< the codes of their ends; of ranks, which may lack these
-  Array<Constraint> pieces;                        ///< input numbers
-  Array<std::uint32_t> source_offsets, sources;    ///< input numbers
 };
 
-/// By tile, when `order` knows all places; the pieces alone without one.
-std::vector<Returned> returned_by(const Solved& solved, const Order* order);
+/// By tile, when `order` knows all places.
+std::vector<Returned> returned_by(const Solved& solved, const Order& order);
+
+/// By tile. Ranks want keys.
+std::vector<SeamPieces> seam_pieces_by(const Solved& solved, bool with_keys);
 
 /// Throws check_failed unless the result has as many triangles as so many distinct vertices ask for.
 void check_count(const Solved& solved, const Order& order, std::uint64_t vertices);

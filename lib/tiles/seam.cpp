@@ -140,8 +140,7 @@ Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const 
   Seam seam;
   std::size_t vertices = 0, border = 0, parts = 0;
   for (const TileShare& share : shares) vertices += share.vertices.size(), border += share.border.size();
-  for (const SolvedTile& tile : tiles)
-    parts += static_cast<std::size_t>(std::count(tile.kept.begin(), tile.kept.end(), 0));
+  for (const SolvedTile& tile : tiles) parts += tile.pieces.size();
   seam.points.reserve(vertices), seam.ids.reserve(vertices), seam.border.reserve(border), seam.parts.reserve(parts);
   for (const TileShare& share : shares) {
     seam.firsts.push_back(static_cast<std::uint32_t>(seam.ids.size()));
@@ -154,8 +153,7 @@ Seam make_seam(const Cuts& cuts, const std::vector<OpenConstraint>& open, const 
     for (const BorderEdge& edge : tiles[t].border) seam.tile_hull_edges += edge.is_on_hull();
   }
   for (std::uint32_t t = 0; t < tiles.size(); ++t)
-    for (std::uint32_t p = 0; p < tiles[t].pieces.size(); ++p)
-      if (tiles[t].kept[p] == 0) seam.parts.push_back({t, p});
+    for (std::uint32_t p = 0; p < tiles[t].pieces.size(); ++p) seam.parts.push_back({t, p});
   seam.constraints.resize(seam.first_open());
   for_each_in_threads(seam.first_open(), [&](std::size_t c) {
     if (c < seam.first_part()) {

@@ -13,7 +13,7 @@ bool fits(const DevicePool::Lent& lent, std::uint64_t bytes) {
 
 }  // namespace
 
-void Spiller::make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m) {
+void Spiller::make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m, StagedConstraints* constraints) {
   std::size_t left = left_;
   while (left > 0 && !left_.compare_exchange_weak(left, left - 1)) {
   }
@@ -25,6 +25,7 @@ void Spiller::make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m
     own.there.front().final->spill(lent.runtime, target_of(own.there.front()));
     own.there.erase(own.there.begin());
   }
+  if (!fits(lent, needed) && constraints) constraints->leave(lent.device);
   if (!fits(lent, needed)) staged_.leave(lent.device);
 }
 

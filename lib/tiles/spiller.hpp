@@ -27,8 +27,8 @@ class Spiller {
   /// So many tiles are to be made.
   void expect(std::size_t tiles) { left_ = tiles; }
   /// Before a tile of n vertices and m constraints is made. If spilling makes too little room, what can be had again is
-  /// given back, which takes longer for the whole input than for a tile.
-  void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m);
+  /// given back, which takes longer for the whole input than for a tile. `constraints`: null if none are staged.
+  void make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m, StagedConstraints* constraints);
   /// The device has what is final of a tile from now on, of n vertices and m constraints, as the next one will be.
   void add(DevicePool::Lent& lent, std::size_t tile, FinalTriangles& final, std::uint64_t n, std::uint64_t m);
   /// Whether a tile is on its way.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/take.hpp"
 
+#include "tiles/indices.hpp"
+
 namespace gcdt::tiles {
 
 using runtime::over;
@@ -16,6 +18,7 @@ class Taker {
         primitives_(lent.primitives),
         input_(task.input),
         staged_(task.staged),
+        constraints_(task.constraints),
         share_(share),
         codes_(task.cuts.codes_of(tile)) {
     const std::size_t n = input_.n(), expected = n / task.cuts.tiles();
@@ -38,6 +41,7 @@ class Taker {
       take_chunk(added.n, codes_on(runtime_, added, fixed_grid(FixedGrid{0, 0, "1"})), input_.given.count);
     }
     taken_.own = taken_.all;
+    if (constraints_ && taken_.own > 0) take_constraints();
     add_foreign();
     taken_.points.n = taken_.all;
     taken_.points.type = GCDT_COORDINATES_INT32;
@@ -67,6 +71,41 @@ class Taker {
     auto ids = runtime_.allocate<cl_uint>("input numbers of a tile", taken_.ids.size());
     runtime_.launch("tiles", "tile_gather", over(taken_.all), taken_.all, taken_.ids, all, ids);
     taken_.ids = std::move(ids);
+  }
+
+  void take_constraints() {
+    const auto m = static_cast<std::size_t>(input_.constraints.size());
+    reserve_constraints(std::min<std::size_t>(m, share_.expected + share_.expected / 8 + Tuning::least_tile_chunk));
+    for (std::size_t number = 0; number < constraints_->blocks(); ++number) {
+      const auto block = constraints_->block(lent_, number);
+      const cl_uint count = block->count;
+      const auto ends = runtime_.allocate<cl_uint2>("ends as vertices of a tile", count);
+      const auto before = runtime_.allocate<cl_uint>("constraints of a tile before", std::size_t{count} + 1);
+      runtime_.launch("tiles", "share_own", over(count), count, taken_.own, cl_ulong{codes_[0]}, cl_ulong{codes_[1]},
+                      taken_.ids, taken_.points.coordinates, block->ends, ends, before);
+      const cl_uint found = primitives_.scan_total(before, count);
+      if (found > count) refuse("a device has counted more constraints of a tile than there are");
+      const std::size_t needed = std::size_t{taken_.constraint_count} + found;
+      if (needed > taken_.constraints.size())
+        reserve_constraints(std::min(m, std::max(needed, 2 * taken_.constraints.size())));
+      runtime_.launch("tiles", "share_take", over(count), count, static_cast<cl_uint>(block->first),
+                      taken_.constraint_count, before, ends, taken_.constraints, taken_.constraint_places);
+      taken_.constraint_count += found;
+    }
+    taken_.constraints.shrink(taken_.constraint_count);
+    taken_.constraint_places.shrink(taken_.constraint_count);
+  }
+
+  /// Room for so many of the tile's constraints; what is there stays.
+  void reserve_constraints(std::size_t room) {
+    auto constraints = runtime_.allocate<cl_uint2>("constraints of a tile", room);
+    auto places = runtime_.allocate<cl_uint>("places of a tile's constraints", room);
+    if (taken_.constraint_count > 0) {
+      runtime_.copy(taken_.constraints, constraints, taken_.constraint_count);
+      runtime_.copy(taken_.constraint_places, places, taken_.constraint_count);
+    }
+    taken_.constraints = std::move(constraints);
+    taken_.constraint_places = std::move(places);
   }
 
   /// The column of a chunk counts in it; it holds the complement of the least such coordinate.
@@ -104,6 +143,7 @@ class Taker {
   Primitives& primitives_;
   const GridInput& input_;
   Staged& staged_;
+  StagedConstraints* const constraints_;
   const Share& share_;
   const std::array<std::uint64_t, 2> codes_;
   Taken taken_;

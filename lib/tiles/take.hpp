@@ -10,7 +10,11 @@ namespace gcdt::tiles {
 struct Taken {
   InputPoints points;  ///< on the grid, as integers
   runtime::Buffer<cl_uint> ids;
-  cl_uint own = 0, all = 0;    ///< without and with foreign ones
+  cl_uint own = 0, all = 0;  ///< without and with foreign ones
+  // Where devices share out constraints: the tile's, as its vertices, and their places among all of the process.
+  runtime::Buffer<cl_uint2> constraints;
+  runtime::Buffer<cl_uint> constraint_places;
+  cl_uint constraint_count = 0;
   std::uint64_t move_key = 0;  ///< of all vertices that were given (gcdt_move_key)
 };
 

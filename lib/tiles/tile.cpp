@@ -31,7 +31,8 @@ class TileRun {
     solved_.device = lent.device;
     all_ = taken.all;
     solved_.final.ids = std::move(taken.ids);
-    if (taken.own > 0) triangulate(std::move(taken.points));
+    places_ = std::move(taken.constraint_places);
+    if (taken.own > 0) triangulate(std::move(taken));
   }
 
   SolvedTile finish() {
@@ -59,13 +60,44 @@ class TileRun {
   const Buffer<cl_int2>& points() const { return solved_.final.points; }
   cl_uint triangles() const { return made_.mesh.triangles; }
 
-  void triangulate(InputPoints taken) {
+  // A constraint of the tile is known by its place in the share or, where devices share out constraints, among all of
+  // the process.
+  std::size_t known_constraints() const {
+    return task_.constraints ? task_.input.constraints.size() : share_.constraints.size();
+  }
+  std::uint32_t number_of(std::uint32_t known) const {
+    return task_.constraints ? task_.input.constraints.number_of(known) : share_.constraint_ids[known];
+  }
+  const Constraint& ends_of(std::uint32_t known) const {
+    return task_.constraints ? task_.input.constraints.ends[known] : share_.constraints[known];
+  }
+  /// Makes a list of the tile's constraints one of what `by` has for them.
+  void make_known(const Buffer<cl_uint>& by, const Buffer<cl_uint>& list, std::size_t count) {
+    if (count == 0) return;
+    runtime_.launch("tiles", "share_known", over(count), static_cast<cl_uint>(count), static_cast<cl_uint>(by.size()),
+                    by, list);
+  }
+  /// Of the tile's constraints the input numbers.
+  Buffer<cl_uint> numbers() {
+    if (!task_.constraints)
+      return runtime_.upload("numbers of constraints", share_.constraint_ids.data(), share_.constraint_ids.size());
+    const Array<std::uint32_t>& given = task_.input.constraints.numbers;
+    if (given.empty()) return std::move(places_);
+    const auto all = runtime_.upload("numbers of constraints", given.data(), given.size());
+    make_known(all, places_, places_.size());
+    return std::move(places_);
+  }
+
+  void triangulate(Taken taken) {
     Options options;
     options.grid = FixedGrid{0, 0, "1"};  // vertices are in cells of the common grid
     options.crossing = Crossing::drop;
     options.check = task_.check;
-    InputSource source = {all_, share_.constraints.size(), {}};
-    source.load = [&] { return DeviceInput{std::move(taken), local_constraints()}; };
+    InputSource source = {all_, task_.constraints ? taken.constraint_count : share_.constraints.size(), {}};
+    source.load = [&] {
+      return DeviceInput{std::move(taken.points),
+                         task_.constraints ? std::move(taken.constraints) : local_constraints()};
+    };
     made_ = gcdt::triangulate(runtime_, primitives_, source, options);
     if (triangles() > 2 * std::uint64_t{all_}) refuse("a tile has more triangles than its vertices can have");
     solved_.final.points = runtime_.allocate<cl_int2>("points of a tile", all_);
@@ -125,9 +157,10 @@ class TileRun {
 
   // Of passages and of what was dropped, which passes from now on, too. All that are its own are open ends.
   void find_ends() {
+    if (task_.constraints) make_known(places_, made_.dropped, made_.dropped.size());
     const auto dropped = read_all_of<std::uint32_t>(runtime_, made_.dropped, made_.dropped.size());
-    check_below(dropped, share_.constraints.size(), "a dropped constraint is none of the tile");
-    for (const std::uint32_t c : dropped) solved_.dropped.push_back({share_.constraint_ids[c], share_.constraints[c]});
+    check_below(dropped, known_constraints(), "a dropped constraint is none of the tile");
+    for (const std::uint32_t c : dropped) solved_.dropped.push_back({number_of(c), ends_of(c)});
     std::vector<std::uint32_t>& ends = solved_.ends = share_.open_ends;
     for (const Dropped& constraint : solved_.dropped)
       ends.insert(ends.end(), constraint.ends.begin(), constraint.ends.end());
@@ -167,8 +200,8 @@ class TileRun {
 
   void give_to_seam() {
     const cl_uint pieces = made_.pieces.count;
-    auto wanted = runtime_.filled<cl_uint>("vertices of the seam", std::size_t{solved_.own} + 1, 0),
-         kept = runtime_.filled<cl_uint>("kept pieces", pieces, 0);
+    auto wanted = runtime_.filled<cl_uint>("vertices of the seam", std::size_t{solved_.own} + 1, 0);
+    auto kept = runtime_.filled<cl_uint>("kept pieces", std::size_t{pieces} + 1, 0);
     if (triangles() == 0)
       runtime_.launch("tiles", "tile_standing", over(solved_.own), solved_.own, made_.representatives, wanted);
     else
@@ -179,7 +212,7 @@ class TileRun {
     const auto list = runtime_.allocate<cl_uint>("vertices of the seam", count);
     primitives_.compact_indices(wanted, list, solved_.own);
     solved_.vertices = seam_vertices(list, count);
-    give_pieces(kept);
+    part_pieces(kept);
   }
 
   Buffer<cl_uint2> pieces_as_vertices() {
@@ -190,25 +223,39 @@ class TileRun {
     return ends;
   }
 
-  void give_pieces(const Buffer<cl_uint>& kept) {
-    const Pieces& pieces = made_.pieces;
-    const cl_uint count = pieces.count;
-    solved_.kept.resize(count);
-    {
-      const auto flags = read_array<std::uint32_t>(runtime_, kept, count);
-      for_each_in_threads(count, [&](std::size_t p) { solved_.kept[p] = flags[p] != 0; });
+  /// Those that are kept stay on the device. `kept`: flags, which are scanned.
+  void part_pieces(const Buffer<cl_uint>& kept) {
+    const Pieces& all = made_.pieces;
+    const cl_uint count = all.count;
+    if (count == 0) return;
+    make_known(numbers(), all.sources, all.source_count);
+    FinalPieces& final = solved_.final.pieces;
+    final.count = scan(kept, count);
+    const auto before = runtime_.allocate<cl_uint>("sources of kept pieces before", std::size_t{count} + 1);
+    runtime_.launch("tiles", "pieces_sources", over(count), count, kept, all.source_offsets, before);
+    final.source_count = primitives_.scan_total(before, count);
+    if (final.source_count > all.source_count) refuse("the sources of a piece are not there");
+    const cl_uint of_seam = count - final.count, seam_sources = all.source_count - final.source_count;
+    final.ends = runtime_.allocate<cl_uint2>("kept pieces", final.count);
+    final.offsets = runtime_.allocate<cl_uint>("kept source offsets", std::size_t{final.count} + 1);
+    final.sources = runtime_.allocate<cl_uint>("kept sources", final.source_count);
+    const auto ends = runtime_.allocate<cl_uint2>("pieces of the seam", of_seam);
+    const auto offsets = runtime_.allocate<cl_uint>("source offsets of the seam", std::size_t{of_seam} + 1),
+               sources = runtime_.allocate<cl_uint>("sources of the seam", seam_sources);
+    runtime_.launch("tiles", "pieces_part", over(count), count, kept, before, all.ends, all.source_offsets, all.sources,
+                    final.ends, final.offsets, final.sources, ends, offsets, sources);
+    runtime_.fill<cl_uint>(final.offsets, final.source_count, 1, final.count);
+    runtime_.fill<cl_uint>(offsets, seam_sources, 1, of_seam);
+    // Each piece has some source: where there are as many sources as pieces, each has one.
+    if (final.source_count == final.count) final.offsets = {};
+    solved_.pieces = read_array<Constraint>(runtime_, ends, of_seam);
+    check_ends_below(solved_.pieces, all_, "the end of a piece is no vertex of the tile");
+    if (seam_sources != of_seam) {
+      solved_.source_offsets = read_array<std::uint32_t>(runtime_, offsets, std::size_t{of_seam} + 1);
+      check_offsets(solved_.source_offsets, of_seam, seam_sources, "the sources of a piece are not there");
     }
-    if (count > 0) runtime_.launch("tiles", "tile_kept_ends", over(count), count, kept, ids(), pieces.ends);
-    solved_.pieces = read_array<Constraint>(runtime_, pieces.ends, count);
-    check_ends_below(solved_.pieces, task_.input.n(), "the end of a piece is no vertex of the input");
-    solved_.source_offsets = read_array<std::uint32_t>(runtime_, pieces.source_offsets, std::size_t{count} + 1);
-    solved_.sources = read_array<std::uint32_t>(runtime_, pieces.sources, pieces.source_count);
-    check_offsets(solved_.source_offsets, count, solved_.sources.size(), "the sources of a piece are not there");
-    check_below(solved_.sources, share_.constraint_ids.size(), "a source of a piece is no constraint of the tile");
-    for_each_in_threads(solved_.sources.size(),
-                        [&](std::size_t i) { solved_.sources[i] = share_.constraint_ids[solved_.sources[i]]; });
-    const auto more = [&](std::size_t p) { return solved_.source_offsets[p + 1] != p + 1; };
-    if (count_in_threads(count, more) == 0) forget(solved_.source_offsets);
+    solved_.sources = read_array<std::uint32_t>(runtime_, sources, seam_sources);
+    check_below(solved_.sources, task_.input.constraints.count, "a source of a piece is no constraint of the input");
   }
 
   std::vector<SeamVertex> seam_vertices(const Buffer<cl_uint>& list, cl_uint count) {
@@ -266,7 +313,8 @@ class TileRun {
   const std::size_t tile_;
   cl_uint all_ = 0;  ///< vertices, foreign ones with them
   DeviceTriangulation made_;
-  Buffer<cl_uint> final_;  ///< by triangle 1 or 0, then scanned
+  Buffer<cl_uint> places_;  ///< of the tile's constraints, where devices share them out
+  Buffer<cl_uint> final_;   ///< by triangle 1 or 0, then scanned
   SolvedTile solved_;
 };
 

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "tiles/final.hpp"
-#include "tiles/partition.hpp"
-#include "tiles/staged.hpp"
+#include "tiles/share_out.hpp"
 #include "tiles/tiles.h"
 
 namespace gcdt::tiles {
@@ -40,16 +39,15 @@ struct SolvedTile {
   /// triangles; and those of border edges on its hull. Both ascend by number.
   std::vector<SeamVertex> vertices, hull_vertices;
   std::vector<BorderEdge> border;  ///< by triangle and k; also edges that turn out to be of the hull of all
-  // Its pieces in Z-order: those along a final triangle are kept, the others the seam's.
-  Array<Constraint> pieces;                      ///< of those kept input numbers, of the others the tile's vertices
-  Array<std::uint8_t> kept;                      ///< not 0: it is
+  // Its pieces that no final triangle has, in Z-order: the seam's.
+  Array<Constraint> pieces;                      ///< the tile's vertices
   Array<std::uint32_t> source_offsets, sources;  ///< input numbers; no offsets: each piece has one source
   std::vector<Dropped> dropped;                  ///< by ascending number
   std::vector<Constraint> merged;                ///< input numbers: vertices, and what stands for them
   std::vector<std::uint32_t> ends, stand_ins;    ///< open ends by input number, ascending; the tile's vertices
   std::uint64_t move_key = 0;                    ///< of all vertices that the process has
-  FinalTriangles final;
-  std::size_t device = 0;  ///< of the pool: who has `final`, unless it is spilled
+  FinalTriangles final;                          ///< with the other pieces
+  std::size_t device = 0;                        ///< of the pool: who has `final`, unless it is spilled
 
   Span<std::uint32_t> sources_of(std::size_t piece) const {
     if (source_offsets.empty()) return {&sources[piece], 1};
@@ -65,6 +63,7 @@ struct TileTask {
   Staged& staged;  ///< the input's vertices, but those that were added
   const Cuts& cuts;
   bool check;
+  StagedConstraints* constraints = nullptr;  ///< null: each tile's share has its own
 };
 
 /// Takes the tile's vertices from the input, triangulates them with its constraints, dropping what crosses, and finds

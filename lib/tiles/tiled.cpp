@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/tiled.hpp"
 
+#include "device/parts.hpp"
 #include "device/step.hpp"
 #include "phases/clean.hpp"
 #include "tiles/domain.hpp"
@@ -52,11 +53,14 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   std::optional<Cuts> cuts;
   {
     const Timed timed(report.ms_share);
+    bool good_ends = true;  // looked for beside the transfers of the vertices
+    std::future<void> looking = begin_in_thread([&] { good_ends = has_good_ends(input); });
     Survey surveyed;
     input.chosen = staged.choose(options.grid, surveyed, 0, alone);
     if (points.size() > 0) input.box = box_of(input.chosen, surveyed);
     cuts = cut(input);
-    check_ends(input, alone);
+    looking.get();
+    if (!good_ends) check_ends(input, alone);
   }
   TiledRun run(pool, alone, input, staged, *cuts, options, report);
   ForestResult joined = run.solve().result;

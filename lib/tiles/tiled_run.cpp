@@ -26,7 +26,7 @@ TiledRun::TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged&
       options_(options),
       report_(report),
       range_(own_tiles(team, cuts.tiles())),
-      room_(pool, input.given.points.size() + input.added.size()) {
+      room_(pool, input.given.points.size() + input.added.size(), team.is_alone() ? input.constraints.size() : 0) {
   own_.grid = FixedGrid{0, 0, "1"};  // the seam is in cells of the common grid
   own_.check = options.check;
   report_.tiles = static_cast<std::uint32_t>(cuts.tiles());
@@ -139,15 +139,18 @@ std::vector<Role> TiledRun::roles_of(const std::vector<std::uint32_t>& numbers, 
 /// Tiles and seam. Returns the pairs of constraints that cross, of which each has one that is open, or was dropped in
 /// its tile and so handed up to the seam (docs/scale.md, T3).
 std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
+  std::optional<StagedConstraints> constraints;
+  if (team_.is_alone() && task_.input.constraints.end_points.empty())
+    task_.constraints = &constraints.emplace(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
   Partition all;
   {
     const Timed timed(report_.ms_share);
-    all = partition(task_.input, task_.cuts, roles);
-    exchange_shares(team_, all);
+    all = share_out(roles);
   }
   {
     const Timed timed(report_.ms_tiles);
-    solve_tiles(roles, std::move(all.tiles));
+    solve_tiles(roles, all);
+    constraints.reset(), task_.constraints = nullptr;
   }
   const Timed timed(report_.ms_seam);
   gather_tiles(team_, tiles_);
@@ -164,35 +167,48 @@ std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
   return crossings;
 }
 
+/// By the devices, where the process has the whole input.
+Partition TiledRun::share_out(const std::vector<Role>& roles) {
+  const GridInput& input = task_.input;
+  if (task_.constraints)
+    return partition_open(input, task_.cuts, roles,
+                          find_open(pool_, task_.staged, *task_.constraints, input, task_.cuts, roles));
+  Partition all = partition(input, task_.cuts, roles);
+  exchange_shares(team_, all);
+  return all;
+}
+
 void TiledRun::solve_uncrossed(const std::vector<Role>& roles) {
   if (!solve_parts(roles).empty()) throw Error(Status::check_failed, "tiles: constraints still cross after dropping");
 }
 
 /// Every tile of the rank, by whichever device takes it; and once more those that a device had when it was lost. Ends:
 /// it is lost for good. A process by itself forgets a tile's share when it is solved, and makes it again.
-void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> given) {
+void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
   tiles_.clear();
   tiles_.resize(task_.cuts.tiles());
-  std::vector<std::shared_ptr<const Share>> shares(given.size());
-  const auto keep_shares = [&](std::vector<Share> all) {
-    for (std::size_t t = 0; t < all.size(); ++t)
-      if (!shares[t]) shares[t] = std::make_shared<const Share>(std::move(all[t]));
+  std::vector<std::shared_ptr<const Share>> shares(tiles_.size());
+  const auto keep_shares = [&](std::vector<Share> given) {
+    for (std::size_t t = 0; t < given.size(); ++t)
+      if (!shares[t]) shares[t] = std::make_shared<const Share>(std::move(given[t]));
   };
-  keep_shares(std::move(given));
+  keep_shares(std::move(all.tiles));
   std::vector<std::uint32_t> wanted(range_.size());
   std::iota(wanted.begin(), wanted.end(), static_cast<std::uint32_t>(range_.first));
   Spiller spiller(pool_, task_.staged, room_, range_);
   while (!wanted.empty()) {
     std::vector<std::uint64_t> n{0}, m{0};
     for (const std::uint32_t t : wanted) {
-      n.push_back(n.back() + task_.input.n() / tiles_.size() + shares[t]->foreign.size());
-      m.push_back(m.back() + shares[t]->constraints.size());
+      // A few foreign vertices do not count, so that equal tiles are solved in their order (expect_constraints()).
+      const std::uint64_t even = task_.input.n() / tiles_.size(), foreign = shares[t]->foreign.size();
+      n.push_back(n.back() + even + (foreign > even / 16 ? foreign : 0));
+      m.push_back(m.back() + shares[t]->constraints.size() + shares[t]->expected);
     }
     const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
     std::mutex mutex;
     std::vector<bool> is_solved(tiles_.size(), false);
     spiller.expect(wanted.size());
-    run("tiles", 0, tiles_share, sizes, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t problem) {
+    run("tiles", 0, tiles_share, sizes, [&](DevicePool::Lent& lent, std::uint32_t problem) {
       const std::uint32_t t = wanted[problem];
       std::shared_ptr<const Share> share;  // as long as it is needed here
       {
@@ -200,7 +216,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> gi
         if (is_solved[t]) return ForestResult();  // another device was faster
         share = shares[t];
       }
-      spiller.make_room(lent, sizes.n(problem), sizes.m(problem));
+      spiller.make_room(lent, sizes.n(problem), sizes.m(problem), task_.constraints);
       SolvedTile solved = solve_tile(lent, task_, *share, t);
       {
         const std::lock_guard<std::mutex> lock(mutex);
@@ -215,7 +231,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, std::vector<Share> gi
     wanted.clear();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t)
       if (tiles_[t].final.on_device() && pool_.report(tiles_[t].device).lost) wanted.push_back(t);
-    if (!wanted.empty() && team_.is_alone()) keep_shares(partition(task_.input, task_.cuts, roles).tiles);
+    if (!wanted.empty() && team_.is_alone()) keep_shares(share_out(roles).tiles);
   }
 }
 
@@ -227,7 +243,7 @@ std::vector<Constraint> TiledRun::solve_seam() {
     const auto solve = [&](DevicePool::Lent& lent, std::uint32_t) {
       return triangulate_single(lent.runtime, lent.primitives, problem, 0, own_);
     };
-    PoolResult made = run("seam", tiles_share, seam_share, problem, DevicePool::Who::gpus, solve);
+    PoolResult made = run("seam", tiles_share, seam_share, problem, solve);
     const auto [result, place] = made.places.at(0);
     made_seam_ = std::move(made.results.at(result).singles.at(place));
   } catch (const Error& error) {
@@ -245,14 +261,31 @@ std::vector<Constraint> TiledRun::solve_seam() {
   return {};
 }
 
-/// Throws the error of the first problem that has one.
-PoolResult TiledRun::run(const char* phase, double from, double to, const BatchInput& sizes, DevicePool::Who who,
+/// By GPUs if there are some: a CPU beside them takes longer for one problem than they do for all, and takes cores from
+/// the threads that feed them. By all if that fails for want of memory, or because GPUs are lost. Throws the error of
+/// the first problem that has one.
+PoolResult TiledRun::run(const char* phase, double from, double to, const BatchInput& sizes,
                          const DevicePool::MakeOne& make) {
   Options options;
   options.progress = [&](const char*, double done) { return tell(phase, from + (to - from) * done); };
-  PoolResult made = pool_.make_each(sizes, options, who, make);
-  if (!made.errors.empty()) throw made.errors.begin()->second;
-  return made;
+  const auto by = [&](DevicePool::Who who) {
+    PoolResult made = pool_.make_each(sizes, options, who, make);
+    if (!made.errors.empty()) throw made.errors.begin()->second;
+    return made;
+  };
+  const auto lost = [&] {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < pool_.size(); ++i) count += pool_.report(i).lost.has_value();
+    return count;
+  };
+  const std::size_t before = lost();
+  try {
+    return by(DevicePool::Who::gpus);
+  } catch (const Error& error) {
+    const bool for_memory = error.status() == Status::out_of_memory;
+    if (pool_.size() - lost() < (for_memory ? 2u : 1u) || (!for_memory && lost() == before)) throw;
+  }
+  return by(DevicePool::Who::all);
 }
 
 /// Of pairs of the seam's constraints those of the input, the smaller number first, ascending. Two straight

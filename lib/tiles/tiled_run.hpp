@@ -45,25 +45,28 @@ class TiledRun {
 
   std::vector<Constraint> solve_parts(const std::vector<Role>& roles);
   void solve_uncrossed(const std::vector<Role>& roles);
-  void solve_tiles(const std::vector<Role>& roles, std::vector<Share> given);
+  Partition share_out(const std::vector<Role>& roles);
+  void solve_tiles(const std::vector<Role>& roles, Partition& all);
   std::vector<Constraint> solve_seam();
 
   ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
-  bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before, ForestResult& joined);
-  void finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, Order* order, ResultPart& part);
+  bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before,
+                   std::vector<TilePieces>& pieces, ForestResult& joined);
+  void finish(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>> before, std::vector<TilePieces> pieces,
+              Order* order, ResultPart& part);
+  std::vector<TilePieces> pieces_of_seam();
   void leave_pieces();
   void write_representatives(ForestResult& result) const;
   void count(const OwnPlaces& places, ForestResult& result);
 
-  PoolResult run(const char* phase, double from, double to, const BatchInput& sizes, DevicePool::Who who,
-                 const DevicePool::MakeOne& make);
+  PoolResult run(const char* phase, double from, double to, const BatchInput& sizes, const DevicePool::MakeOne& make);
   bool tell(const char* phase, double done) const { return !options_.progress || options_.progress(phase, done); }
   std::vector<Constraint> pairs_of(const std::vector<std::uint64_t>& indices) const;
   Error crossings_of(const std::vector<Constraint>& pairs);
 
   DevicePool& pool_;
   Team& team_;
-  const TileTask task_;
+  TileTask task_;
   const Options& options_;
   TiledReport& report_;
   Options own_;

@@ -195,6 +195,7 @@ TEST_CASE(
   const RaggedBatch batch({work});
   const Singles expected({work});
   constexpr std::uint64_t never = std::uint64_t{1} << 40;
+  int lost = 0;
   for (int i = 0; i < 4; ++i) {
     CAPTURE(i);
     const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
@@ -207,6 +208,7 @@ TEST_CASE(
       return true;
     };
     expected.check(tiles::triangulate(pool, batch.view(), options));
-    CHECK(pool.report(0).lost.has_value());
+    lost += pool.report(0).lost.has_value();
   }
+  CHECK(lost > 0);  // unless the other one has solved all tiles
 }

@@ -114,8 +114,8 @@ TEST_CASE("every workload, cut evenly, gives the bytes of one device") {
   }
 }
 
-TEST_CASE("even cuts are those of all codes in their order, if there are few") {
-  for (const std::size_t n : {0, 1, 5, 1000}) {
+TEST_CASE("even cuts are those of all codes in their order, if there are few, or within the slack the roundest code") {
+  for (const std::size_t n : {0, 1, 5, 1000, 5000}) {
     const Workload work = uniform(n);
     for (const std::size_t tiles : {1, 2, 3, 7, 64}) {
       CAPTURE(n);
@@ -126,10 +126,19 @@ TEST_CASE("even cuts are those of all codes in their order, if there are few") {
         std::sort(codes.begin(), codes.end());
         Cuts cuts = evenly(tiles)(input);
         CHECK(cuts.tiles() == tiles);
-        for (std::size_t t = 1; t < tiles; ++t) CHECK(cuts.tile_of(n == 0 ? 0 : codes[n * t / tiles]) >= t);
-        for (std::size_t v = 0; v < n; ++v) {
-          const std::size_t t = cuts.tile_of(codes[v]);
-          if (t + 1 < tiles) CHECK(codes[v] < codes[n * (t + 1) / tiles]);
+        const std::size_t slack = tiles::slack_of_cut(n, tiles);
+        for (std::size_t t = 1; t < tiles && n > 0; ++t) {
+          const std::uint64_t made = cuts.first_codes()[t - 1], even = codes[n * t / tiles];
+          const std::uint64_t low = codes[n * t / tiles - slack], high = codes[n * t / tiles + slack];
+          if (slack == 0 || low == even) {
+            CHECK(made == even);
+            continue;
+          }
+          const std::uint64_t last_bit = made & (~made + 1);
+          CHECK(low < made);
+          CHECK(made <= high);
+          CHECK(made - last_bit <= low);
+          CHECK(made + last_bit > high);
         }
         return cuts;
       };
@@ -297,6 +306,35 @@ TEST_CASE("a device treated as a GPU gives the same bytes") {
     CAPTURE(i);
     const Crossing crossing = std::array{Crossing::drop, Crossing::split}[i % 2];
     check_same(random_crossing(120, 12 + i, 30, 9000 + i), evenly(2 + i % 3), with(crossing), pool);
+  }
+}
+
+TEST_CASE("a CPU beside a GPU gets no tile, unless that is lost or has no room") {
+  const Workload work = workload("letters", 3000);
+  const OneProblem problem(work);
+  const Singles alone({work});
+  enum { healthy_gpu, small_gpu, lost_gpu };
+  for (const int kind : {healthy_gpu, small_gpu, lost_gpu}) {
+    CAPTURE(kind);
+    const auto calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+    constexpr std::uint64_t never = std::uint64_t{1} << 40;
+    runtime::CallHook gpu = treated_as(DeviceKind::gpu);
+    if (kind == small_gpu) gpu.tuning.memory_bytes = 24u << 20;
+    if (kind == lost_gpu) gpu.before = failing(calls, never, true, CL_INVALID_COMMAND_QUEUE).before;
+    std::atomic<bool> is_solved_by_cpu{false};
+    const Trace trace = [&](const TraceSpan& span) {
+      if (span.name == "take" && span.device_number == 1) is_solved_by_cpu = true;
+    };
+    DevicePool pool({{cl::Context(), app_device(), gpu}, {cl::Context(), app_device(), {}}}, {}, trace);
+    Options options;
+    options.progress = [&](const char* phase, double) {
+      if (std::string(phase) == "tiles") *calls = never;  // from now on it fails
+      return true;
+    };
+    const ForestResult made = tiles::triangulate_cut(pool, problem.view(), options, 4, evenly(4));
+    CHECK(difference(test::part_of(made, 0), alone.meshes[0]) == "");
+    CHECK(is_solved_by_cpu == (kind != healthy_gpu));
+    CHECK(pool.report(0).lost.has_value() == (kind == lost_gpu));
   }
 }
 
