@@ -80,7 +80,8 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
   const uint parts = begins[pieces];
-  uint steps = 0, hit = 0, pairs = 0;
+  uint steps = 0, hit = 0;
+  u64 pairs = 0;  // parts are shared out by their sum, which is no less than those of all constraints
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
     const uint before = task == GCDT_CLEAN_ALL ? 0u : offsets[part + 1u] - offsets[part];
@@ -125,7 +126,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
     if (task != GCDT_CLEAN_WRITE) counts[part] = found;
   }
   add_for_group(&sum, &counters->steps_low, &counters->steps_high, task == GCDT_CLEAN_WRITE ? 0u : steps);
-  add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
+  add_lengths(&sum, &counters->pairs_low, pairs);
   hit = sum_of_group(&sum, hit);
   if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
 }

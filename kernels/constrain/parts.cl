@@ -29,7 +29,8 @@ kernel void parts_count(uint pieces, ulong whole, uint pool, global const uint* 
                         global const uint2* walked, global uint* counts) {
   FOR_EACH(c, pieces) {
     // A weight and the pool are below 2^32.
-    const uint count = whole == 0 ? 1u : 1u + (uint)((u64)weights[c] * pool / whole), had = again ? walked[c].y : 0u;
+    const uint count = whole == 0 ? 1u : 1u + (uint)min((u64)pool, (u64)weights[c] * pool / whole),
+               had = again ? walked[c].y : 0u;
     counts[c] = had == 0u ? count : count / had < LEAST_CUT ? had : had * (count / had);
   }
 }

@@ -314,6 +314,7 @@ GCDT_INLINE u64 gcdt_badness(Shape s) {
 // (The quotient is above 0, since the tangent of a sharp triangle's least angle is below 1.)
 #define GCDT_NEEDLE_BITS 6u
 GCDT_INLINE u32 gcdt_needle(Shape s) {
+  if (s.area <= 0) return (1u << GCDT_NEEDLE_BITS) - 1u;  // of a mesh that is wrong
   const u32 slope = gcdt_log2((u64)s.dot / (u64)s.area);
   return slope < 8u ? 0u : slope - 8u;
 }

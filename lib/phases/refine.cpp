@@ -189,8 +189,8 @@ void Refiner::aim(std::uint32_t idle) {
 bool Refiner::read_candidates() {
   last_ = read_report();
   if (unread_) take_settled();
-  if (edges_left_ > 0) return false;
   if (last_.failed) throw Error(Status::round_limit, "refine: a walk or a tour did not end");
+  if (edges_left_ > 0) return false;
   judged_.bad = last_.bad;
   if (last_.candidates <= capacity()) return true;
   const std::size_t room = last_.candidates + last_.candidates / 4;

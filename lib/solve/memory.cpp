@@ -52,20 +52,20 @@ std::uint64_t more_parts(const Sizes& s) {
 std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * (s.m + more_parts(s)); }
 
 // Fans (phases/fans.hpp): beginnings, elements of faces, and 20 bytes for each of at most 2.3 n elements. Beside them
-// the history, and of constraints, which are no pieces yet, input, ends and number, crossed faces, lines and what parts
-// have (beginnings, pieces, faces twice, hits, first hits).
+// the history, and of constraints, which are no pieces yet, input, ends and number, crossed faces, lines, lengths,
+// places and what parts have (beginnings, pieces, faces twice, hits, first hits).
 std::uint64_t fan_step(const Sizes& s) {
   const std::uint64_t elements = 23 * s.n / 10;
   return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 20 * elements +
-         (8 + 12 + 4 + 16 + 28) * s.m + 28 * more_parts(s);
+         (8 + 12 + 4 + 16 + 8 + 28) * s.m + 28 * more_parts(s);
 }
 
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
-// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and two starts; of
-// hexagons faces and farthest cuts.
+// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces, those of cleaning
+// among them, and two starts; of hexagons faces and farthest cuts.
 std::uint64_t crossed_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
-         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 16 * more_parts(s) + 16 * hexagons(s);
+         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 20 * more_parts(s) + 16 * hexagons(s);
 }
 
 std::uint64_t walk_step(const Sizes& s) { return crossed_step(s) + history_bytes(s) + chunk_bytes(s); }
