@@ -25,12 +25,14 @@ std::function<void(Runtime& runtime)> FinalTriangles::begin_spill(Runtime& runti
     made->berth = {made->triangles.make<Triangle>(count), made->neighbours.make<Neighbours>(count),
                    made->constrained.make<std::uint8_t>(count)};
   if (ids.allocated()) {
-    take_codes(runtime);
-    const cl_uint words = 3 * count;
-    if (words > 0) runtime.launch("tiles", "tile_input_numbers", over(words), words, ids, corners);
+    // Corners and ends become input numbers, and must not be made so twice, whatever fails in between.
+    if (!corners_numbered_) {
+      take_codes(runtime);
+      const cl_uint words = 3 * count;
+      if (words > 0) runtime.launch("tiles", "tile_input_numbers", over(words), words, ids, corners);
+      corners_numbered_ = true;
+    }
     pieces.number_ends(runtime, ids);
-    // From here on corners and ends are input numbers, or will be, and must not be made so twice, even if waiting
-    // fails.
     const runtime::Buffer<cl_uint> in_use = std::move(ids);
     points = {};
     runtime.finish();

@@ -282,6 +282,7 @@ PoolResult TiledRun::run(const char* phase, double from, double to, const BatchI
   try {
     return by(DevicePool::Who::gpus);
   } catch (const Error& error) {
+    if (error.status() == Status::cancelled) throw;
     const bool for_memory = error.status() == Status::out_of_memory;
     if (pool_.size() - lost() < (for_memory ? 2u : 1u) || (!for_memory && lost() == before)) throw;
   }

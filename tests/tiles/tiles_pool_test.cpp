@@ -51,6 +51,22 @@ TEST_CASE("errors of a problem in tiles are those of one device") {
   Singles(problems).check(pool.triangulate(batch_of(problems), in_tiles(4)));
 }
 
+TEST_CASE("a vertex outside of a fixed grid is named in tiles, whatever its constraint does") {
+  for (const double x : {2147483647.6, 2147483648.0, 3e9, -0.6}) {
+    CAPTURE(x);
+    Workload work = random_pslg(300, 1 << 20, 0, 5);
+    const auto outside = static_cast<std::uint32_t>(work.points.size());
+    work.points.push_back({x, 5});
+    work.constraints.push_back({0, outside});
+    Options on_grid;
+    on_grid.grid = FixedGrid{};
+    const auto error = cut(work, 3, on_grid).error(0);
+    REQUIRE(error);
+    CHECK(error->status() == Status::coordinate_outside_grid);
+    CHECK(error->indices() == std::vector<std::uint64_t>{outside, 0});
+  }
+}
+
 TEST_CASE("rounding makes the same vertices one in tiles as on one device") {
   Workload work = uniform(500);
   for (Point& p : work.points) p[0] += 1e9;  // so that x is rounded to 2^-23, and to 2^-31 of the extent
