@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tours of cavities by a work-item that is a thread. OpenCL C only.
 //
-// A thread has memory of its own that is as near as registers, so its tour keeps the sides that are still to be looked
-// over on a stack, and the faces that it has entered in a list. It goes over no side twice, and has the places of three
-// corners at hand where it enters a face, of which only one is new. `Tour` (cavity.h) needs no memory, and goes back
-// over each side. What is found is the same (R1): each face is reached once, whatever the order.
+// A thread has memory of its own that is as near as registers, so its tour keeps what is beyond the sides that are
+// still to be looked over on a stack, and the faces that it has entered in a list. Each face beyond a side is read
+// once, where `Tour` (cavity.h), which needs no memory, goes back over each side. What is found is the same (R1): each
+// face is entered once, whatever the order.
 #ifndef GCDT_STACK_H
 #define GCDT_STACK_H
 

@@ -41,13 +41,10 @@ kernel void pieces_before(const uint count, const uint kept, const uint with_off
                           global const uint2* ends, global const uint* offsets, global const int2* points,
                           global uint* counts, global uint* source_counts) {
   FOR_EACH(i, count) {
-    const ulong2 key = keys[i];
     uint low = 0, high = kept;
     while (low < high) {
       const uint middle = low + (high - low) / 2u;
-      ulong found = code_of_point(points[ends[middle].x]), wanted = key.x;
-      if (found == wanted) found = code_of_point(points[ends[middle].y]), wanted = key.y;
-      if (found < wanted)
+      if (is_before_key(points, ends[middle].x, ends[middle].y, keys[i]))
         low = middle + 1u;
       else
         high = middle;
@@ -60,25 +57,16 @@ kernel void pieces_before(const uint count, const uint kept, const uint with_off
 // One work-item per kept piece. Reads `before` of `count` pieces of the seam, which ascend, and seam_offsets, how many
 // sources come before each of those, and all of them have; the kept pieces, and ids. Writes the piece at its place
 // among all that begin in the tile: its ends as input numbers, its offset, counted from `first_source`, and its
-// sources. Places differ. Those of the seam's pieces are not written. Ends: the range halves, and a piece has finitely
-// many sources.
+// sources. Places differ. Those of the seam's pieces are not written. Ends: a piece has finitely many sources.
 kernel void pieces_write(const uint kept, const uint count, const uint with_offsets, const uint first_source,
                          global const uint* before, global const uint* seam_offsets, global const uint* ids,
                          global const uint2* ends, global const uint* offsets, global const uint* sources,
                          global uint2* out_ends, global uint* out_offsets, global uint* out_sources) {
   FOR_EACH(p, kept) {
-    uint low = 0, high = count;
-    while (low < high) {
-      const uint middle = low + (high - low) / 2u;
-      if (before[middle] <= p)
-        low = middle + 1u;
-      else
-        high = middle;
-    }
+    const uint earlier = count_up_to(before, count, p), shift = seam_offsets[earlier];
     const uint first = with_offsets ? offsets[p] : p, end = with_offsets ? offsets[p + 1u] : p + 1u;
-    const uint shift = seam_offsets[low];
-    out_ends[p + low] = (uint2)(ids[ends[p].x], ids[ends[p].y]);
-    out_offsets[p + low] = first_source + first + shift;
+    out_ends[p + earlier] = (uint2)(ids[ends[p].x], ids[ends[p].y]);
+    out_offsets[p + earlier] = first_source + first + shift;
     for (uint i = first; i < end; ++i) out_sources[i + shift] = sources[i];
   }
 }

@@ -25,6 +25,25 @@ static inline uint place_of_id(global const uint* ids, uint low, uint high, uint
   return low < end && ids[low] == wanted ? low : end;
 }
 
+// How many of a list, which ascends, are not above `most`. Ends: the range halves.
+static inline uint count_up_to(global const uint* list, uint count, uint most) {
+  uint low = 0, high = count;
+  while (low < high) {
+    const uint middle = low + (high - low) / 2u;
+    if (list[middle] <= most)
+      low = middle + 1u;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// Are the codes of vertices a and b before the key, in order?
+static inline bool is_before_key(global const int2* points, uint a, uint b, ulong2 key) {
+  const ulong code = code_of_point(points[a]);
+  return code != key.x ? code < key.x : code_of_point(points[b]) < key.y;
+}
+
 // ---- Those of no tile -------------------------------------------------------------------------------
 
 // One work-item per end of a constraint. Reads codes of the vertices from number `first` on, n of them. Writes out[i]

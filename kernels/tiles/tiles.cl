@@ -232,13 +232,10 @@ kernel void tile_input_numbers(const uint count, global const uint* ids, global 
 kernel void tile_before(const uint count, const uint finals, global const ulong2* keys, global const uint* corners,
                         global const int2* points, global uint* before) {
   FOR_EACH(i, count) {
-    const ulong2 key = keys[i];
     uint low = 0, high = finals;
     while (low < high) {
       const uint middle = low + (high - low) / 2u;
-      ulong found = code_of_point(points[corners[3u * middle]]), wanted = key.x;
-      if (found == wanted) found = code_of_point(points[corners[3u * middle + 1u]]), wanted = key.y;
-      if (found < wanted)
+      if (is_before_key(points, corners[3u * middle], corners[3u * middle + 1u], keys[i]))
         low = middle + 1u;
       else
         high = middle;
@@ -248,20 +245,9 @@ kernel void tile_before(const uint count, const uint finals, global const ulong2
 }
 
 // One work-item per final triangle. Reads `before` of `count` triangles of the seam, which ascend. Writes places[r],
-// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer. Ends: the
-// range halves.
+// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer.
 kernel void tile_places(const uint finals, const uint count, global const uint* before, global uint* places) {
-  FOR_EACH(r, finals) {
-    uint low = 0, high = count;
-    while (low < high) {
-      const uint middle = low + (high - low) / 2u;
-      if (before[middle] <= r)
-        low = middle + 1u;
-      else
-        high = middle;
-    }
-    places[r] = r + low;
-  }
+  FOR_EACH(r, finals) places[r] = r + count_up_to(before, count, r);
 }
 
 // One work-item per final triangle. Reads places, ids and what tile_finals has written. Writes the triangle's arrays at

@@ -61,7 +61,7 @@ class FinalTriangles {
   /// All steps.
   void spill(runtime::Runtime& runtime, const SpillTo& to);
   /// Whether it has begun and all is on the device yet: it cannot be written from there any more.
-  bool spill_failed() const { return on_device() && (corners_numbered_ || !ids.allocated()); }
+  bool spill_failed() const { return on_device() && corners_numbered_; }
   bool is_spilled() const { return !on_device() && spilled_; }
   bool is_in_result() const { return is_spilled() && !spilled_->file && !spilled_->triangles.bytes; }
   /// What has been spilled: in this file, or in memory.

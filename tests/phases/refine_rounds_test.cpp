@@ -13,21 +13,15 @@ using namespace gcdt::test;
 
 namespace {
 
-struct Case {
-  std::string name;
-  Workload work;
-  Options options;
-};
-
 /// Points, outlines, and constraints with triangles on both sides, which vertices beside them bend.
-std::vector<Case> cases() {
-  std::vector<Case> all = {{"points", random_pslg(600, 1 << 20, 0, 7), refining_on_grid(25)},
-                           {"letters", letters(400), refining_on_grid()},
-                           {"inner constraints", random_pslg(120, 1 << 20, 60, 3), refining_on_grid(28)}};
+std::vector<RefineCase> cases() {
+  std::vector<RefineCase> all = {{"points", random_pslg(600, 1 << 20, 0, 7), refining_on_grid(25)},
+                                 {"letters", letters(400), refining_on_grid()},
+                                 {"inner constraints", random_pslg(120, 1 << 20, 60, 3), refining_on_grid(28)}};
   Options within = refining_on_grid();
   within.domain = Domain::even_odd;
   all.push_back({"letters within", letters(400), within});
-  for (Case& c : all) c.options.refine->most_added = 5000;
+  for (RefineCase& c : all) c.options.refine->most_added = 5000;
   Options limited = refining_on_grid(30);
   limited.refine->most_added = 37;
   all.push_back({"a limit", random_pslg(300, 1 << 20, 0, 9), limited});
@@ -53,7 +47,7 @@ Tuning small_rounds(std::uint32_t aims, std::uint32_t rounds, std::uint32_t stam
 
 TEST_CASE("rounds are the same by one work-item and by launches, wherever it stops") {
   runtime::Runtime& threads = of_kind(DeviceKind::threads);
-  for (const Case& c : cases()) {
+  for (const RefineCase& c : cases()) {
     CAPTURE(c.name);
     const RefinedResult expected = result_of(of_kind(DeviceKind::gpu), c.work, c.options);
     CHECK(mesh_fault(expected) == "");
@@ -98,7 +92,7 @@ TEST_CASE("a tour is the same where the stack is too small, and a cavity has mor
   runtime::CallHook hook;
   hook.options = "-DGCDT_STACK_SIDES=4u -DGCDT_STACK_FACES=3u";
   runtime::Runtime small(of_kind(DeviceKind::threads).device(), hook);
-  for (const Case& c : cases()) {
+  for (const RefineCase& c : cases()) {
     CAPTURE(c.name);
     const RefinedResult expected = result_of(of_kind(DeviceKind::gpu), c.work, c.options);
     const RefinedResult r = result_of(small, c.work, c.options);

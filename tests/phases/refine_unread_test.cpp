@@ -12,18 +12,12 @@ using namespace gcdt::test;
 
 namespace {
 
-struct Case {
-  std::string name;
-  Workload work;
-  Options options;
-};
-
-std::vector<Case> cases() {
-  std::vector<Case> all = {{"points", random_pslg(400, 1 << 20, 0, 11), refining_on_grid(28)},
-                           {"a grid of few cells", random_pslg(300, 1 << 11, 0, 5), refining_on_grid(20)},
-                           {"letters", letters(300), refining_on_grid()},
-                           {"inner constraints", random_pslg(120, 1 << 20, 60, 4), refining_on_grid(28)}};
-  for (Case& c : all) c.options.refine->most_added = 4000;
+std::vector<RefineCase> cases() {
+  std::vector<RefineCase> all = {{"points", random_pslg(400, 1 << 20, 0, 11), refining_on_grid(28)},
+                                 {"a grid of few cells", random_pslg(300, 1 << 11, 0, 5), refining_on_grid(20)},
+                                 {"letters", letters(300), refining_on_grid()},
+                                 {"inner constraints", random_pslg(120, 1 << 20, 60, 4), refining_on_grid(28)}};
+  for (RefineCase& c : all) c.options.refine->most_added = 4000;
   return all;
 }
 
@@ -33,7 +27,7 @@ struct Counted {
   std::uint64_t reads = 0;
 };
 
-Counted refined(runtime::Runtime& runtime, const Case& c) {
+Counted refined(runtime::Runtime& runtime, const RefineCase& c) {
   const std::uint64_t before = runtime.read_backs();
   Counted counted;
   counted.result = result_of(runtime, c.work, c.options);
@@ -48,12 +42,12 @@ TEST_CASE("the host reads once a round, and edges that flips have left are flipp
   for (Treated& device : devices_as_all_kinds()) {
     if (device.runtime->kind() != DeviceKind::gpu) continue;
     ++devices;
-    for (const Case& c : cases()) {
+    for (const RefineCase& c : cases()) {
       CAPTURE(device.name);
       CAPTURE(c.name);
       const Counted usual = refined(*device.runtime, c);
       CHECK(mesh_fault(usual.result) == "");
-      Case plain = c;
+      RefineCase plain = c;
       plain.options.refine->most_added = 0;  // the same reads but for rounds
       const std::uint64_t others = refined(*device.runtime, plain).reads;
       // A round that inserts, or finds nothing; and those whose flips one work-group has not ended.

@@ -8,6 +8,13 @@
 namespace gcdt::test {
 
 /// Of integers.
+/// What a test refines, and how.
+struct RefineCase {
+  std::string name;
+  Workload work;
+  Options options;
+};
+
 inline RefinedResult result_of(runtime::Runtime& runtime, const Workload& work, const Options& options) {
   Primitives primitives(runtime);
   return read_refined(runtime,
