@@ -51,8 +51,13 @@ static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global 
   return units_of_problem(levels, level - 1u, points, n, problem_of(points, n, v));
 }
 
+// The problems of this work-item, all of each.
+#define FOR_EACH_TREE(p, problems, points, n) FOR_EACH_PROBLEM(p, problems, first_ranks(points, n))
+
 #else
 
+static inline uint first_rank(global const int2* points, uint n, uint problem) { return problem == 0u ? 0u : n; }
+#define FOR_EACH_TREE(p, problems, points, n) FOR_EACH(p, problems)
 static inline uint root_count(global const int2* points, uint n) { return 1u; }
 static inline uint root_of(global const int2* points, uint n, uint v) { return 0u; }
 static inline uint symbol_of(uint v, uint n) { return v - n; }

@@ -84,6 +84,7 @@ GCDT_INLINE u64 gcdt_forest_points(u32 n, u32 roots) { return n + ((u64)gcdt_fir
 #define GCDT_FAILED_MATCH 8u     // an edge of a new triangle has no partner
 #define GCDT_FAILED_MISSING 16u  // a constraint is not an edge after enforcement
 #define GCDT_FAILED_HIT 32u      // a vertex inside a piece: cleaning should have split there
+#define GCDT_FAILED_INDEX 64u    // an end of a constraint is no input vertex
 
 // Everything the device reports to the host; zeroed at the start of a phase.
 typedef struct Counters {

@@ -9,11 +9,9 @@
 // around the crossed faces was constrained Delaunay, and a further constraint only hides vertices from one another.
 // A constraint that crosses an edge of one before it is left out, and the mesh is as if it were not there.
 //
-// A forest with one level (order_problems.cpp): vertices are ranks, and those of a problem are consecutive, and so are
-// their faces. No word has two writers: all of a problem's are its work-item's, which reads no others.
-#ifndef GCDT_FOREST
-#define GCDT_FOREST
-#endif
+// Of a forest with one level (order_problems.cpp) the vertices of a problem are consecutive, as those of one problem by
+// itself are anyhow, and so are their faces. No word has two writers: all of a problem's are its work-item's, which
+// reads no others.
 #include "flip/flip.h"
 #include "sort/sort_by_one_item.h"
 
@@ -281,8 +279,9 @@ static void know_faces(private Problem* p, uint problem, uint begin, uint end) {
 // an earlier one; and if they do and not `all`, but for those that follow. Writes words of its problem; pieces_of[c]:
 // of how many edges constraint c is made, 0 if it is left out or has no length; crosses[c]: 1 if it crosses an earlier
 // one that was enforced, else 0. Ends: see the functions. After: the mesh is constrained Delaunay;
-// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void.
-kernel void enforce_problems(uint problems, uint all, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
+// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void; GCDT_FAILED_INDEX: an end is not
+// below `inputs`, and constraints from there on are left out.
+kernel void enforce_problems(uint problems, uint inputs, uint all, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
                              global const uint2* constraints, global const uint* input_vertex, global uint* edge_marks,
                              global uint* vertex_face, global uint4* crossed, global uint4* stack,
                              global uint* pieces_of, global uint* crosses, volatile global Counters* counters) {
@@ -292,7 +291,7 @@ kernel void enforce_problems(uint problems, uint all, GCDT_MESH_PARAMETERS, glob
   p.vertex_face = vertex_face;
   p.zero_length = p.hits = p.existing = p.owned = p.pairs = p.flips = 0u;
   uint failed = 0;
-  FOR_EACH_PROBLEM(i, problems, first_ranks(points, n)) {
+  FOR_EACH_TREE(i, problems, points, n) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     // Faces: two of each vertex, and the root.
     p.crossed = crossed + gcdt_forest_faces(begin, i);
@@ -301,8 +300,12 @@ kernel void enforce_problems(uint problems, uint all, GCDT_MESH_PARAMETERS, glob
     bool stopped = false;
     if (first_constraint[i] != first_constraint[i + 1u]) know_faces(&p, i, begin, end);
     for (uint c = first_constraint[i]; c < first_constraint[i + 1u]; ++c) {
-      const uint a = input_vertex[constraints[c].x], b = input_vertex[constraints[c].y];
-      const uint pieces = stopped ? 0u : enforce(&p, a, b);
+      const uint2 in = constraints[c];
+      if (in.x >= inputs || in.y >= inputs) {
+        failed |= GCDT_FAILED_INDEX;
+        stopped = true;
+      }
+      const uint pieces = stopped ? 0u : enforce(&p, input_vertex[in.x], input_vertex[in.y]);
       const bool one_crosses = pieces == ENFORCE_CROSSES, lost = pieces == ENFORCE_FAILED;
       if (one_crosses) failed |= GCDT_FAILED_CROSSING;
       if (lost) failed |= GCDT_FAILED_WALK;
@@ -340,17 +343,17 @@ static uint next_on(Mesh mesh, global const uint* vertex_face, uint a, uint b) {
   return b;
 }
 
-// One work-item per problem. Writes its pieces, in order of lower end, higher end, source: `keys` (lower << 32 |
+// One work-item per problem. Writes its pieces, in order of lower rank, higher rank, source: `keys` (lower << 32 |
 // higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and by
 // insertion for the few pieces of each. `places`: a word per vertex, void afterwards, as are the unsorted ones.
 // Writes words of its problem. After: as clean_pieces and a stable sort.
-kernel void enforce_pieces(uint problems, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
+kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
                            global const uint2* constraints, global const uint* input_vertex,
                            global const uint* vertex_face, global const uint* offsets, global uint* places,
                            global ulong* unsorted_keys, global uint* unsorted_sources, global ulong* keys,
                            global uint* sources) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_PROBLEM(i, problems, first_ranks(points, n)) {
+  FOR_EACH_TREE(i, problems, points, n) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
     const uint first = offsets[first_constraint[i]], last = offsets[first_constraint[i + 1u]];
     for (uint v = begin; v < end; ++v) places[v] = 0u;
@@ -359,9 +362,10 @@ kernel void enforce_pieces(uint problems, GCDT_MESH_PARAMETERS, global const uin
       const uint b = input_vertex[constraints[c].y];
       for (uint at = offsets[c]; at < offsets[c + 1u]; ++at) {
         const uint to = at + 1u == offsets[c + 1u] ? b : next_on(mesh, vertex_face, a, b);
-        unsorted_keys[at] = (ulong)min(a, to) << 32 | max(a, to);
+        const uint from_rank = gcdt_rank_of_vertex(levels, a), to_rank = gcdt_rank_of_vertex(levels, to);
+        unsorted_keys[at] = (ulong)min(from_rank, to_rank) << 32 | max(from_rank, to_rank);
         unsorted_sources[at] = c;
-        ++places[min(a, to)];
+        ++places[min(from_rank, to_rank)];
         a = to;
       }
     }
@@ -381,9 +385,12 @@ kernel void enforce_pieces(uint problems, GCDT_MESH_PARAMETERS, global const uin
 }
 
 // One work-item per distinct piece. Writes its ends, lower rank first. No race: its own words.
-kernel void enforce_ends(uint count, global const ulong* keys, global const uint* firsts, global uint2* ends) {
+kernel void enforce_ends(uint count, GCDT_LEVELS_POINTER levels, global const ulong* keys, global const uint* firsts,
+                         global uint2* ends) {
+  const uint last = levels->count - 1u;
   FOR_EACH(i, count) {
     const ulong key = keys[firsts[i]];
-    ends[i] = (uint2)((uint)(key >> 32), (uint)key);
+    ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> 32)),
+                      gcdt_vertex_of_rank(levels, last, (uint)key));
   }
 }

@@ -9,7 +9,6 @@
 #include "batch/order_problems.hpp"
 #include "phases/check.hpp"
 #include "phases/domain_each.hpp"
-#include "phases/enforce.hpp"
 #include "solve/crossing_policy.hpp"
 #include "solve/memory.hpp"
 #include "solve/programs.hpp"
@@ -131,17 +130,7 @@ void follow_crossing_policy(ForestRun& run, const std::vector<cl_uint>& crosses)
 
 // Each problem's constraints by one work-item.
 void enforce_each(ForestRun& run) {
-  EnforceResult r =
-      enforce_problems(run.runtime, run.primitives, run.vertices, run.mesh, run.ranges.first_constraint_buffer,
-                       run.constraints, run.options.crossing == Crossing::drop, run.counters);
-  Statistics& s = run.statistics;
-  s.constraints_zero = r.zero_length;
-  s.cases.constraint_hits = r.hits;
-  s.cases.existing_edges = r.existing_edges;
-  s.cases.pieces_walked = r.pieces.count - r.existing_edges;
-  s.cases.chain_vertices = r.chain_vertices;
-  s.crossed_pairs = r.crossed_pairs;
-  s.flips += r.flips;
+  EnforceResult r = run.enforce_in_order(run.ranges.first_constraint_buffer);
   if (!r.crosses.empty()) follow_crossing_policy(run, r.crosses);
   run.pieces = std::move(r.pieces);
 }
@@ -203,7 +192,7 @@ void constrain(ForestRun& run) {
   run.pieces = {};
   if (run.m == 0) return run.no_pieces();
   run.ticker.tick("constrain", 0);
-  run.plan.constraints == Plan::By::each ? enforce_each(run) : enforce_all(run);
+  run.plan.constraints == Plan::By::all ? enforce_all(run) : enforce_each(run);
   run.pieces.walked = {};
   run.count_turns();
 }

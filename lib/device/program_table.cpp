@@ -22,7 +22,7 @@ const ProgramInfo programs[] = {
     {"decimals", "core", false},
     {"domain", "domain", false},
     {"domain_each", "domain_each", false},
-    {"enforce", "enforce", false},
+    {"enforce", "enforce", true},
     {"by_one_item", "core", false},
     {"fans", "fans", true},
     {"first", "first", true},

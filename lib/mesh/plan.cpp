@@ -72,7 +72,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.grown_shares = units * Tuning::grown_shares_per_unit;
 
   const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one;
-  plan.constraints = each ? By::each : By::all;
+  plan.constraints = each ? By::each : by_one(sizes.inputs);
   plan.curve_crossings = tuning.curve_crossings.value_or(threads ? 0 : gpu ? Tuning::gpu_curve_crossings : UINT32_MAX);
   plan.curve_bits = gpu ? Tuning::gpu_curve_bits : 32;
   plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
@@ -97,7 +97,8 @@ std::string Plan::text() const {
     all += "; problems sorted by " + std::string(name(sort_problems)) + ", inserted by " + name(problems);
   all += grows ? "; vertices one after the other in at most " + std::to_string(grown_shares) + " sequences"
                : "; vertices in rounds, level by level";
-  all += "; constraints by " + std::string(name(constraints)) + (curve_crossings == 0 ? ", along the curve" : "");
+  all += "; constraints by " + std::string(name(constraints));
+  if (constraints == By::all && curve_crossings == 0) all += ", along the curve";
   if (!grows) all += "; flips within patches from " + std::to_string(least_patched) + " edges on";
   if (!grows) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
   return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check);

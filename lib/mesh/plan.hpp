@@ -31,7 +31,7 @@ struct Plan {
   /// Who does a step that work-items can share.
   enum class By {
     all,     ///< work-items of a launch share it
-    one,     ///< one work-item does all of it (kernels/programs/by_one_item.cl)
+    one,     ///< one work-item does all of it (kernels/programs/by_one_item.cl, constrain/enforce.cl)
     each,    ///< one work-item does all of a problem: threads, problems enough to share out
     groups,  ///< one work-group does all of a problem, without launches and reads in between
   };
@@ -59,7 +59,8 @@ struct Plan {
   std::uint32_t grown_shares = 0;    ///< sequences of insertions side by side, at most
 
   // Constrain.
-  By constraints = By::all;  ///< all, or each: one work-item enforces a problem's, one after the other
+  /// All; or one, or each: one work-item enforces those of the problem, or of each, one after the other.
+  By constraints = By::all;
   /// Crossed faces a constraint from which on they are cleaned in the order of the curve; and how many bits of that
   /// order count.
   std::uint32_t curve_crossings = 0;

@@ -21,14 +21,16 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
   {
     auto crossed = runtime.allocate<cl_uint4>("crossed faces", mesh.faces());
     auto stack = runtime.allocate<cl_uint4>("stacks of chains", mesh.faces());
-    runtime.launch("enforce", "enforce_problems", over_large(problems), problems, cl_uint{past_crossings}, mesh.n,
-                   vertices.points, mesh.face_data, mesh.edge_faces, first_constraint, constraints,
+    runtime.launch("enforce", "enforce_problems", over_large(problems), problems,
+                   static_cast<cl_uint>(vertices.input_vertex.size()), cl_uint{past_crossings}, mesh.n, vertices.points, mesh.face_data, mesh.edge_faces, first_constraint, constraints,
                    vertices.input_vertex, mesh.edge_marks, vertex_face, crossed, stack, offsets, crosses,
                    counters.buffer());
   }
   const device::Counters c = counters.read();
   if (c.failed & GCDT_FAILED_WALK)
     throw Error(Status::check_failed, "enforce: a walk along a constraint left the mesh");
+  result.wrong_index = (c.failed & GCDT_FAILED_INDEX) != 0;
+  if (result.wrong_index) return result;
   if (c.failed & GCDT_FAILED_CROSSING) {
     result.crosses.resize(given);
     runtime.read(crosses, result.crosses.data(), given);
@@ -47,16 +49,17 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
     auto places = runtime.allocate<cl_uint>("places of pieces", mesh.n);
     auto unsorted_keys = runtime.allocate<cl_ulong>("unsorted keys of pieces", count);
     auto unsorted_sources = runtime.allocate<cl_uint>("unsorted sources of pieces", count);
-    runtime.launch("enforce", "enforce_pieces", over_large(problems), problems, mesh.n, vertices.points, mesh.face_data,
-                   mesh.edge_faces, first_constraint, constraints, vertices.input_vertex, vertex_face, offsets, places,
-                   unsorted_keys, unsorted_sources, keys, sources);
+    runtime.launch("enforce", "enforce_pieces", over_large(problems), problems, vertices.levels_buffer, mesh.n,
+                   vertices.points, mesh.face_data, mesh.edge_faces, first_constraint, constraints,
+                   vertices.input_vertex, vertex_face, offsets, places, unsorted_keys, unsorted_sources, keys, sources);
   }
   auto firsts = runtime.allocate<cl_uint>("first pieces", std::size_t{count} + 1);
   runtime.launch("order", "mark_first", over(count), count, keys, firsts);
   Pieces& pieces = result.pieces;
   pieces = merge_runs(runtime, primitives, firsts, count);
   pieces.ends = runtime.allocate<cl_uint2>("pieces", pieces.count);
-  runtime.launch("enforce", "enforce_ends", over(pieces.count), pieces.count, keys, pieces.source_offsets, pieces.ends);
+  runtime.launch("enforce", "enforce_ends", over(pieces.count), pieces.count, vertices.levels_buffer, keys,
+                 pieces.source_offsets, pieces.ends);
   pieces.sources = std::move(sources);
   return result;
 }

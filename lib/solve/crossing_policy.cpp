@@ -32,6 +32,7 @@ void split(Run& run) {
   run.history = {};
   run.vertices = splitter->add(std::move(run.vertices));
   run.plan = make_plan(run.runtime, run.vertices);
+  run.plan.constraints = Plan::By::all;  // those that cross a routed one are found among all
   for (;;) {
     run.ticker.tick("constrain", 0.5);
     const auto& links = splitter->route(run.plan, run.vertices);

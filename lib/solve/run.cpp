@@ -118,6 +118,20 @@ ConstrainResult Run::enforce() {
   return r;
 }
 
+EnforceResult Run::enforce_in_order(const runtime::Buffer<cl_uint>& first_constraint) {
+  EnforceResult r = enforce_problems(runtime, primitives, vertices, mesh, first_constraint, constraints,
+                                     options.crossing == Crossing::drop, counters);
+  statistics.constraints_zero = r.zero_length;
+  statistics.crossed_pairs = r.crossed_pairs;
+  statistics.flips += r.flips;
+  auto& cases = statistics.cases;
+  cases.constraint_hits = r.hits;
+  cases.existing_edges = r.existing_edges;
+  cases.pieces_walked = r.pieces.count - r.existing_edges;
+  cases.chain_vertices = r.chain_vertices;
+  return r;
+}
+
 void Run::count_turns() {
   if (wants_regions()) turns = gcdt::count_turns(runtime, vertices, pieces, constraints);
   constraints = {};
@@ -125,7 +139,7 @@ void Run::count_turns() {
 
 void Run::flip() {
   // Grown Delaunay, and unchanged, or kept so.
-  if (plan.grows && (m == 0 || plan.constraints == Plan::By::each)) return;
+  if (plan.grows && (m == 0 || plan.constraints != Plan::By::all)) return;
   need_lists();
   count(plan.grows ? grow_flip(runtime, plan, vertices, mesh, lists, counters, ticker)
                    : gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker));

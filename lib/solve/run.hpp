@@ -6,6 +6,7 @@
 #include "device/step.hpp"
 #include "phases/clean.hpp"
 #include "phases/constrain.hpp"
+#include "phases/enforce.hpp"
 #include "phases/flip.hpp"
 #include "phases/triangulation.hpp"
 
@@ -70,6 +71,8 @@ struct Run {
   void clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, const std::vector<cl_uint>& wanted = {});
   /// Makes the pieces edges, all at once. Releases the lists.
   ConstrainResult enforce();
+  /// Makes constraints pieces and edges, one after the other, by a work-item a problem (Plan::constraints).
+  EnforceResult enforce_in_order(const runtime::Buffer<cl_uint>& first_constraint);
   /// Which way sources run along pieces, if regions are wanted. Releases the constraints.
   void count_turns();
   /// Makes the mesh (constrained) Delaunay.

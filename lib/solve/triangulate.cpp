@@ -11,10 +11,25 @@ namespace gcdt {
 
 namespace {
 
+// By one work-item. False: some cross, or an end is no vertex. What follows from that needs all of them at once, in a
+// mesh without constraints.
+bool constrain_by_one(Run& run) {
+  const auto ends = run.runtime.upload("first constraints", std::vector<cl_uint>{0, static_cast<cl_uint>(run.m)});
+  EnforceResult enforced = run.enforce_in_order(ends);
+  if (!enforced.wrong_index && enforced.crosses.empty()) {
+    run.pieces = std::move(enforced.pieces);
+    return true;
+  }
+  run.plan.constraints = Plan::By::all;
+  run.insert();
+  return false;
+}
+
 void constrain(Run& run) {
   run.pieces = {};
   if (run.m == 0) return run.no_pieces();
   run.ticker.tick("constrain", 0);
+  if (run.plan.constraints == Plan::By::one && constrain_by_one(run)) return run.count_turns();
   run.clean(run.constraints, run.n);
   run.ticker.tick("constrain", 0.3);
   const ConstrainResult enforced = run.enforce();

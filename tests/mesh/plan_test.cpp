@@ -32,7 +32,7 @@ TEST_CASE("who does what, by device and sizes") {
       {"GPU, small problems", gpu, many(100, 10000, 2048), all, groups, groups, all, all, all, all, false, false},
       {"GPU, a larger one", gpu, many(100, 10000, 2049), all, all, all, all, all, all, all, false, false},
       {"threads, one", threads, one(1000000), all, all, all, all, all, all, all, true, false},
-      {"threads, few", threads, one(2048), single, all, all, all, single, single, single, true, false},
+      {"threads, few", threads, one(2048), single, all, all, single, single, single, single, true, false},
       {"threads, more", threads, one(2049), all, all, all, all, all, all, all, true, false},
       {"threads, problems", threads, many(100, 10000, 1250), all, each, each, each, each, all, all, true, true},
       {"threads, a large one", threads, many(100, 10000, 1251), all, all, all, all, all, all, all, true, false},
@@ -75,6 +75,7 @@ TEST_CASE("distinct vertices are counted where given ones are not") {
   CHECK(!plan.one_level);
   CHECK(make_plan(threads, {}, {1, 3000, 2000}).order == By::all);
   CHECK(make_plan(threads, {}, {1, 3000, 2000}).number == By::all);
+  CHECK(make_plan(threads, {}, {1, 3000, 2000}).constraints == By::all);
   CHECK(make_plan(threads, {}, {1, 3000, 2000}).output == By::one);
   CHECK(make_plan(threads, {}, {1, 3000, 2000}).check == By::one);
 }
@@ -137,6 +138,6 @@ TEST_CASE("a plan in words names its ways") {
   CHECK(has(text(gpu, one(1000000)), "vertices in rounds, level by level"));
   CHECK(has(text(gpu, one(1000000)), "flips swept from 131072 edges on"));
   CHECK(has(text(threads, one(1000)), "order by one work-item"));
-  CHECK(has(text(threads, many(100, 10000, 100)), "constraints by one work-item a problem, along the curve"));
+  CHECK(has(text(threads, many(100, 10000, 100)), "constraints by one work-item a problem; output"));
   CHECK(has(text(gpu, many(100, 10000, 100)), "inserted by one work-group a problem"));
 }

@@ -5,11 +5,10 @@
 
 #include <map>
 
-#include "api/state.hpp"
-#include "device_list.hpp"
 #include "kinds.hpp"
 #include "pool_cases.hpp"
 #include "query/imported.hpp"
+#include "tuned_solver.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -20,17 +19,9 @@ namespace {
 const std::vector<cl::Device> all_of_them = every_device();
 
 /// A solver on PoCL, or on llvmpipe, that treats it as a GPU, or as what is given.
-Solver as_gpu(DeviceKind really, const Tuning& given = {}, Trace trace = {}) {
-  for (const cl::Device& device : all_of_them) {
-    if (runtime::kind_of(runtime::describe(device), {}) != really) continue;
-    runtime::CallHook hook;
-    hook.tuning = given;
-    hook.tuning.kind = given.kind.value_or(DeviceKind::gpu);
-    auto handle = std::make_unique<gcdt_solver>();
-    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), std::move(trace), hook);
-    return Solver(handle.release());
-  }
-  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
+Solver as_gpu(DeviceKind really, Tuning tuning = {}, Trace trace = {}) {
+  tuning.kind = tuning.kind.value_or(DeviceKind::gpu);
+  return tuned_solver(really, tuning, std::move(trace));
 }
 
 // All that a call can be asked for, with problems that take it to every phase.

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// A solver on one of the two devices that every test machine has, with other choices than everybody's.
+#pragma once
+
+#include <memory>
+
+#include "api/state.hpp"
+#include "device_list.hpp"
+
+namespace gcdt::test {
+
+/// On PoCL (`really`: threads), or on llvmpipe (lanes). Throws if it is missing.
+inline Solver tuned_solver(DeviceKind really, const Tuning& tuning, Trace trace = {}) {
+  static const std::vector<cl::Device> all = every_device();
+  for (const cl::Device& device : all) {
+    if (runtime::kind_of(runtime::describe(device), {}) != really) continue;
+    runtime::CallHook hook;
+    hook.tuning = tuning;
+    auto handle = std::make_unique<gcdt_solver>();
+    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), std::move(trace), hook);
+    return Solver(handle.release());
+  }
+  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
+}
+
+}  // namespace gcdt::test
