@@ -22,9 +22,9 @@ EnforceResult enforce_problems(runtime::Runtime& runtime, Primitives& primitives
     auto crossed = runtime.allocate<cl_uint4>("crossed faces", mesh.faces());
     auto stack = runtime.allocate<cl_uint4>("stacks of chains", mesh.faces());
     runtime.launch("enforce", "enforce_problems", over_large(problems), problems,
-                   static_cast<cl_uint>(vertices.input_vertex.size()), cl_uint{past_crossings}, mesh.n, vertices.points, mesh.face_data, mesh.edge_faces, first_constraint, constraints,
-                   vertices.input_vertex, mesh.edge_marks, vertex_face, crossed, stack, offsets, crosses,
-                   counters.buffer());
+                   static_cast<cl_uint>(vertices.input_vertex.size()), cl_uint{past_crossings}, mesh.n, vertices.points,
+                   mesh.face_data, mesh.edge_faces, first_constraint, constraints, vertices.input_vertex,
+                   mesh.edge_marks, vertex_face, crossed, stack, offsets, crosses, counters.buffer());
   }
   const device::Counters c = counters.read();
   if (c.failed & GCDT_FAILED_WALK)

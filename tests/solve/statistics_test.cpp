@@ -9,6 +9,7 @@
 
 #include <gcdt/gcdt_pool.hpp>
 
+#include "device/tuning.hpp"
 #include "solver_fixture.hpp"
 
 using namespace gcdt;
@@ -80,13 +81,12 @@ void check_same_time(double a, double b) {
   CHECK(b <= 1.2 * a + 2);
 }
 
-}  // namespace
-
-TEST_CASE("full is the sum of the phases, core that of its parts, and each part is as long as its span in the trace") {
+// `cleans`: by walks of their own; few vertices are cleaned and enforced by one work-item.
+void check_phases(const Workload& work, bool cleans) {
   for (const Options& options : ways()) {
     CAPTURE(options.canonical);
     CAPTURE(options.check);
-    Told t = told(workload("random_pslg", 300), options);
+    Told t = told(work, options);
     auto& span = t.spans;
     const auto& s = t.statistics.ms;
     CHECK(s.full ==
@@ -102,17 +102,25 @@ TEST_CASE("full is the sum of the phases, core that of its parts, and each part 
     check_same_time(s.gather, span["gather"]);
     CHECK((span["check"] > 0) == options.check);
     CHECK((span["domain"] > 0) == (options.domain != Domain::hull));
-    for (const char* name : {"order", "sort", "insert", "constrain", "clean", "walk", "flip", "output", "gather"}) {
+    for (const char* name : {"order", "sort", "insert", "constrain", "flip", "output", "gather"}) {
       CAPTURE(name);
       CHECK(span[name] > 0);
     }
-    for (const double part : {s.order, s.insert, s.constrain, s.output, s.core, s.clean, s.walk, s.gather})
-      CHECK(part > 0);
+    for (const char* name : {"clean", "walk"}) CHECK((span[name] > 0) == cleans);
+    for (const double part : {s.order, s.insert, s.constrain, s.output, s.core, s.gather}) CHECK(part > 0);
+    for (const double part : {s.clean, s.walk}) CHECK((part > 0) == cleans);
     CHECK(s.walk <= s.clean);
     CHECK(s.clean <= s.constrain);
     CHECK(s.gather <= s.output);
     CHECK(s.core <= s.full);
   }
+}
+
+}  // namespace
+
+TEST_CASE("full is the sum of the phases, core that of its parts, and each part is as long as its span in the trace") {
+  check_phases(workload("random_pslg", 300), false);
+  check_phases(workload("spiral", 3000), true);
 }
 
 // Sorting alone has no figure of its own: what core has beside the others must be what the trace calls so. Clocks are
@@ -184,11 +192,12 @@ TEST_CASE("flips, steps of location and rounds are those of theory, to a factor 
     CHECK(s.rounds.insert == static_cast<std::uint64_t>(grown->second));
 }
 
-// Where vertices go in one after the other, constraints are enforced in the Delaunay mesh of all.
+// Where vertices go in one after the other, constraints are enforced in the Delaunay mesh of all: at once, or, of few,
+// one after the other.
 TEST_CASE("crossed pairs are those of the mesh in which constraints are enforced") {
   std::uint64_t all = 0;
   for (const auto& [name, n] :
-       {std::pair<const char*, std::size_t>{"random_pslg", 60}, {"fan", 200}, {"letters", 3000}}) {
+       {std::pair<const char*, std::size_t>{"random_pslg", 60}, {"fan", 200}, {"fan", 2500}, {"letters", 3000}}) {
     CAPTURE(name);
     const Workload work = workload(name, n);
     const Told t = told(work);
@@ -196,7 +205,9 @@ TEST_CASE("crossed pairs are those of the mesh in which constraints are enforced
     const std::uint64_t crossed = pairs_crossed(work, enforced, solver().triangulate(work.points));
     CHECK(t.statistics.cases.pieces_walked + t.statistics.cases.existing_edges == enforced.pieces.size());
     CHECK(t.statistics.crossed_pairs >= t.statistics.cases.pieces_walked);
-    if (t.launches.count("grow_insert") != 0) CHECK(t.statistics.crossed_pairs == crossed);
+    const bool at_once = t.launches.count("enforce_problems") == 0;
+    CHECK(at_once == (work.points.size() > Tuning().one_item_vertices || t.launches.count("grow_insert") == 0));
+    if (at_once && t.launches.count("grow_insert") != 0) CHECK(t.statistics.crossed_pairs == crossed);
     all += crossed;
   }
   CHECK(all > 0);
