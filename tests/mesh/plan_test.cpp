@@ -38,6 +38,8 @@ TEST_CASE("who does what, by device and sizes") {
       {"threads, a large one", threads, many(100, 10000, 1251), all, all, all, all, all, all, all, true, false},
       {"threads, few of small ones", threads, many(8, 80, 10), single, each, each, each, each, single, single, true,
        true},
+      {"threads, few of which one is large", threads, many(2, 100, 60), single, all, all, all, single, single, single,
+       true, false},
       {"threads, too large to be enforced by one", threads, many(100, 200000, 16385), all, each, each, all, all, all,
        all, true, true},
       {"lanes, one", lanes, one(100), all, all, all, all, all, all, all, false, false},
