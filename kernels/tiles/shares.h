@@ -130,4 +130,14 @@ kernel void share_known(const uint count, const uint constraints, global const u
   FOR_EACH(i, count) list[i] = list[i] < constraints ? places[list[i]] : 0xFFFFFFFFu;
 }
 
+// One work-item per element of a list of places. Reads numbers of what has the places from `first` on, n of them.
+// Writes out[i] if place i is one of these, else nothing. Word i has one writer.
+kernel void share_numbers(const uint count, const uint first, const uint n, global const uint* places,
+                          global const uint* numbers, global uint* out) {
+  FOR_EACH(i, count) {
+    const uint place = places[i] - first;
+    if (place < n) out[i] = numbers[place];
+  }
+}
+
 #endif

@@ -135,13 +135,26 @@ void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role
       1);
 }
 
-/// About how many constraints each tile has: from a sample, with their first ends for all of them. Tiles that have
-/// about as many are said to have the same number, since the largest are solved first, and what comes in another order
-/// than it lies in the result waits in memory of its own when it leaves a device (docs/scale.md, T7).
+/// Mixes the bits of a number (splitmix64).
+std::uint64_t mixed(std::uint64_t number) {
+  number += 0x9E3779B97F4A7C15u;
+  number = (number ^ number >> 30) * 0xBF58476D1CE4E5B9u;
+  number = (number ^ number >> 27) * 0x94D049BB133111EBu;
+  return number ^ number >> 31;
+}
+
+/// About how many constraints each tile has: from a sample, of those that have both ends there. One of each of so many
+/// parts that follow each other, and not at the same place in each: maps may have a pattern of any length. Tiles that
+/// have about as many are said to have the same number, since the largest are solved first, and what comes in another
+/// order than it lies in the result waits in memory of its own when it leaves a device (docs/scale.md, T7).
 void expect_constraints(const GridInput& input, const Cuts& cuts, Partition& made) {
   const std::size_t m = input.constraints.size(), count = std::min(m, constraints_sampled);
   std::vector<std::uint64_t> found(cuts.tiles(), 0);
-  for (std::size_t i = 0; i < count; ++i) ++found[cuts.tile_of(code_of(input.end_of(m * i / count, 0)))];
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t first = m * i / count, end = m * (i + 1) / count, c = first + mixed(i) % (end - first);
+    const std::size_t t = cuts.tile_of(code_of(input.end_of(c, 0)));
+    if (cuts.tile_of(code_of(input.end_of(c, 1))) == t) ++found[t];
+  }
   for (std::size_t t = 0; t < cuts.tiles() && count > 0; ++t) {
     const std::size_t even = m / cuts.tiles(), own = m * found[t] / count;
     made.tiles[t].expected = own > even - even / 4 && own < even + even / 4 ? even : own;

@@ -2,6 +2,7 @@
 // Constraints shared out by the devices, of a process that has the whole input.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "tiles/partition.hpp"
@@ -26,12 +27,26 @@ class StagedConstraints {
   };
   std::size_t blocks() const { return (count_ + of_block_ - 1) / of_block_; }
   std::size_t of_block() const { return of_block_; }
-  /// On the device's thread.
+  /// A range within a block.
+  struct Part {
+    std::size_t block, first, count;
+  };
+  Part all_of(std::size_t block) const {
+    return {block, block * of_block_, std::min(of_block_, count_ - block * of_block_)};
+  }
+  // On the device's thread.
   std::shared_ptr<const Block> block(DevicePool::Lent& lent, std::size_t number);
+  /// The same of a part. One that is not all of its block does not stay.
+  std::shared_ptr<const Block> part(DevicePool::Lent& lent, const Part& part);
   /// Gives back the device's blocks; they are sent again when they are wanted.
   void leave(std::size_t device);
+  bool keeps(std::size_t device) const { return keeps_[device]; }
+  /// Of the blocks that are to stay on the device, and are not there yet.
+  std::uint64_t bytes_to_come(std::size_t device) const;
 
  private:
+  std::shared_ptr<const Block> send(DevicePool::Lent& lent, const Part& part) const;
+
   const Constraints ends_;
   const std::vector<Role>& roles_;
   const std::size_t count_;

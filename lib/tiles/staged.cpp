@@ -48,6 +48,10 @@ void Staged::for_chunks(DevicePool::Lent& lent,
   if (!sent.empty()) kept = std::move(sent);
 }
 
+std::uint64_t Staged::bytes_to_come(std::size_t device) const {
+  return keeps_[device] && chunks_[device].empty() ? 8 * points_.size() * words_per_vertex(points_.type()) : 0;
+}
+
 void Staged::leave(std::size_t device) {
   chunks_[device].clear();
   keeps_[device] = 0;

@@ -23,6 +23,9 @@ class Staged {
   /// Gives back the device's chunks; they are sent again when they are wanted.
   void leave(std::size_t device);
   bool keeps(std::size_t device) const { return keeps_[device]; }
+  std::size_t of_chunk() const { return vertices_of_chunk_; }
+  /// Of chunks that are to stay on the device, and are not there yet.
+  std::uint64_t bytes_to_come(std::size_t device) const;
 
  private:
   /// Of the columns that the chunks have, by whichever devices look: GPUs if there are some.

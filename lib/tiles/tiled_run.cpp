@@ -16,6 +16,19 @@ namespace {
 /// Shares of the whole that progress is told by.
 constexpr double tiles_share = 0.7, seam_share = 0.9;
 
+/// Of a tile of n vertices: so many constraints, or what has room if these have none: their number is an estimate, by
+/// which no device may refuse what it could solve.
+std::uint64_t constraints_to_try(std::uint64_t n, std::uint64_t expected, std::uint64_t capacity) {
+  std::uint64_t low = 0, high = expected;
+  if (forest_bytes(1, n, high) <= capacity) return expected;
+  // Ends: the range halves. What is at `high` has no room.
+  while (high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    (forest_bytes(1, n, middle) <= capacity ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
 
 TiledRun::TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
@@ -139,6 +152,7 @@ std::vector<Role> TiledRun::roles_of(const std::vector<std::uint32_t>& numbers, 
 /// Tiles and seam. Returns the pairs of constraints that cross, of which each has one that is open, or was dropped in
 /// its tile and so handed up to the seam (docs/scale.md, T3).
 std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
+  tiles_.clear();  // those of an earlier round would take the devices' room
   std::optional<StagedConstraints> constraints;
   if (team_.is_alone() && task_.input.constraints.end_points.empty())
     task_.constraints = &constraints.emplace(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
@@ -185,7 +199,6 @@ void TiledRun::solve_uncrossed(const std::vector<Role>& roles) {
 /// Every tile of the rank, by whichever device takes it; and once more those that a device had when it was lost. Ends:
 /// it is lost for good. A process by itself forgets a tile's share when it is solved, and makes it again.
 void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
-  tiles_.clear();
   tiles_.resize(task_.cuts.tiles());
   std::vector<std::shared_ptr<const Share>> shares(tiles_.size());
   const auto keep_shares = [&](std::vector<Share> given) {
@@ -202,7 +215,10 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
       // A few foreign vertices do not count, so that equal tiles are solved in their order (expect_constraints()).
       const std::uint64_t even = task_.input.n() / tiles_.size(), foreign = shares[t]->foreign.size();
       n.push_back(n.back() + even + (foreign > even / 16 ? foreign : 0));
-      m.push_back(m.back() + shares[t]->constraints.size() + shares[t]->expected);
+      const std::uint64_t known = shares[t]->constraints.size();
+      m.push_back(
+          m.back() +
+          (known > 0 ? known : constraints_to_try(n.back() - n[n.size() - 2], shares[t]->expected, pool_.capacity())));
     }
     const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
     std::mutex mutex;
@@ -216,7 +232,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
         if (is_solved[t]) return ForestResult();  // another device was faster
         share = shares[t];
       }
-      spiller.make_room(lent, sizes.n(problem), sizes.m(problem), task_.constraints);
+      spiller.make_room(lent, sizes.n(problem), std::max(sizes.m(problem), share->expected), task_.constraints);
       SolvedTile solved = solve_tile(lent, task_, *share, t);
       {
         const std::lock_guard<std::mutex> lock(mutex);
