@@ -190,16 +190,36 @@ StagedConstraints::StagedConstraints(const DevicePool& pool, const Staged& stage
 std::shared_ptr<const StagedConstraints::Block> StagedConstraints::block(DevicePool::Lent& lent, std::size_t number) {
   std::shared_ptr<const Block>& kept = blocks_[lent.device][number];
   if (kept) return kept;
-  const auto made = send(lent, all_of(number));
-  if (keeps_[lent.device]) kept = made;
-  return made;
+  const auto block = made(lent, all_of(number));
+  if (keeps_[lent.device]) kept = block;
+  return block;
 }
 
 std::shared_ptr<const StagedConstraints::Block> StagedConstraints::part(DevicePool::Lent& lent, const Part& part) {
-  return part.count == all_of(part.block).count ? block(lent, part.block) : send(lent, part);
+  return part.count == all_of(part.block).count ? block(lent, part.block) : made(lent, part);
 }
 
-std::shared_ptr<const StagedConstraints::Block> StagedConstraints::send(DevicePool::Lent& lent,
+void StagedConstraints::send(DevicePool::Lent& lent, runtime::SharedUpload::Taker& taker) {
+  if (!roles_.empty() || !keeps_[lent.device]) return;
+  Step sending(lent.runtime, "share");
+  try {
+    for (std::size_t i = 0; i < blocks(); ++i) {
+      const Part all = all_of(i);
+      auto block = std::make_shared<Block>();
+      block->first = all.first, block->count = static_cast<cl_uint>(all.count);
+      block->ends = lent.runtime.allocate<cl_uint2>("constraints", all.count);
+      taker.write(block->ends.handle(), ends_.data() + all.first, all.count * sizeof(Constraint));
+      blocks_[lent.device][i] = std::move(block);
+    }
+  } catch (const Error& error) {
+    if (error.status() != Status::out_of_memory) throw;
+    lent.runtime.attempt("clFinish", "after an error", [&] { return lent.runtime.try_finish(); });
+    leave(lent.device);
+  }
+  sending.end();
+}
+
+std::shared_ptr<const StagedConstraints::Block> StagedConstraints::made(DevicePool::Lent& lent,
                                                                         const Part& part) const {
   auto made = std::make_shared<Block>();
   made->first = part.first, made->count = static_cast<cl_uint>(part.count);

@@ -35,6 +35,8 @@ class StagedConstraints {
     return {block, block * of_block_, std::min(of_block_, count_ - block * of_block_)};
   }
   // On the device's thread.
+  /// Sends all blocks that are to stay there, as other devices are at the same time; none where constraints have roles.
+  void send(DevicePool::Lent& lent, runtime::SharedUpload::Taker& taker);
   std::shared_ptr<const Block> block(DevicePool::Lent& lent, std::size_t number);
   /// The same of a part. One that is not all of its block does not stay.
   std::shared_ptr<const Block> part(DevicePool::Lent& lent, const Part& part);
@@ -45,7 +47,7 @@ class StagedConstraints {
   std::uint64_t bytes_to_come(std::size_t device) const;
 
  private:
-  std::shared_ptr<const Block> send(DevicePool::Lent& lent, const Part& part) const;
+  std::shared_ptr<const Block> made(DevicePool::Lent& lent, const Part& part) const;
 
   const Constraints ends_;
   const std::vector<Role>& roles_;

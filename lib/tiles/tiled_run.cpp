@@ -32,14 +32,15 @@ std::uint64_t constraints_to_try(std::uint64_t n, std::uint64_t expected, std::u
 }  // namespace
 
 TiledRun::TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
-                   const Options& options, TiledReport& report)
+                   const Options& options, TiledReport& report, std::unique_ptr<StagedConstraints> sent)
     : pool_(pool),
       team_(team),
       task_{input, staged, cuts, options.check},
       options_(options),
       report_(report),
       range_(own_tiles(team, cuts.tiles())),
-      room_(pool, input.given.points.size() + input.added.size(), team.is_alone() ? input.constraints.size() : 0) {
+      room_(pool, input.given.points.size() + input.added.size(), team.is_alone() ? input.constraints.size() : 0),
+      sent_(std::move(sent)) {
   own_.grid = FixedGrid{0, 0, "1"};  // the seam is in cells of the common grid
   own_.check = options.check;
   report_.tiles = static_cast<std::uint32_t>(cuts.tiles());
@@ -153,9 +154,10 @@ std::vector<Role> TiledRun::roles_of(const std::vector<std::uint32_t>& numbers, 
 /// its tile and so handed up to the seam (docs/scale.md, T3).
 std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
   tiles_.clear();  // those of an earlier round would take the devices' room
-  std::optional<StagedConstraints> constraints;
-  if (team_.is_alone() && task_.input.constraints.end_points.empty())
-    task_.constraints = &constraints.emplace(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
+  std::unique_ptr<StagedConstraints> constraints = roles.empty() ? std::move(sent_) : nullptr;
+  if (!constraints && team_.is_alone() && task_.input.constraints.end_points.empty())
+    constraints = std::make_unique<StagedConstraints>(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
+  task_.constraints = constraints.get();
   Partition all;
   {
     const Timed timed(report_.ms_share);

@@ -23,9 +23,10 @@ struct ResultPart {
 
 class TiledRun {
  public:
-  /// All ranks have the same cuts. Everything must outlive the object. The first rank's options tell progress.
+  /// All ranks have the same cuts. Everything must outlive the object. The first rank's options tell progress. `sent`:
+  /// the input's constraints, on their devices already; they are gone when the tiles have been solved.
   TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
-           const Options& options, TiledReport& report);
+           const Options& options, TiledReport& report, std::unique_ptr<StagedConstraints> sent = {});
 
   /// Throws what gcdt::triangulate() does. What is said of the input, all ranks throw.
   ResultPart solve();
@@ -72,6 +73,7 @@ class TiledRun {
   Options own_;
   const TileRange range_;  ///< the tiles of this rank
   ResultRoom room_;
+  std::unique_ptr<StagedConstraints> sent_;
   std::vector<SolvedTile> tiles_;
   // At the first rank.
   std::vector<OpenConstraint> open_;
