@@ -180,7 +180,7 @@ StagedConstraints::StagedConstraints(const DevicePool& pool, const Staged& stage
   of_block_ =
       std::min(most, std::max<std::size_t>(capacity / Tuning::part_of_constraint_block, Tuning::least_tile_chunk));
   // As many for each device.
-  of_block_ = std::min(of_block_, std::max(count_ / (2 * pool.size()) + 1, Tuning::least_tile_chunk));
+  of_block_ = std::min(of_block_, std::max(count_ / pool.size() + 1, Tuning::least_tile_chunk));
   const std::uint64_t all = 16 * n + 8 * m;
   for (std::size_t device = 0; device < keeps_.size(); ++device)
     keeps_[device] = staged.keeps(device) && all + forest_bytes(1, n / tiles, m / tiles) < capacity;

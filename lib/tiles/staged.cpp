@@ -40,17 +40,16 @@ void Staged::use_chunks(DevicePool::Lent& lent, Taker* taker,
                         const std::function<void(const InputPoints& points, std::size_t first)>& use) {
   std::vector<InputPoints>& kept = chunks_[lent.device];
   const auto n = static_cast<std::size_t>(points_.size());
-  std::vector<InputPoints> sent;
-  for (std::size_t first = 0, i = 0; first < n; first += vertices_of_chunk_, ++i) {
-    if (i < kept.size()) {
-      use(kept[i], first);
-      continue;
-    }
-    InputPoints chunk = send(lent, taker, first);
-    use(chunk, first);
-    if (keeps_[lent.device]) sent.push_back(std::move(chunk));
+  if (keeps_[lent.device] && kept.empty()) {  // all before any is used, which would be waited for with the link idle
+    std::vector<InputPoints> sent;
+    for (std::size_t first = 0; first < n; first += vertices_of_chunk_) sent.push_back(send(lent, taker, first));
+    kept = std::move(sent);
   }
-  if (!sent.empty()) kept = std::move(sent);
+  for (std::size_t first = 0, i = 0; first < n; first += vertices_of_chunk_, ++i)
+    if (i < kept.size())
+      use(kept[i], first);
+    else
+      use(send(lent, taker, first), first);
 }
 
 InputPoints Staged::send(DevicePool::Lent& lent, Taker* taker, std::size_t first) const {

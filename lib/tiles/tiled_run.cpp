@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "batch/single.hpp"
+#include "device/parts.hpp"
 #include "device/step.hpp"
 #include "phases/crossings.hpp"
 #include "tiles/indices.hpp"
@@ -186,9 +187,13 @@ std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
 /// By the devices, where the process has the whole input.
 Partition TiledRun::share_out(const std::vector<Role>& roles) {
   const GridInput& input = task_.input;
-  if (task_.constraints)
-    return partition_open(input, task_.cuts, roles,
-                          find_open(pool_, task_.staged, *task_.constraints, input, task_.cuts, roles));
+  if (task_.constraints) {
+    std::vector<std::uint64_t> expected;  // meanwhile
+    std::future<void> expecting = begin_in_thread([&] { expected = expected_constraints(input, task_.cuts); });
+    std::vector<OpenConstraint> open = find_open(pool_, task_.staged, *task_.constraints, input, task_.cuts, roles);
+    expecting.get();
+    return partition_open(input, task_.cuts, roles, std::move(open), expected);
+  }
   Partition all = partition(input, task_.cuts, roles);
   exchange_shares(team_, all);
   return all;

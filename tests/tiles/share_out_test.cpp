@@ -96,7 +96,8 @@ TEST_CASE("the sample of constraints says about how many a tile has") {
     const Workload work = workload("spiral", n);
     Given given(pool, work);
     const tiles::Partition expected = tiles::partition(given.input, given.cuts, {});
-    const tiles::Partition made = tiles::partition_open(given.input, given.cuts, {}, expected.open);
+    const tiles::Partition made = tiles::partition_open(given.input, given.cuts, {}, expected.open,
+                                                        tiles::expected_constraints(given.input, given.cuts));
     double all = 0;
     for (std::size_t t = 0; t < tiles_wanted; ++t) {
       const auto exact = static_cast<double>(expected.tiles[t].constraints.size());
@@ -259,7 +260,8 @@ TEST_CASE("the sample of constraints is right where they take turns between tile
   const Workload work = in_turn(1u << 15);
   Given given(pool, work);
   const tiles::Partition expected = tiles::partition(given.input, given.cuts, {});
-  const tiles::Partition made = tiles::partition_open(given.input, given.cuts, {}, expected.open);
+  const tiles::Partition made = tiles::partition_open(given.input, given.cuts, {}, expected.open,
+                                                      tiles::expected_constraints(given.input, given.cuts));
   for (std::size_t t = 0; t < tiles_wanted; ++t) {
     const auto exact = static_cast<double>(expected.tiles[t].constraints.size());
     CHECK(std::abs(static_cast<double>(made.tiles[t].expected) - exact) <=
@@ -274,7 +276,8 @@ TEST_CASE("constraints that have both ends nowhere in one tile are none's in the
   Given given(pool, work);
   const tiles::Partition exact = tiles::partition(given.input, given.cuts, {});
   std::uint64_t own = 0, all = 0;
-  const tiles::Partition made = tiles::partition_open(given.input, given.cuts, {}, exact.open);
+  const tiles::Partition made = tiles::partition_open(given.input, given.cuts, {}, exact.open,
+                                                      tiles::expected_constraints(given.input, given.cuts));
   for (std::size_t t = 0; t < tiles_wanted; ++t)
     own += exact.tiles[t].constraints.size(), all += made.tiles[t].expected;
   CHECK(all < own + 1000);
@@ -305,7 +308,7 @@ TEST_CASE("under split the numbers of constraints go to a device some at a time"
   const auto times = std::make_shared<int>(0);
   runtime::CallHook hook;
   hook.tuning.fresh_buffers = true;
-  DevicePool pool({{cl::Context(), app_device(), hook}},
+  DevicePool pool(two(hook, hook),
                   [=](int, const char* message) {
                     unsigned long long bytes = 0;
                     char name[64] = "";
