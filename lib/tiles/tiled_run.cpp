@@ -280,8 +280,25 @@ std::vector<Constraint> TiledRun::solve_seam() {
     between_ = take_seam(seam_, ProblemMesh(made_seam_), elements_of<Neighbours>(made_seam_, GCDT_NEIGHBOURS),
                          elements_of<std::uint8_t>(made_seam_, GCDT_CONSTRAINED));
     forget(seam_.constraints);
+    if (!pool_.spill_directory().empty()) spill_seam();
   }
   return {};
+}
+
+/// To a file: until its triangles are given to the tiles, they are read in their order.
+void TiledRun::spill_seam() {
+  ProblemMesh& mesh = between_.mesh;
+  const auto bytes_of = [](const auto& array) {
+    return Span<unsigned char>(reinterpret_cast<const unsigned char*>(array.data()),
+                               array.size() * sizeof(*array.data()));
+  };
+  seam_file_.emplace(pool_.spill_directory(),
+                     std::vector<Span<unsigned char>>{bytes_of(mesh.triangles), bytes_of(mesh.neighbours),
+                                                      bytes_of(mesh.constrained)});
+  mesh.triangles = seam_file_->array<Triangle>(0);
+  mesh.neighbours = seam_file_->array<Neighbours>(1);
+  mesh.constrained = seam_file_->array<std::uint8_t>(2);
+  for (const std::size_t array : {GCDT_TRIANGLES, GCDT_NEIGHBOURS, GCDT_CONSTRAINED}) made_seam_.arrays[array] = {};
 }
 
 /// By GPUs if there are some: a CPU beside them takes longer for one problem than they do for all, and takes cores from

@@ -49,6 +49,7 @@ class TiledRun {
   Partition share_out(const std::vector<Role>& roles);
   void solve_tiles(const std::vector<Role>& roles, Partition& all);
   std::vector<Constraint> solve_seam();
+  void spill_seam();
 
   ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
   bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before,
@@ -80,6 +81,7 @@ class TiledRun {
   ForestResult made_seam_;
   Seam seam_;
   SolvedSeam between_;
+  std::optional<SpilledArrays> seam_file_;  ///< the mesh of `between_`, if it is not in `made_seam_`
 };
 
 }  // namespace gcdt::tiles
