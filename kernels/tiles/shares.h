@@ -85,7 +85,7 @@ kernel void share_list_open(const uint count, const uint first, global const uin
     const uint place = before[c];
     if (before[c + 1u] == place) continue;
     numbers[place] = first + c;
-    // Of a vertex outside of the grid, which the call ends with later, a coordinate may be 2^31.
+    // Of a vertex outside of the grid, which the call ends with later, a coordinate may be 2^31, and cuts may be there.
     points[place] = (int4)(point_of_code(codes[c].x), point_of_code(codes[c].y)) & 0x7FFFFFFF;
   }
 }

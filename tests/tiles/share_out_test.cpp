@@ -177,6 +177,26 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("where there is no room for any part beside the vertices, these leave, and no device is lost") {
+  const Workload work = workload("letters", 120000);
+  constexpr std::uint64_t memory = 64u << 20;  // of vertices a chunk has 98,304, and their codes take 12 bytes each
+  runtime::CallHook hook;
+  hook.tuning.memory_bytes = memory;
+  hook.tuning.fresh_buffers = true;
+  DevicePool pool({{cl::Context(), app_device(), hook}}, {}, {});
+  Given given(pool, work);
+  REQUIRE(given.staged.of_chunk() < work.points.size());
+  runtime::Buffer<cl_uchar> held;
+  pool.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
+    held = lent.runtime.allocate<cl_uchar>(
+        "held", memory - 12 * given.staged.of_chunk() + (std::uint64_t{1} << 17) - lent.runtime.meter().held);
+  });
+  check_same(open_of(pool, given, {}, Tuning::most_constraints_of_block),
+             tiles::partition(given.input, given.cuts, {}).open);
+  CHECK(!pool.report(0).lost);
+  CHECK(!given.staged.keeps(0));
+}
+
 TEST_CASE("when constraints are shared out again, the tiles of the round before have left the devices") {
   const Workload work = random_crossing(4000, 1 << 20, 60, 4);
   const RaggedBatch batch({work});
