@@ -171,7 +171,8 @@ void find_some(DevicePool::Lent& lent, Staged& staged, StagedConstraints& constr
 
 StagedConstraints::StagedConstraints(const DevicePool& pool, const Staged& staged, const GridInput& input,
                                      const std::vector<Role>& roles, std::size_t tiles, std::size_t most)
-    : ends_(input.constraints.ends),
+    : staged_(staged),
+      ends_(input.constraints.ends),
       roles_(roles),
       count_(input.constraints.size()),
       keeps_(pool.size(), 0),
@@ -191,7 +192,7 @@ std::shared_ptr<const StagedConstraints::Block> StagedConstraints::block(DeviceP
   std::shared_ptr<const Block>& kept = blocks_[lent.device][number];
   if (kept) return kept;
   const auto block = made(lent, all_of(number));
-  if (keeps_[lent.device]) kept = block;
+  if (keeps(lent.device)) kept = block;
   return block;
 }
 
@@ -200,7 +201,7 @@ std::shared_ptr<const StagedConstraints::Block> StagedConstraints::part(DevicePo
 }
 
 void StagedConstraints::send(DevicePool::Lent& lent, runtime::SharedUpload::Taker& taker) {
-  if (!roles_.empty() || !keeps_[lent.device]) return;
+  if (!roles_.empty() || !keeps(lent.device)) return;
   Step sending(lent.runtime, "share");
   try {
     for (std::size_t i = 0; i < blocks(); ++i) {
@@ -242,7 +243,7 @@ void StagedConstraints::leave(std::size_t device) {
 
 std::uint64_t StagedConstraints::bytes_to_come(std::size_t device) const {
   std::uint64_t bytes = 0;
-  for (std::size_t i = 0; keeps_[device] && i < blocks(); ++i)
+  for (std::size_t i = 0; keeps(device) && i < blocks(); ++i)
     if (!blocks_[device][i]) bytes += all_of(i).count * sizeof(Constraint);
   return bytes;
 }

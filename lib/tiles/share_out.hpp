@@ -14,7 +14,8 @@ namespace gcdt::tiles {
 /// room for them, too.
 class StagedConstraints {
  public:
-  /// `roles`: as of partition(). Input and roles must outlive the object. `most`: constraints of a block.
+  /// `roles`: as of partition(). Staged vertices, input and roles must outlive the object. `most`: constraints of a
+  /// block.
   StagedConstraints(const DevicePool& pool, const Staged& staged, const GridInput& input,
                     const std::vector<Role>& roles, std::size_t tiles,
                     std::size_t most = Tuning::most_constraints_of_block);
@@ -42,13 +43,15 @@ class StagedConstraints {
   std::shared_ptr<const Block> part(DevicePool::Lent& lent, const Part& part);
   /// Gives back the device's blocks; they are sent again when they are wanted.
   void leave(std::size_t device);
-  bool keeps(std::size_t device) const { return keeps_[device]; }
+  /// Not where the vertices have left, be it since the object was made.
+  bool keeps(std::size_t device) const { return keeps_[device] && staged_.keeps(device); }
   /// Of the blocks that are to stay on the device, and are not there yet.
   std::uint64_t bytes_to_come(std::size_t device) const;
 
  private:
   std::shared_ptr<const Block> made(DevicePool::Lent& lent, const Part& part) const;
 
+  const Staged& staged_;
   const Constraints ends_;
   const std::vector<Role>& roles_;
   const std::size_t count_;
