@@ -85,7 +85,7 @@ kernel void share_list_open(const uint count, const uint first, global const uin
     const uint place = before[c];
     if (before[c + 1u] == place) continue;
     numbers[place] = first + c;
-    // Of a vertex outside of the grid, which the call ends with later, a coordinate may be 2^31.
+    // Of a vertex outside of the grid, which the call ends with later, a coordinate may be 2^31, and cuts may be there.
     points[place] = (int4)(point_of_code(codes[c].x), point_of_code(codes[c].y)) & 0x7FFFFFFF;
   }
 }
@@ -128,6 +128,16 @@ kernel void share_take(const uint count, const uint first, const uint at, global
 // one work-item.
 kernel void share_known(const uint count, const uint constraints, global const uint* places, global uint* list) {
   FOR_EACH(i, count) list[i] = list[i] < constraints ? places[list[i]] : 0xFFFFFFFFu;
+}
+
+// One work-item per element of a list of places. Reads numbers of what has the places from `first` on, n of them.
+// Writes out[i] if place i is one of these, else nothing. Word i has one writer.
+kernel void share_numbers(const uint count, const uint first, const uint n, global const uint* places,
+                          global const uint* numbers, global uint* out) {
+  FOR_EACH(i, count) {
+    const uint place = places[i] - first;
+    if (place < n) out[i] = numbers[place];
+  }
 }
 
 #endif

@@ -72,6 +72,8 @@ class DevicePool {
   /// Calls `use` for each device that is not lost, at once. Returns whether all did it: a device that throws an Error
   /// is taken out of the pool. Throws if none is left.
   bool on_each(Who who, const std::function<void(Lent& lent)>& use);
+  /// How many devices that is now.
+  std::size_t count_of(Who who) const;
 
   std::size_t size() const { return reports_.size(); }
   /// Where to what devices have no room for goes; empty: to the host's memory.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The devices of a pool, lent to who makes something of their own on them.
+#include <algorithm>
 #include <thread>
 
 #include "batch/device_pool.hpp"
@@ -25,6 +26,12 @@ bool DevicePool::is_first_of(const Worker& worker, Who who) const {
   const auto is_gpu = [](const Worker& other) { return other.runtime && other.runtime->kind() == DeviceKind::gpu; };
   return worker.number == 0 &&
          (who == Who::all || is_gpu(worker) || std::none_of(workers_.begin(), workers_.end(), is_gpu));
+}
+
+std::size_t DevicePool::count_of(Who who) const {
+  return static_cast<std::size_t>(std::count_if(workers_.begin(), workers_.end(), [&](const Worker& worker) {
+    return !reports_[worker.device].lost && is_first_of(worker, who);
+  }));
 }
 
 PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make) {

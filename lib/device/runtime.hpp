@@ -217,6 +217,8 @@ class Runtime {
   void share_context();
   /// From now on, large transfers go through pinned memory, made by the first, where prepares_host_memory() says so.
   void use_transfer_chunks();
+  /// Those chunks, of pinned memory; null if there are none, or others use the device.
+  TransferChunks* pinned_chunks() { return transfers_for_many() ? nullptr : chunks_for(~std::size_t{0}); }
   void release_transfer_chunks();  ///< until the next large transfer
   /// Whether nobody else uses the device for now: then large transfers of a shared context go as if it were not,
   /// through more and larger chunks, and by several threads.

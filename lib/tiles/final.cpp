@@ -99,13 +99,32 @@ void FinalTriangles::release() {
   spilled_.reset();
 }
 
+namespace {
+
+/// The first part of a large tile is on its way while the rest is put into its order: so many chunks' worth of
+/// triangles are worth that, of which the first part is such a part.
+constexpr std::size_t chunks_worth_parts = 1024;
+constexpr cl_uint part_written_first = 8;
+
+/// Waits for what a side queue does, whatever happens.
+struct Resting {
+  const runtime::SideQueue* side;
+  ~Resting() {
+    if (side) side->rest();
+  }
+};
+
+}  // namespace
+
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
-                                      const Berth& to) {
+                                      const Berth& to, const std::vector<runtime::HostRead>& behind) {
   const cl_uint seam = places.of_seam;
   const std::size_t count = std::size_t{final.count} + seam;
-  if (final.count == 0) return std::vector<std::uint32_t>(seam, 0);
   Runtime& runtime = lent.runtime;
-  Step writing(runtime, "write");
+  if (final.count == 0) {
+    runtime.read_all(behind);
+    return std::vector<std::uint32_t>(seam, 0);
+  }
   auto before = runtime.allocate<cl_uint>("final triangles before", seam);
   if (seam > 0) {
     const SeamKeys given = places.make_keys();
@@ -118,14 +137,37 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   const auto corners = runtime.allocate<cl_uint>("output corners", 3 * count);
   const auto others = runtime.allocate<cl_int>("output neighbours", 3 * count);
   const auto flags = runtime.allocate<cl_uchar>("output flags", count);
-  runtime.launch("tiles", "tile_write", over(final.count), final.count, cl_uint{places.first}, at, final.ids,
-                 final.corners, final.neighbours, final.constrained, corners, others, flags);
-  runtime.read_all({{corners.handle(), to.triangles, count * sizeof(Triangle)},
-                    {others.handle(), to.neighbours, count * sizeof(Neighbours)},
-                    {flags.handle(), to.constrained, count}});
+  const auto write = [&](cl_uint begin, cl_uint end) {
+    runtime.launch("tiles", "tile_write", over(end - begin), end - begin, begin, cl_uint{places.first}, at, final.ids,
+                   final.corners, final.neighbours, final.constrained, corners, others, flags);
+  };
+  const auto reads = [&](std::size_t begin, std::size_t end) -> std::vector<runtime::HostRead> {
+    const std::size_t some = end - begin;
+    return {{corners.handle(), to.triangles + begin, some * sizeof(Triangle), begin * sizeof(Triangle)},
+            {others.handle(), to.neighbours + begin, some * sizeof(Neighbours), begin * sizeof(Neighbours)},
+            {flags.handle(), to.constrained + begin, some, begin}};
+  };
+  const Resting resting{lent.side};
+  const std::size_t bytes = count * (sizeof(Triangle) + sizeof(Neighbours) + 1);
+  const bool in_parts = lent.side && bytes / chunks_worth_parts >= runtime.tuning().least_chunked;
+  // No triangle goes down, so what is before number `first` in the result is among the first ones.
+  const cl_uint first = in_parts ? final.count / part_written_first : 0;
+  if (first > 0) {
+    write(0, first);
+    runtime.finish();
+    lent.side->begin([&reads, first](Runtime& any) {
+      Step reading(any, "read beside");
+      any.read_all(reads(0, first));
+      reading.end();
+    });
+  }
+  write(first, final.count);
+  if (first > 0) lent.side->wait();
+  std::vector<runtime::HostRead> rest = reads(first, count);
+  rest.insert(rest.end(), behind.begin(), behind.end());
+  runtime.read_all(rest);
   std::vector<std::uint32_t> counts(seam);
   runtime.read(before, counts.data(), seam);
-  writing.end();
   check_before(counts, final.count);
   return counts;
 }

@@ -94,8 +94,8 @@ struct TilePlaces {
 };
 
 /// Writes the final triangles to their places behind `to`, where the tile's first triangle is to be, by the device that
-/// has them. Returns for each triangle of the seam how many final ones come before it.
+/// has them. Returns for each triangle of the seam how many final ones come before it. `behind`: what is read besides.
 std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& final, const TilePlaces& places,
-                                      const Berth& to);
+                                      const Berth& to, const std::vector<runtime::HostRead>& behind);
 
 }  // namespace gcdt::tiles

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/final_pieces.hpp"
 
-#include "device/step.hpp"
 #include "tiles/indices.hpp"
 #include "tiles/read_back.hpp"
 
@@ -64,37 +63,41 @@ HostPieces FinalPieces::take(std::uint64_t n, std::uint64_t constraints) {
   return taken;
 }
 
-PiecesBefore FinalPieces::write(DevicePool::Lent& lent, const runtime::Buffer<cl_uint>& ids,
-                                const runtime::Buffer<cl_int2>& points, const SeamPieces& seam, const SeamKeys& keys,
-                                const PieceBerth& to) const {
-  const auto of_seam = static_cast<cl_uint>(seam.pieces.size());
-  if (count == 0) return {std::vector<std::uint32_t>(of_seam, 0), std::vector<std::uint32_t>(of_seam, 0)};
-  Runtime& runtime = lent.runtime;
-  Step writing(runtime, "write");
+FinalPieces::OnItsWay FinalPieces::begin_write(Runtime& runtime, const runtime::Buffer<cl_uint>& ids,
+                                               const runtime::Buffer<cl_int2>& points, const SeamPieces& seam,
+                                               const SeamKeys& keys, const PieceBerth& to) const {
+  OnItsWay made;
+  const auto of_seam = made.of_seam = static_cast<cl_uint>(seam.pieces.size());
+  if (count == 0) return made;
   const cl_uint with_offsets = offsets.allocated() ? 1 : 0;
   const runtime::Buffer<cl_uint>& own_offsets = with_offsets ? offsets : sources;  // any, without
-  const auto before = runtime.allocate<cl_uint>("kept pieces before", of_seam);
-  const auto sources_before = runtime.allocate<cl_uint>("sources before", of_seam);
+  made.before = runtime.allocate<cl_uint>("kept pieces before", of_seam);
+  made.sources_before = runtime.allocate<cl_uint>("sources before", of_seam);
   if (of_seam > 0) {
     const auto given = runtime.allocate<cl_ulong2>("keys of the seam's pieces", of_seam);
     runtime.write_bytes(given.handle(), 0, keys.data(), of_seam * sizeof(keys[0]));
     runtime.launch("tiles", "pieces_before", over(of_seam), of_seam, cl_uint{count}, with_offsets, given, ends,
-                   own_offsets, points, before, sources_before);
+                   own_offsets, points, made.before, made.sources_before);
   }
   const auto seam_offsets =
       runtime.upload("sources of the seam's pieces", seam.source_offsets.data(), std::size_t{of_seam} + 1);
   const std::size_t all = std::size_t{count} + of_seam, all_sources = std::size_t{source_count} + seam.sources.size();
-  const auto out_ends = runtime.allocate<cl_uint2>("output pieces", all);
-  const auto out_offsets = runtime.allocate<cl_uint>("output offsets", all);
-  const auto out_sources = runtime.allocate<cl_uint>("output sources", all_sources);
+  made.ends = runtime.allocate<cl_uint2>("output pieces", all);
+  made.offsets = runtime.allocate<cl_uint>("output offsets", all);
+  made.sources = runtime.allocate<cl_uint>("output sources", all_sources);
   runtime.launch("tiles", "pieces_write", over(count), cl_uint{count}, of_seam, with_offsets, cl_uint{to.first_source},
-                 before, seam_offsets, ids, ends, own_offsets, sources, out_ends, out_offsets, out_sources);
-  runtime.read_all({{out_ends.handle(), to.ends, all * sizeof(Constraint)},
-                    {out_offsets.handle(), to.offsets, all * sizeof(std::uint32_t)},
-                    {out_sources.handle(), to.sources, all_sources * sizeof(std::uint32_t)}});
-  PiecesBefore found{read_all_of<std::uint32_t>(runtime, before, of_seam),
-                     read_all_of<std::uint32_t>(runtime, sources_before, of_seam)};
-  writing.end();
+                 made.before, seam_offsets, ids, ends, own_offsets, sources, made.ends, made.offsets, made.sources);
+  made.reads = {{made.ends.handle(), to.ends, all * sizeof(Constraint)},
+                {made.offsets.handle(), to.offsets, all * sizeof(std::uint32_t)},
+                {made.sources.handle(), to.sources, all_sources * sizeof(std::uint32_t)}};
+  return made;
+}
+
+PiecesBefore FinalPieces::end_write(Runtime& runtime, const OnItsWay& written) const {
+  if (count == 0)
+    return {std::vector<std::uint32_t>(written.of_seam, 0), std::vector<std::uint32_t>(written.of_seam, 0)};
+  PiecesBefore found{read_all_of<std::uint32_t>(runtime, written.before, written.of_seam),
+                     read_all_of<std::uint32_t>(runtime, written.sources_before, written.of_seam)};
   const auto ascends = [](const std::vector<std::uint32_t>& numbers, std::uint32_t most) {
     check_each(numbers.size(), "a piece of the seam has no place among the tile's",
                [&](std::size_t i) { return numbers[i] <= (i + 1 < numbers.size() ? numbers[i + 1] : most); });

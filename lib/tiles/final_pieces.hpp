@@ -63,10 +63,18 @@ class FinalPieces {
   /// What has been spilled, to be taken once. `n` vertices and so many `constraints` are in the input: throws
   /// check_failed if a number is none of these.
   HostPieces take(std::uint64_t n, std::uint64_t constraints);
+  /// What is on its way from the device to the result.
+  struct OnItsWay {
+    runtime::Buffer<cl_uint> before, sources_before, offsets, sources;
+    runtime::Buffer<cl_uint2> ends;
+    std::vector<runtime::HostRead> reads;  ///< to be made before end_write()
+    cl_uint of_seam = 0;
+  };
   /// Writes those on the device to their places; those of the seam's are undefined then. `keys`: of the seam's.
-  PiecesBefore write(DevicePool::Lent& lent, const runtime::Buffer<cl_uint>& ids,
-                     const runtime::Buffer<cl_int2>& points, const SeamPieces& seam, const SeamKeys& keys,
-                     const PieceBerth& to) const;
+  OnItsWay begin_write(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& ids,
+                       const runtime::Buffer<cl_int2>& points, const SeamPieces& seam, const SeamKeys& keys,
+                       const PieceBerth& to) const;
+  PiecesBefore end_write(runtime::Runtime& runtime, const OnItsWay& written) const;
 
  private:
   struct Spilled {

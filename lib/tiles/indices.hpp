@@ -14,10 +14,18 @@ namespace gcdt::tiles {
 /// Throws check_failed: `what` is wrong with what a device has given back.
 [[noreturn]] inline void refuse(const char* what) { throw Error(Status::check_failed, std::string("tiles: ") + what); }
 
+/// Up to so many are looked at before threads would have begun.
+constexpr std::size_t checked_by_one = std::size_t{1} << 16;
+
 /// Throws check_failed unless fits(i) for each i below `count`.
 template <class Fits>
 void check_each(std::size_t count, const char* what, Fits&& fits) {
-  if (count_in_threads(count, [&](std::size_t i) { return !fits(i); }) != 0) refuse(what);
+  if (count > checked_by_one) {
+    if (count_in_threads(count, [&](std::size_t i) { return !fits(i); }) != 0) refuse(what);
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    if (!fits(i)) refuse(what);
 }
 
 /// Throws check_failed unless all numbers are below `end`.

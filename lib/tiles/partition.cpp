@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/partition.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "device/parts.hpp"
@@ -11,6 +12,10 @@ namespace {
 
 /// A tile's part of all constraints is off by about sqrt(1 / sample).
 constexpr std::size_t constraints_sampled = std::size_t{1} << 12;
+/// Of those, a thread looks at so many: each takes a few misses of the caches.
+constexpr std::size_t count_of_sample_thread = 512;
+/// Threads that look through all ends: few, since the vertices are copied at the same time.
+constexpr std::size_t threads_for_ends = 4;
 
 constexpr std::uint16_t open_constraint = std::numeric_limits<std::uint16_t>::max();
 
@@ -135,27 +140,50 @@ void share_open(const GridInput& input, const Cuts& cuts, const std::vector<Role
       1);
 }
 
-/// About how many constraints each tile has: from a sample, with their first ends for all of them. Tiles that have
-/// about as many are said to have the same number, since the largest are solved first, and what comes in another order
-/// than it lies in the result waits in memory of its own when it leaves a device (docs/scale.md, T7).
-void expect_constraints(const GridInput& input, const Cuts& cuts, Partition& made) {
-  const std::size_t m = input.constraints.size(), count = std::min(m, constraints_sampled);
-  std::vector<std::uint64_t> found(cuts.tiles(), 0);
-  for (std::size_t i = 0; i < count; ++i) ++found[cuts.tile_of(code_of(input.end_of(m * i / count, 0)))];
-  for (std::size_t t = 0; t < cuts.tiles() && count > 0; ++t) {
-    const std::size_t even = m / cuts.tiles(), own = m * found[t] / count;
-    made.tiles[t].expected = own > even - even / 4 && own < even + even / 4 ? even : own;
-  }
+/// Mixes the bits of a number (splitmix64).
+std::uint64_t mixed(std::uint64_t number) {
+  number += 0x9E3779B97F4A7C15u;
+  number = (number ^ number >> 30) * 0xBF58476D1CE4E5B9u;
+  number = (number ^ number >> 27) * 0x94D049BB133111EBu;
+  return number ^ number >> 31;
 }
 
 }  // namespace
 
+// From a sample, of those that have both ends in one tile. One of each of so many parts that follow each other, and not
+// at the same place in each: maps may have a pattern of any length. Tiles that have about as many are said to have the
+// same number, since the largest are solved first, and what comes in another order than it lies in the result waits in
+// memory of its own when it leaves a device (docs/scale.md, T7).
+std::vector<std::uint64_t> expected_constraints(const GridInput& input, const Cuts& cuts) {
+  const std::size_t m = input.constraints.size(), count = std::min(m, constraints_sampled);
+  std::vector<std::uint64_t> expected(cuts.tiles(), 0);
+  if (count == 0) return expected;
+  std::vector<std::uint16_t> tile_of(count);
+  for_each_in_threads(
+      count,
+      [&](std::size_t i) {
+        const std::size_t first = m * i / count, end = m * (i + 1) / count, c = first + mixed(i) % (end - first);
+        const std::size_t t = cuts.tile_of(code_of(input.end_of(c, 0)));
+        const bool is_own = cuts.tile_of(code_of(input.end_of(c, 1))) == t;
+        tile_of[i] = is_own ? static_cast<std::uint16_t>(t) : open_constraint;
+      },
+      count_of_sample_thread);
+  for (const std::uint16_t t : tile_of)
+    if (t != open_constraint) ++expected[t];
+  const std::size_t even = m / cuts.tiles();
+  for (std::uint64_t& own : expected) {
+    own = m * own / count;
+    if (own > even - even / 4 && own < even + even / 4) own = even;
+  }
+  return expected;
+}
+
 Partition partition_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles,
-                         std::vector<OpenConstraint> open) {
+                         std::vector<OpenConstraint> open, const std::vector<std::uint64_t>& expected) {
   Partition made;
   made.tiles.resize(cuts.tiles());
   made.open = std::move(open);
-  expect_constraints(input, cuts, made);
+  for (std::size_t t = 0; t < cuts.tiles(); ++t) made.tiles[t].expected = expected[t];
   share_open(input, cuts, roles, made);
   return made;
 }
@@ -171,7 +199,14 @@ Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<
 bool has_good_ends(const GridInput& input) {
   const std::uint64_t n = input.n();
   const Constraints ends = input.constraints.ends;
-  return count_in_threads(ends.size(), [&](std::size_t c) { return ends[c][0] >= n || ends[c][1] >= n; }) == 0;
+  const Parts parts(ends.size(), std::max<std::size_t>(4096, ends.size() / threads_for_ends + 1));
+  std::vector<char> good(parts.size(), 1);
+  parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
+    std::uint32_t most = 0;
+    for (std::size_t c = first; c < end; ++c) most = std::max({most, ends[c][0], ends[c][1]});
+    good[part] = first == end || most < n;
+  });
+  return std::all_of(good.begin(), good.end(), [](char one) { return one != 0; });
 }
 
 std::uint64_t first_bad_end(const GridInput& input) {

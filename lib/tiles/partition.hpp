@@ -54,9 +54,11 @@ enum class Role : std::uint8_t {
 /// if all are `any`.
 Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles);
 
-/// The same where each tile's device finds the tile's constraints. `open`: what find_open() returned.
+/// About how many constraints each tile has.
+std::vector<std::uint64_t> expected_constraints(const GridInput& input, const Cuts& cuts);
+/// The same as partition() where each tile's device finds the tile's constraints. `open`: what find_open() returned.
 Partition partition_open(const GridInput& input, const Cuts& cuts, const std::vector<Role>& roles,
-                         std::vector<OpenConstraint> open);
+                         std::vector<OpenConstraint> open, const std::vector<std::uint64_t>& expected);
 
 /// Whether all ends of the process's constraints are vertices.
 bool has_good_ends(const GridInput& input);

@@ -10,6 +10,8 @@ namespace gcdt::tiles {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+/// Triangles that are worth a thread: each takes a few misses of the caches, all over the result.
+constexpr std::size_t given_by_thread = 512;
 
 /// Keeps all for the tiles.
 class Collector final : public SeamTaker {
@@ -40,9 +42,12 @@ class TriangleGiver {
   TriangleGiver(const Solved& solved, const Order& order, SeamTaker& to) : solved_(solved), order_(order), to_(to) {}
 
   void give() {
-    for_each_in_threads(solved_.between.kept.size(), [&](std::size_t t) {
-      if (solved_.between.kept[t]) give_triangle(static_cast<std::uint32_t>(t));
-    });
+    for_each_in_threads(
+        solved_.between.kept.size(),
+        [&](std::size_t t) {
+          if (solved_.between.kept[t]) give_triangle(static_cast<std::uint32_t>(t));
+        },
+        given_by_thread);
   }
 
  private:

@@ -24,29 +24,33 @@ constexpr std::uint64_t bytes_looked_at = 8 + 16 + 4;
 constexpr std::uint64_t part_for_blocks = 4;
 constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
 
-/// Of the blocks first to first + count - 1, by one device.
+/// Constraints of a block at least that are looked at by themselves, where there is no room for more.
+constexpr std::size_t least_looked_at = 1024;
+
+using BlockPart = StagedConstraints::Part;
+
+/// Of parts of blocks, by one device.
 class OpenFinder {
  public:
   OpenFinder(DevicePool::Lent& lent, Staged& staged, StagedConstraints& constraints, const GridInput& input,
              const Cuts& cuts)
       : lent_(lent), runtime_(lent.runtime), staged_(staged), constraints_(constraints), input_(input), cuts_(cuts) {}
 
-  /// The vertices go by chunk by chunk, once for all of the blocks.
-  void find(const std::vector<std::size_t>& wanted, std::size_t first, std::size_t count,
-            std::vector<std::vector<OpenConstraint>>& found) {
-    forget();
-    if (!first_codes_.allocated()) first_codes_ = runtime_.upload("first codes of tiles", cuts_.first_codes());
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto block = constraints_.block(lent_, wanted[first + i]);
-      looked_.push_back({block, runtime_.allocate<cl_ulong2>("codes of ends", block->count)});
+  /// Appends to `found` those of each part, which follow each other. The vertices go by chunk by chunk, once for all of
+  /// the parts. Where there is no room for all at once, they are halved: first the list, then what it has. Ends: down
+  /// to least_looked_at there are fewer constraints each time; below, what is thrown is.
+  void find(const std::vector<BlockPart>& parts, std::vector<std::vector<OpenConstraint>>& found) {
+    try {
+      look(parts, found);
+    } catch (const Error& error) {
+      if (error.status() != Status::out_of_memory) throw;
+      forget();
+      const auto [first, rest] = halves_of(parts);
+      if (rest.empty()) throw;
+      runtime_.memory().trim();
+      find(first, found);
+      find(rest, found);
     }
-    staged_.for_chunks(
-        lent_, [&](const InputPoints& points, std::size_t number) { take_codes(points, input_.chosen, number); });
-    if (!input_.added.empty())
-      take_codes(stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size())),
-                 fixed_grid(FixedGrid{0, 0, "1"}), input_.given.count);
-    for (std::size_t i = 0; i < count; ++i) found[wanted[first + i]] = open_of(looked_[i]);
-    forget();
   }
   void forget() { looked_.clear(); }
 
@@ -55,6 +59,37 @@ class OpenFinder {
     std::shared_ptr<const StagedConstraints::Block> block;
     Buffer<cl_ulong2> codes;
   };
+
+  /// The second one is empty if there is nothing to be halved.
+  static std::array<std::vector<BlockPart>, 2> halves_of(const std::vector<BlockPart>& parts) {
+    const auto middle = parts.begin() + static_cast<std::ptrdiff_t>((parts.size() + 1) / 2);
+    if (parts.size() > 1) return {std::vector<BlockPart>(parts.begin(), middle), {middle, parts.end()}};
+    const auto [block, first, count] = parts.front();
+    if (count <= least_looked_at) return {parts, {}};
+    return {std::vector<BlockPart>{{block, first, count / 2}}, {{block, first + count / 2, count - count / 2}}};
+  }
+
+  /// All or nothing is appended.
+  void look(const std::vector<BlockPart>& parts, std::vector<std::vector<OpenConstraint>>& found) {
+    forget();
+    if (!first_codes_.allocated()) first_codes_ = runtime_.upload("first codes of tiles", cuts_.first_codes());
+    for (const BlockPart& part : parts) {
+      const auto block = constraints_.part(lent_, part);
+      looked_.push_back({block, runtime_.allocate<cl_ulong2>("codes of ends", block->count)});
+    }
+    staged_.for_chunks(
+        lent_, [&](const InputPoints& points, std::size_t number) { take_codes(points, input_.chosen, number); });
+    if (!input_.added.empty())
+      take_codes(stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size())),
+                 fixed_grid(FixedGrid{0, 0, "1"}), input_.given.count);
+    std::vector<std::vector<OpenConstraint>> open;
+    for (const Looked& one : looked_) open.push_back(open_of(one));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      std::vector<OpenConstraint>& all = found[parts[i].block];
+      all.insert(all.end(), open[i].begin(), open[i].end());
+    }
+    forget();
+  }
 
   void take_codes(const InputPoints& points, const ChosenGrid& chosen, std::size_t number) {
     const Codes codes = codes_on(runtime_, points, chosen);
@@ -111,18 +146,23 @@ void find_some(DevicePool::Lent& lent, Staged& staged, StagedConstraints& constr
   for (;;) {
     const std::size_t at_once = blocks_at_once(), first = next.fetch_add(at_once);
     if (first >= wanted.size()) break;
-    const std::size_t count = std::min(at_once, wanted.size() - first);
+    std::vector<BlockPart> parts;
+    for (std::size_t i = first; i < std::min(first + at_once, wanted.size()); ++i) {
+      parts.push_back(constraints.all_of(wanted[i]));
+      found[wanted[i]].clear();  // what a device that was lost has left
+    }
     try {
-      finder.find(wanted, first, count, found);
+      finder.find(parts, found);
     } catch (const Error& error) {
       if (error.status() != Status::out_of_memory || !staged.keeps(lent.device)) throw;
       staged.leave(lent.device);
       constraints.leave(lent.device);
       finder.forget();
       lent.runtime.memory().trim();
-      finder.find(wanted, first, count, found);
+      for (const BlockPart& part : parts) found[part.block].clear();
+      finder.find(parts, found);
     }
-    for (std::size_t i = 0; i < count; ++i) is_found[wanted[first + i]] = 1;
+    for (const BlockPart& part : parts) is_found[part.block] = 1;
   }
   looking.end();
 }
@@ -131,7 +171,8 @@ void find_some(DevicePool::Lent& lent, Staged& staged, StagedConstraints& constr
 
 StagedConstraints::StagedConstraints(const DevicePool& pool, const Staged& staged, const GridInput& input,
                                      const std::vector<Role>& roles, std::size_t tiles, std::size_t most)
-    : ends_(input.constraints.ends),
+    : staged_(staged),
+      ends_(input.constraints.ends),
       roles_(roles),
       count_(input.constraints.size()),
       keeps_(pool.size(), 0),
@@ -140,7 +181,7 @@ StagedConstraints::StagedConstraints(const DevicePool& pool, const Staged& stage
   of_block_ =
       std::min(most, std::max<std::size_t>(capacity / Tuning::part_of_constraint_block, Tuning::least_tile_chunk));
   // As many for each device.
-  of_block_ = std::min(of_block_, std::max(count_ / (2 * pool.size()) + 1, Tuning::least_tile_chunk));
+  of_block_ = std::min(of_block_, std::max(count_ / pool.size() + 1, Tuning::least_tile_chunk));
   const std::uint64_t all = 16 * n + 8 * m;
   for (std::size_t device = 0; device < keeps_.size(); ++device)
     keeps_[device] = staged.keeps(device) && all + forest_bytes(1, n / tiles, m / tiles) < capacity;
@@ -150,25 +191,61 @@ StagedConstraints::StagedConstraints(const DevicePool& pool, const Staged& stage
 std::shared_ptr<const StagedConstraints::Block> StagedConstraints::block(DevicePool::Lent& lent, std::size_t number) {
   std::shared_ptr<const Block>& kept = blocks_[lent.device][number];
   if (kept) return kept;
-  const std::size_t first = number * of_block_, count = std::min(of_block_, count_ - first);
-  auto made = std::make_shared<Block>();
-  made->first = first, made->count = static_cast<cl_uint>(count);
-  if (roles_.empty()) {
-    made->ends = stage(lent.runtime, Constraints(ends_.data() + first, count));
-  } else {
-    Array<Constraint> some(count);
-    for_each_in_threads(count, [&](std::size_t i) {
-      some[i] = roles_[first + i] == Role::any ? ends_[first + i] : Constraint{no_vertex, no_vertex};
-    });
-    made->ends = stage(lent.runtime, Constraints(some.data(), count));
+  const auto block = made(lent, all_of(number));
+  if (keeps(lent.device)) kept = block;
+  return block;
+}
+
+std::shared_ptr<const StagedConstraints::Block> StagedConstraints::part(DevicePool::Lent& lent, const Part& part) {
+  return part.count == all_of(part.block).count ? block(lent, part.block) : made(lent, part);
+}
+
+void StagedConstraints::send(DevicePool::Lent& lent, runtime::SharedUpload::Taker& taker) {
+  if (!roles_.empty() || !keeps(lent.device)) return;
+  Step sending(lent.runtime, "share");
+  try {
+    for (std::size_t i = 0; i < blocks(); ++i) {
+      const Part all = all_of(i);
+      auto block = std::make_shared<Block>();
+      block->first = all.first, block->count = static_cast<cl_uint>(all.count);
+      block->ends = lent.runtime.allocate<cl_uint2>("constraints", all.count);
+      taker.write(block->ends.handle(), ends_.data() + all.first, all.count * sizeof(Constraint));
+      blocks_[lent.device][i] = std::move(block);
+    }
+  } catch (const Error& error) {
+    if (error.status() != Status::out_of_memory) throw;
+    lent.runtime.attempt("clFinish", "after an error", [&] { return lent.runtime.try_finish(); });
+    leave(lent.device);
   }
-  if (keeps_[lent.device]) kept = made;
+  sending.end();
+}
+
+std::shared_ptr<const StagedConstraints::Block> StagedConstraints::made(DevicePool::Lent& lent,
+                                                                        const Part& part) const {
+  auto made = std::make_shared<Block>();
+  made->first = part.first, made->count = static_cast<cl_uint>(part.count);
+  if (roles_.empty()) {
+    made->ends = stage(lent.runtime, Constraints(ends_.data() + part.first, part.count));
+  } else {
+    Array<Constraint> some(part.count);
+    for_each_in_threads(part.count, [&](std::size_t i) {
+      some[i] = roles_[part.first + i] == Role::any ? ends_[part.first + i] : Constraint{no_vertex, no_vertex};
+    });
+    made->ends = stage(lent.runtime, Constraints(some.data(), part.count));
+  }
   return made;
 }
 
 void StagedConstraints::leave(std::size_t device) {
   for (auto& block : blocks_[device]) block.reset();
   keeps_[device] = 0;
+}
+
+std::uint64_t StagedConstraints::bytes_to_come(std::size_t device) const {
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; keeps(device) && i < blocks(); ++i)
+    if (!blocks_[device][i]) bytes += all_of(i).count * sizeof(Constraint);
+  return bytes;
 }
 
 std::vector<OpenConstraint> find_open(DevicePool& pool, Staged& staged, StagedConstraints& constraints,

@@ -2,6 +2,7 @@
 // Constraints shared out by the devices, of a process that has the whole input.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "tiles/partition.hpp"
@@ -13,7 +14,8 @@ namespace gcdt::tiles {
 /// room for them, too.
 class StagedConstraints {
  public:
-  /// `roles`: as of partition(). Input and roles must outlive the object. `most`: constraints of a block.
+  /// `roles`: as of partition(). Staged vertices, input and roles must outlive the object. `most`: constraints of a
+  /// block.
   StagedConstraints(const DevicePool& pool, const Staged& staged, const GridInput& input,
                     const std::vector<Role>& roles, std::size_t tiles,
                     std::size_t most = Tuning::most_constraints_of_block);
@@ -26,12 +28,30 @@ class StagedConstraints {
   };
   std::size_t blocks() const { return (count_ + of_block_ - 1) / of_block_; }
   std::size_t of_block() const { return of_block_; }
-  /// On the device's thread.
+  /// A range within a block.
+  struct Part {
+    std::size_t block, first, count;
+  };
+  Part all_of(std::size_t block) const {
+    return {block, block * of_block_, std::min(of_block_, count_ - block * of_block_)};
+  }
+  // On the device's thread.
+  /// Sends all blocks that are to stay there, as other devices are at the same time; none where constraints have roles.
+  void send(DevicePool::Lent& lent, runtime::SharedUpload::Taker& taker);
   std::shared_ptr<const Block> block(DevicePool::Lent& lent, std::size_t number);
+  /// The same of a part. One that is not all of its block does not stay.
+  std::shared_ptr<const Block> part(DevicePool::Lent& lent, const Part& part);
   /// Gives back the device's blocks; they are sent again when they are wanted.
   void leave(std::size_t device);
+  /// Not where the vertices have left, be it since the object was made.
+  bool keeps(std::size_t device) const { return keeps_[device] && staged_.keeps(device); }
+  /// Of the blocks that are to stay on the device, and are not there yet.
+  std::uint64_t bytes_to_come(std::size_t device) const;
 
  private:
+  std::shared_ptr<const Block> made(DevicePool::Lent& lent, const Part& part) const;
+
+  const Staged& staged_;
   const Constraints ends_;
   const std::vector<Role>& roles_;
   const std::size_t count_;

@@ -11,6 +11,7 @@
 #include <atomic>
 #else
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #endif
@@ -45,6 +46,10 @@ std::FILE* nameless_file(const std::string& directory) {
 #endif
 }
 
+[[noreturn]] void fail_in(const std::string& directory, const char* what) {
+  throw Error(Status::spill_failed, "spilling to " + directory + ": " + what + ": " + std::strerror(errno));
+}
+
 }  // namespace
 
 Spill::Spill(const std::string& directory) : directory_(directory) {
@@ -53,9 +58,7 @@ Spill::Spill(const std::string& directory) : directory_(directory) {
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);
 }
 
-void Spill::fail(const char* what) const {
-  throw Error(Status::spill_failed, "spilling to " + directory_ + ": " + what + ": " + std::strerror(errno));
-}
+void Spill::fail(const char* what) const { fail_in(directory_, what); }
 
 void Spill::put_bytes(runtime::Runtime& runtime, cl_mem from, std::size_t bytes) {
   sizes_.push_back(bytes);
@@ -80,6 +83,40 @@ void Spill::take_parts(
     if (std::fread(part.bytes.get(), 1, count, file_.get()) != count) fail("reading failed");
     use(part.bytes.get(), at / element, count / element);
   }
+}
+
+SpilledArrays::SpilledArrays(const std::string& directory, const std::vector<Span<unsigned char>>& arrays) {
+  constexpr std::size_t alignment = 64;
+  for (const Span<unsigned char>& array : arrays) {
+    begins_.push_back(bytes_), sizes_.push_back(array.size());
+    bytes_ += (array.size() + alignment - 1) / alignment * alignment;
+  }
+  if (bytes_ == 0) return;
+#ifdef _WIN32
+  first_ = memory_.make<unsigned char>(bytes_);
+  for (std::size_t i = 0; i < arrays.size(); ++i)
+    std::copy(arrays[i].begin(), arrays[i].end(), memory_.bytes.get() + begins_[i]);
+#else
+  file_.reset(nameless_file(directory));
+  std::FILE* const file = file_.get();
+  if (!file) fail_in(directory, "no file can be made");
+  std::setvbuf(file, nullptr, _IONBF, 0);
+  const unsigned char gap[alignment] = {};
+  for (const Span<unsigned char>& array : arrays) {
+    const std::size_t behind = (alignment - array.size() % alignment) % alignment;
+    if (std::fwrite(array.data(), 1, array.size(), file) != array.size() || std::fwrite(gap, 1, behind, file) != behind)
+      fail_in(directory, "writing failed");
+  }
+  void* const mapped = mmap(nullptr, bytes_, PROT_READ, MAP_SHARED, fileno(file), 0);
+  if (mapped == MAP_FAILED) fail_in(directory, "the file cannot be mapped");
+  first_ = static_cast<const unsigned char*>(mapped);
+#endif
+}
+
+SpilledArrays::~SpilledArrays() {
+#ifndef _WIN32
+  if (first_) munmap(const_cast<unsigned char*>(first_), bytes_);
+#endif
 }
 
 }  // namespace gcdt::tiles

@@ -13,6 +13,10 @@
 
 namespace gcdt::tiles {
 
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
 /// Arrays that the host takes once, in the order in which they were put. Errors: Status::spill_failed.
 class Spill {
  public:
@@ -34,18 +38,41 @@ class Spill {
   }
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
   void put_bytes(runtime::Runtime& runtime, cl_mem from, std::size_t bytes);
   void take_parts(std::size_t element,
                   const std::function<void(const unsigned char* part, std::size_t first, std::size_t count)>& use);
   [[noreturn]] void fail(const char* what) const;
 
   std::string directory_;
-  std::unique_ptr<std::FILE, Close> file_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
   std::vector<std::size_t> sizes_;  ///< in bytes
   std::size_t taken_ = 0;
+};
+
+/// Arrays of the host's in a file, to be read in any order: the system has of it in memory what there is room for. On
+/// Windows they stay in memory. Errors: Status::spill_failed.
+class SpilledArrays {
+ public:
+  /// `directory`: as of a Spill. Copies the arrays.
+  SpilledArrays(const std::string& directory, const std::vector<Span<unsigned char>>& arrays);
+  SpilledArrays(const SpilledArrays&) = delete;
+  SpilledArrays& operator=(const SpilledArrays&) = delete;
+  ~SpilledArrays();
+  /// An array's elements, as often as they are wanted.
+  template <class T>
+  Span<T> array(std::size_t number) const {
+    return {reinterpret_cast<const T*>(first_ + begins_[number]), sizes_[number] / sizeof(T)};
+  }
+
+ private:
+  std::vector<std::size_t> begins_, sizes_;  ///< in bytes
+  std::size_t bytes_ = 0;
+  const unsigned char* first_ = nullptr;
+#ifdef _WIN32
+  HostArray memory_;
+#else
+  std::unique_ptr<std::FILE, CloseFile> file_;  ///< to the end: what a close loses is not wanted any more then
+#endif
 };
 
 }  // namespace gcdt::tiles

@@ -18,15 +18,19 @@ void Spiller::make_room(DevicePool::Lent& lent, std::uint64_t n, std::uint64_t m
   while (left > 0 && !left_.compare_exchange_weak(left, left - 1)) {
   }
   OfDevice& own = devices_[lent.device];
-  const std::uint64_t needed = forest_bytes(1, n, m);
-  if (!fits(lent, needed)) settle(lent);
+  // What stays on the device comes while the tile takes its part, and is beside it from then on.
+  const auto has_room = [&] {
+    return fits(lent, forest_bytes(1, n, m) + staged_.bytes_to_come(lent.device) +
+                          (constraints ? constraints->bytes_to_come(lent.device) : 0));
+  };
+  if (!has_room()) settle(lent);
   // Ends: each time there is one less.
-  while (!fits(lent, needed) && !own.there.empty()) {
+  while (!has_room() && !own.there.empty()) {
     own.there.front().final->spill(lent.runtime, target_of(own.there.front()));
     own.there.erase(own.there.begin());
   }
-  if (!fits(lent, needed) && constraints) constraints->leave(lent.device);
-  if (!fits(lent, needed)) staged_.leave(lent.device);
+  if (!has_room() && constraints) constraints->leave(lent.device);
+  if (!has_room()) staged_.leave(lent.device);
 }
 
 void Spiller::add(DevicePool::Lent& lent, std::size_t tile, FinalTriangles& final, std::uint64_t n, std::uint64_t m) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "device/parts.hpp"
 #include "device/step.hpp"
 #include "phases/triangulation.hpp"
 
@@ -32,20 +33,39 @@ Staged::Staged(DevicePool& pool, Points points, std::size_t tiles)
 
 void Staged::for_chunks(DevicePool::Lent& lent,
                         const std::function<void(const InputPoints& points, std::size_t first)>& use) {
+  use_chunks(lent, nullptr, use);
+}
+
+void Staged::use_chunks(DevicePool::Lent& lent, Taker* taker,
+                        const std::function<void(const InputPoints& points, std::size_t first)>& use) {
   std::vector<InputPoints>& kept = chunks_[lent.device];
   const auto n = static_cast<std::size_t>(points_.size());
-  std::vector<InputPoints> sent;
-  for (std::size_t first = 0, i = 0; first < n; first += vertices_of_chunk_, ++i) {
-    if (i < kept.size()) {
-      use(kept[i], first);
-      continue;
-    }
-    InputPoints chunk =
-        stage(lent.runtime, part_of(points_.type(), points_.data(), first, std::min(vertices_of_chunk_, n - first)));
-    use(chunk, first);
-    if (keeps_[lent.device]) sent.push_back(std::move(chunk));
+  if (keeps_[lent.device] && kept.empty()) {  // all before any is used, which would be waited for with the link idle
+    std::vector<InputPoints> sent;
+    for (std::size_t first = 0; first < n; first += vertices_of_chunk_) sent.push_back(send(lent, taker, first));
+    kept = std::move(sent);
   }
-  if (!sent.empty()) kept = std::move(sent);
+  for (std::size_t first = 0, i = 0; first < n; first += vertices_of_chunk_, ++i)
+    if (i < kept.size())
+      use(kept[i], first);
+    else
+      use(send(lent, taker, first), first);
+}
+
+InputPoints Staged::send(DevicePool::Lent& lent, Taker* taker, std::size_t first) const {
+  const auto n = static_cast<std::size_t>(points_.size());
+  const Points points = part_of(points_.type(), points_.data(), first, std::min(vertices_of_chunk_, n - first));
+  if (!taker) return stage(lent.runtime, points);
+  InputPoints chunk;
+  chunk.n = static_cast<cl_uint>(points.size());
+  chunk.type = coordinates_type(points.type());
+  chunk.coordinates = lent.runtime.allocate<cl_ulong>("coordinates", points.size() * words_per_vertex(points.type()));
+  taker->write(chunk.coordinates.handle(), points.data(), chunk.coordinates.bytes());
+  return chunk;
+}
+
+std::uint64_t Staged::bytes_to_come(std::size_t device) const {
+  return keeps_[device] && chunks_[device].empty() ? 8 * points_.size() * words_per_vertex(points_.type()) : 0;
 }
 
 void Staged::leave(std::size_t device) {
@@ -53,43 +73,81 @@ void Staged::leave(std::size_t device) {
   keeps_[device] = 0;
 }
 
-// Ends: every time that no device has looked at all chunks, one is lost.
+// Ends: every time that no device has looked at all chunks, one is lost. Devices that look at the same time are sent
+// the chunks from one copy; one that has to begin again is sent them by itself. Returns as soon as one has looked.
 template <class Columns, class Look>
-Columns Staged::look(Team& team, Look&& look_at_chunk) {
-  std::mutex mutex;
-  std::optional<Columns> columns;
-  while (!columns)
-    pool_.on_each(DevicePool::Who::gpus, [&](DevicePool::Lent& lent) {
-      Step looking(lent.runtime, "survey");
-      Columns most{};
-      const auto all_chunks = [&] {
-        for_chunks(lent, [&](const InputPoints& points, std::size_t first) {
-          raise(most, look_at_chunk(lent.runtime, points, first));
-        });
-      };
-      try {
-        all_chunks();
-      } catch (const Error& error) {
-        if (error.status() != Status::out_of_memory || !keeps(lent.device)) throw;
-        leave(lent.device);
-        lent.runtime.memory().trim();
-        all_chunks();
-      }
-      looking.end();
+Columns Staged::look(Team& team, const Behind& behind, Look&& look_at_chunk) {
+  struct Found {
+    std::mutex mutex;
+    std::promise<Columns> promise;
+    bool told = false;
+    void tell(const Columns& columns) {
       const std::lock_guard<std::mutex> lock(mutex);
-      columns = most;
-    });
-  team.raise(columns->data(), columns->size());
-  return *columns;
+      if (!told) promise.set_value(columns);
+      told = true;
+    }
+  };
+  const auto found = std::make_shared<Found>();
+  std::future<Columns> columns = found->promise.get_future();
+  const auto one = [this, found, look_at_chunk](DevicePool::Lent& lent, runtime::SharedUpload& shared,
+                                                std::optional<Taker>& taker) {
+    Step looking(lent.runtime, "survey");
+    Columns most{};
+    const auto all_chunks = [&] {
+      use_chunks(lent, taker ? &*taker : nullptr, [&](const InputPoints& points, std::size_t first) {
+        raise(most, look_at_chunk(lent.runtime, points, first));
+      });
+    };
+    try {
+      all_chunks();
+    } catch (const Error& error) {
+      if (error.status() != Status::out_of_memory || !keeps(lent.device)) throw;
+      taker.reset();
+      shared.wait_until_left();  // until then others use the device's chunks
+      leave(lent.device);
+      lent.runtime.memory().trim();
+      all_chunks();
+    }
+    looking.end();
+    found->tell(most);
+  };
+  settle();
+  sending_ = begin_in_thread([this, found, one, behind] {
+    try {
+      while (!found->told) {
+        runtime::SharedUpload shared(pool_.count_of(DevicePool::Who::gpus));
+        pool_.on_each(DevicePool::Who::gpus, [&](DevicePool::Lent& lent) {
+          std::optional<Taker> taker(std::in_place, shared, lent.runtime);
+          one(lent, shared, taker);
+          if (behind && taker) behind(lent, *taker);
+        });
+      }
+    } catch (...) {
+      if (found->told) throw;
+      found->promise.set_exception(std::current_exception());
+    }
+  });
+  if (!behind || sending_.wait_for(std::chrono::seconds(0)) == std::future_status::deferred) settle();
+  Columns all = columns.get();
+  team.raise(all.data(), all.size());
+  return all;
+}
+
+void Staged::rest() const {
+  if (sending_.valid()) sending_.wait();
+}
+
+void Staged::settle() {
+  if (sending_.valid()) sending_.get();
 }
 
 ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveyed, std::uint64_t first_of_rank,
-                          Team& team) {
+                          Team& team, const Behind& behind) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
   if (team.sum(points_.size()) == 0) return given ? *given : ChosenGrid();
-  const Surveyed found =
-      look<Surveyed>(team, [&](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
+  const Surveyed found = look<Surveyed>(
+      team, behind, [first_of_rank](runtime::Runtime& runtime, const InputPoints& points, std::size_t first) {
         Surveyed columns = survey_maxima(runtime, points);
         // Complements: the least is greatest.
         if (columns[GCDT_SURVEY_BAD] != 0) columns[GCDT_SURVEY_BAD] -= 2 * (first_of_rank + first);
@@ -102,9 +160,10 @@ ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveye
   const int limit = choice.decimals_limit;
   if (limit < 0) return choice.grid;
   using Digits = std::array<cl_ulong, 1>;
-  const Digits digits = look<Digits>(team, [&](runtime::Runtime& runtime, const InputPoints& points, std::size_t) {
-    return Digits{static_cast<cl_ulong>(count_decimals(runtime, points, limit))};
-  });
+  const Digits digits =
+      look<Digits>(team, {}, [limit](runtime::Runtime& runtime, const InputPoints& points, std::size_t) {
+        return Digits{static_cast<cl_ulong>(count_decimals(runtime, points, limit))};
+      });
   return choice.with_decimals(static_cast<int>(digits[0]));
 }
 

@@ -67,10 +67,8 @@ class Taker {
   void number() {
     const Span<std::uint32_t> numbers = input_.given.numbers;
     if (numbers.empty() || taken_.all == 0) return;
-    const auto all = runtime_.upload("numbers of vertices", numbers.data(), numbers.size());
-    auto ids = runtime_.allocate<cl_uint>("input numbers of a tile", taken_.ids.size());
-    runtime_.launch("tiles", "tile_gather", over(taken_.all), taken_.all, taken_.ids, all, ids);
-    taken_.ids = std::move(ids);
+    taken_.ids.shrink(taken_.all);
+    taken_.ids = numbers_at(runtime_, taken_.ids, numbers, staged_.of_chunk());
   }
 
   void take_constraints() {
@@ -151,6 +149,19 @@ class Taker {
 };
 
 }  // namespace
+
+runtime::Buffer<cl_uint> numbers_at(Runtime& runtime, const runtime::Buffer<cl_uint>& places,
+                                    Span<std::uint32_t> numbers, std::size_t at_once) {
+  const auto count = static_cast<cl_uint>(places.size());
+  auto found = runtime.filled<cl_uint>("numbers of places", count, ~cl_uint{0});
+  for (std::size_t first = 0; first < numbers.size() && count > 0; first += at_once) {
+    const std::size_t some = std::min(at_once, numbers.size() - first);
+    const auto part = runtime.upload("numbers in turn", numbers.data() + first, some);
+    runtime.launch("tiles", "share_numbers", over(count), count, static_cast<cl_uint>(first),
+                   static_cast<cl_uint>(some), places, part, found);
+  }
+  return found;
+}
 
 Taken take(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile) {
   return Taker(lent, task, share, tile).take();

@@ -18,6 +18,11 @@ struct Taken {
   std::uint64_t move_key = 0;  ///< of all vertices that were given (gcdt_move_key)
 };
 
+/// Of what has these places, the numbers, of which so many at once go to the device; anything above all for a place
+/// that is none.
+runtime::Buffer<cl_uint> numbers_at(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& places,
+                                    Span<std::uint32_t> numbers, std::size_t at_once);
+
 /// On the device; the whole input goes there chunk by chunk, which keeps what is the tile's. Throws
 /// coordinate_outside_grid. A tile without vertices of its own gets no foreign ones.
 Taken take(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile);

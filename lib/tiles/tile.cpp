@@ -83,9 +83,7 @@ class TileRun {
       return runtime_.upload("numbers of constraints", share_.constraint_ids.data(), share_.constraint_ids.size());
     const Array<std::uint32_t>& given = task_.input.constraints.numbers;
     if (given.empty()) return std::move(places_);
-    const auto all = runtime_.upload("numbers of constraints", given.data(), given.size());
-    make_known(all, places_, places_.size());
-    return std::move(places_);
+    return numbers_at(runtime_, places_, {given.data(), given.size()}, task_.constraints->of_block());
   }
 
   void triangulate(Taken taken) {

@@ -19,6 +19,16 @@ constexpr std::size_t most_tiles_for_room = 2;
 
 }  // namespace
 
+namespace {
+
+/// Waits for what is under way, whatever happens.
+struct Resting {
+  const Staged& staged;
+  ~Resting() { staged.rest(); }
+};
+
+}  // namespace
+
 void check_ends(const GridInput& input, Team& team) {
   if (team.sum(has_good_ends(input) ? 0 : 1) == 0) return;
   check_outside(team.greatest(outside_of(input)));
@@ -51,18 +61,23 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   GridInput input{{points, 0, {}, points.size()}, {}, {}, {constraints, 0, {}, constraints.size(), {}}, {}};
   Staged staged(pool, points, tiles);
   std::optional<Cuts> cuts;
+  const std::vector<Role> any_role;
+  auto constraints_sent = std::make_unique<StagedConstraints>(pool, staged, input, any_role, tiles);
+  const Resting resting{staged};  // who sends uses them
   {
     const Timed timed(report.ms_share);
     bool good_ends = true;  // looked for beside the transfers of the vertices
     std::future<void> looking = begin_in_thread([&] { good_ends = has_good_ends(input); });
     Survey surveyed;
-    input.chosen = staged.choose(options.grid, surveyed, 0, alone);
+    input.chosen = staged.choose(options.grid, surveyed, 0, alone,
+                                 [&](DevicePool::Lent& lent, auto& taker) { constraints_sent->send(lent, taker); });
     if (points.size() > 0) input.box = box_of(input.chosen, surveyed);
     cuts = cut(input);
     looking.get();
+    staged.settle();
     if (!good_ends) check_ends(input, alone);
   }
-  TiledRun run(pool, alone, input, staged, *cuts, options, report);
+  TiledRun run(pool, alone, input, staged, *cuts, options, report, std::move(constraints_sent));
   ForestResult joined = run.solve().result;
   if ((options.regions || options.domain != Domain::hull) && joined.statistics.triangles > 0) {
     const Timed timed(report.ms_join);

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "batch/single.hpp"
+#include "device/parts.hpp"
 #include "device/step.hpp"
 #include "phases/crossings.hpp"
 #include "tiles/indices.hpp"
@@ -16,17 +17,31 @@ namespace {
 /// Shares of the whole that progress is told by.
 constexpr double tiles_share = 0.7, seam_share = 0.9;
 
+/// Of a tile of n vertices: so many constraints, or what has room if these have none: their number is an estimate, by
+/// which no device may refuse what it could solve.
+std::uint64_t constraints_to_try(std::uint64_t n, std::uint64_t expected, std::uint64_t capacity) {
+  std::uint64_t low = 0, high = expected;
+  if (forest_bytes(1, n, high) <= capacity) return expected;
+  // Ends: the range halves. What is at `high` has no room.
+  while (high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    (forest_bytes(1, n, middle) <= capacity ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
 
 TiledRun::TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
-                   const Options& options, TiledReport& report)
+                   const Options& options, TiledReport& report, std::unique_ptr<StagedConstraints> sent)
     : pool_(pool),
       team_(team),
       task_{input, staged, cuts, options.check},
       options_(options),
       report_(report),
       range_(own_tiles(team, cuts.tiles())),
-      room_(pool, input.given.points.size() + input.added.size(), team.is_alone() ? input.constraints.size() : 0) {
+      room_(pool, input.given.points.size() + input.added.size(), team.is_alone() ? input.constraints.size() : 0),
+      sent_(std::move(sent)) {
   own_.grid = FixedGrid{0, 0, "1"};  // the seam is in cells of the common grid
   own_.check = options.check;
   report_.tiles = static_cast<std::uint32_t>(cuts.tiles());
@@ -139,9 +154,11 @@ std::vector<Role> TiledRun::roles_of(const std::vector<std::uint32_t>& numbers, 
 /// Tiles and seam. Returns the pairs of constraints that cross, of which each has one that is open, or was dropped in
 /// its tile and so handed up to the seam (docs/scale.md, T3).
 std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
-  std::optional<StagedConstraints> constraints;
-  if (team_.is_alone() && task_.input.constraints.end_points.empty())
-    task_.constraints = &constraints.emplace(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
+  tiles_.clear();  // those of an earlier round would take the devices' room
+  std::unique_ptr<StagedConstraints> constraints = roles.empty() ? std::move(sent_) : nullptr;
+  if (!constraints && team_.is_alone() && task_.input.constraints.end_points.empty())
+    constraints = std::make_unique<StagedConstraints>(pool_, task_.staged, task_.input, roles, task_.cuts.tiles());
+  task_.constraints = constraints.get();
   Partition all;
   {
     const Timed timed(report_.ms_share);
@@ -170,9 +187,13 @@ std::vector<Constraint> TiledRun::solve_parts(const std::vector<Role>& roles) {
 /// By the devices, where the process has the whole input.
 Partition TiledRun::share_out(const std::vector<Role>& roles) {
   const GridInput& input = task_.input;
-  if (task_.constraints)
-    return partition_open(input, task_.cuts, roles,
-                          find_open(pool_, task_.staged, *task_.constraints, input, task_.cuts, roles));
+  if (task_.constraints) {
+    std::vector<std::uint64_t> expected;  // meanwhile
+    std::future<void> expecting = begin_in_thread([&] { expected = expected_constraints(input, task_.cuts); });
+    std::vector<OpenConstraint> open = find_open(pool_, task_.staged, *task_.constraints, input, task_.cuts, roles);
+    expecting.get();
+    return partition_open(input, task_.cuts, roles, std::move(open), expected);
+  }
   Partition all = partition(input, task_.cuts, roles);
   exchange_shares(team_, all);
   return all;
@@ -185,7 +206,6 @@ void TiledRun::solve_uncrossed(const std::vector<Role>& roles) {
 /// Every tile of the rank, by whichever device takes it; and once more those that a device had when it was lost. Ends:
 /// it is lost for good. A process by itself forgets a tile's share when it is solved, and makes it again.
 void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
-  tiles_.clear();
   tiles_.resize(task_.cuts.tiles());
   std::vector<std::shared_ptr<const Share>> shares(tiles_.size());
   const auto keep_shares = [&](std::vector<Share> given) {
@@ -202,7 +222,10 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
       // A few foreign vertices do not count, so that equal tiles are solved in their order (expect_constraints()).
       const std::uint64_t even = task_.input.n() / tiles_.size(), foreign = shares[t]->foreign.size();
       n.push_back(n.back() + even + (foreign > even / 16 ? foreign : 0));
-      m.push_back(m.back() + shares[t]->constraints.size() + shares[t]->expected);
+      const std::uint64_t known = shares[t]->constraints.size();
+      m.push_back(
+          m.back() +
+          (known > 0 ? known : constraints_to_try(n.back() - n[n.size() - 2], shares[t]->expected, pool_.capacity())));
     }
     const BatchInput sizes{wanted.size(), Points::Type::int32, nullptr, n.data(), nullptr, m.data()};
     std::mutex mutex;
@@ -216,7 +239,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
         if (is_solved[t]) return ForestResult();  // another device was faster
         share = shares[t];
       }
-      spiller.make_room(lent, sizes.n(problem), sizes.m(problem), task_.constraints);
+      spiller.make_room(lent, sizes.n(problem), std::max(sizes.m(problem), share->expected), task_.constraints);
       SolvedTile solved = solve_tile(lent, task_, *share, t);
       {
         const std::lock_guard<std::mutex> lock(mutex);
@@ -257,8 +280,25 @@ std::vector<Constraint> TiledRun::solve_seam() {
     between_ = take_seam(seam_, ProblemMesh(made_seam_), elements_of<Neighbours>(made_seam_, GCDT_NEIGHBOURS),
                          elements_of<std::uint8_t>(made_seam_, GCDT_CONSTRAINED));
     forget(seam_.constraints);
+    if (!pool_.spill_directory().empty()) spill_seam();
   }
   return {};
+}
+
+/// To a file: until its triangles are given to the tiles, they are read in their order.
+void TiledRun::spill_seam() {
+  ProblemMesh& mesh = between_.mesh;
+  const auto bytes_of = [](const auto& array) {
+    return Span<unsigned char>(reinterpret_cast<const unsigned char*>(array.data()),
+                               array.size() * sizeof(*array.data()));
+  };
+  seam_file_.emplace(pool_.spill_directory(),
+                     std::vector<Span<unsigned char>>{bytes_of(mesh.triangles), bytes_of(mesh.neighbours),
+                                                      bytes_of(mesh.constrained)});
+  mesh.triangles = seam_file_->array<Triangle>(0);
+  mesh.neighbours = seam_file_->array<Neighbours>(1);
+  mesh.constrained = seam_file_->array<std::uint8_t>(2);
+  for (const std::size_t array : {GCDT_TRIANGLES, GCDT_NEIGHBOURS, GCDT_CONSTRAINED}) made_seam_.arrays[array] = {};
 }
 
 /// By GPUs if there are some: a CPU beside them takes longer for one problem than they do for all, and takes cores from

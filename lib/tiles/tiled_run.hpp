@@ -23,9 +23,10 @@ struct ResultPart {
 
 class TiledRun {
  public:
-  /// All ranks have the same cuts. Everything must outlive the object. The first rank's options tell progress.
+  /// All ranks have the same cuts. Everything must outlive the object. The first rank's options tell progress. `sent`:
+  /// the input's constraints, on their devices already; they are gone when the tiles have been solved.
   TiledRun(DevicePool& pool, Team& team, const GridInput& input, Staged& staged, const Cuts& cuts,
-           const Options& options, TiledReport& report);
+           const Options& options, TiledReport& report, std::unique_ptr<StagedConstraints> sent = {});
 
   /// Throws what gcdt::triangulate() does. What is said of the input, all ranks throw.
   ResultPart solve();
@@ -48,6 +49,7 @@ class TiledRun {
   Partition share_out(const std::vector<Role>& roles);
   void solve_tiles(const std::vector<Role>& roles, Partition& all);
   std::vector<Constraint> solve_seam();
+  void spill_seam();
 
   ResultPart write(const std::vector<Role>& roles, const std::vector<std::uint32_t>& dropped);
   bool write_tiles(const OwnPlaces& places, std::vector<std::vector<std::uint32_t>>& before,
@@ -72,12 +74,14 @@ class TiledRun {
   Options own_;
   const TileRange range_;  ///< the tiles of this rank
   ResultRoom room_;
+  std::unique_ptr<StagedConstraints> sent_;
   std::vector<SolvedTile> tiles_;
   // At the first rank.
   std::vector<OpenConstraint> open_;
   ForestResult made_seam_;
   Seam seam_;
   SolvedSeam between_;
+  std::optional<SpilledArrays> seam_file_;  ///< the mesh of `between_`, if it is not in `made_seam_`
 };
 
 }  // namespace gcdt::tiles

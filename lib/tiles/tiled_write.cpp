@@ -67,11 +67,14 @@ bool TiledRun::write_tiles(const OwnPlaces& places, std::vector<std::vector<std:
         write_spilled(task_.input, {one});
         continue;
       }
-      one.before = write_tile(lent, one.final, one.places, one.to);
+      Step step(lent.runtime, "write");
       const SeamPieces& seam = of_tile->of_seam;
-      of_tile->before =
-          one.final.pieces.write(lent, one.final.ids, one.final.points, seam, keys_of(task_.input, seam), of_tile->to);
+      const FinalPieces::OnItsWay pieces_written = one.final.pieces.begin_write(
+          lent.runtime, one.final.ids, one.final.points, seam, keys_of(task_.input, seam), of_tile->to);
+      one.before = write_tile(lent, one.final, one.places, one.to, pieces_written.reads);
+      of_tile->before = one.final.pieces.end_write(lent.runtime, pieces_written);
       of_tile->are_written = true;
+      step.end();
       one.final.release();
     }
   });

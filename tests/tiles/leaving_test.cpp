@@ -84,6 +84,22 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a large tile is written in two parts, of which the first is read beside, and bytes are the same") {
+  const Workload work = workload("letters", 30000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  runtime::CallHook hook = small(work, healthy(), 20);
+  hook.tuning.least_chunked = 64;
+  std::atomic<int> reads_beside{0};
+  DevicePool pool({{cl::Context(), app_device(), hook}, {cl::Context(), app_device(), hook}}, {},
+                  [&](const TraceSpan& span) { reads_beside += span.name == "read beside"; });
+  for (int call = 0; call < 2; ++call) {
+    reads_beside = 0;
+    expected.check(tiles::triangulate(pool, batch.view(), in_tiles()));
+    CHECK(reads_beside > 0);
+  }
+}
+
 TEST_CASE("tiles leave a device treated as a GPU") {
   const Workload work = uniform(60000);
   const RaggedBatch batch({work});

@@ -67,6 +67,20 @@ TEST_CASE("a vertex outside of a fixed grid is named in tiles, whatever its cons
   }
 }
 
+TEST_CASE(
+    "a constraint between vertices outside of a fixed grid, through a cut between others there, loses no device") {
+  Workload work;
+  constexpr std::uint32_t count = 300;
+  for (std::uint32_t i = 0; i < count; ++i) work.points.push_back({2147483647.6, 1000.0 * i});
+  for (std::uint32_t i = 0; i < count / 2; ++i) work.constraints.push_back({i, i + count / 2});
+  Options on_grid;
+  on_grid.grid = FixedGrid{};
+  const auto error = cut(work, 3, on_grid).error(0);
+  REQUIRE(error);
+  CHECK(error->status() == Status::coordinate_outside_grid);
+  CHECK(error->indices() == std::vector<std::uint64_t>{0, 0});
+}
+
 TEST_CASE("rounding makes the same vertices one in tiles as on one device") {
   Workload work = uniform(500);
   for (Point& p : work.points) p[0] += 1e9;  // so that x is rounded to 2^-23, and to 2^-31 of the extent
