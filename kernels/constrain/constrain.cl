@@ -161,7 +161,8 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 // the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
 // last face, at the edge where the walk came in) has one owner, and one part of that piece comes there.
 static inline uint chain_side(volatile global uint* near, uint along, bool from_end, uint word, uint c) {
-  if (!(from_end || near[word] == c) || near[along] != GCDT_NONE) return GCDT_NONE;
+  const uint at_word = near[word], at_along = near[along];  // both are asked for before either is waited for
+  if (!(from_end || at_word == c) || at_along != GCDT_NONE) return GCDT_NONE;
   near[along] = NEAR_CHAIN;
   return along;
 }
