@@ -159,9 +159,10 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 
 // The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
 // the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
-// last face, at the edge where the walk came in) has one owner, and one part of that piece comes there.
+// last face, at the edge where the walk came in) has one owner, and one part of that piece comes there. Both words are
+// asked for before either is waited for: who owns nothing there may read one that is being marked, and does nothing.
 static inline uint chain_side(volatile global uint* near, uint along, bool from_end, uint word, uint c) {
-  const uint at_word = near[word], at_along = near[along];  // both are asked for before either is waited for
+  const uint at_word = near[word], at_along = near[along];
   if (!(from_end || at_word == c) || at_along != GCDT_NONE) return GCDT_NONE;
   near[along] = NEAR_CHAIN;
   return along;
