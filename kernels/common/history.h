@@ -104,12 +104,12 @@ static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, gl
   return nearer_coarse_vertex(levels, level, points, units.y, unit, points[v]);
 }
 
-// Visibility walk in the top layer from coarser vertex `from_vertex`, or, if that is GCDT_NONE, from face `root`, to a
-// face that holds the germ in its closure. The top layer is Delaunay (regular for the tie rule's heights, symbols
-// included), so the walk visits no face twice; `limit` faces at most, else GCDT_NONE. `zero` gets the corner whose
-// opposite edge holds a plain vertex, or 3. Where two edges lead on, it takes the one that the straight line from
-// its start crosses, and so turns around that vertex first: a launch lasts as long as its longest walk, and at the
-// hull a face of the vertex can reach far away.
+// Straight walk in the top layer from coarser vertex `from_vertex`, or, if that is GCDT_NONE, from face `root`, to a
+// face that holds the germ in its closure: it turns around the vertex in one direction, then goes through the faces
+// that the segment to the germ crosses. So it visits no face twice in any triangulation (L5); `limit` faces at most,
+// else GCDT_NONE. `zero` gets the corner whose opposite edge holds a plain vertex, or 3. A launch lasts as long as its
+// longest walk, and at the hull a face of the vertex can reach far away: so where two edges lead on, it takes the one
+// that the segment crosses.
 static inline uint walk_top_layer(global const int2* points, uint n, History h, Germ g, uint from_vertex, uint root,
                                   uint limit, private uint* steps, private uint* zero) {
   uint t = from_vertex == GCDT_NONE ? root : h.vertex_face[from_vertex];
@@ -117,7 +117,7 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
   uint k = c.y == from_vertex ? 1u : c.z == from_vertex ? 2u : 0u;
   c = rotate_to(c, k);
   Vertex x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y), z = load_vertex(points, n, c.z);
-  const Vertex origin = x, goal = near_germ(g);
+  const Vertex origin = x;
   // k: corner x; but in the first face, the walk came in across from it
   int sx = germ_side(g, y, z);
   for (uint step = 0; step < limit; ++step) {
@@ -129,7 +129,7 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
     }
     // The edge that the walk leaves through becomes y-z, seen from behind.
     const uint from = t;
-    if (sy < 0 && (sz >= 0 || gcdt_orient2d(origin, goal, x) > 0)) {
+    if (sy < 0 && (sz >= 0 || germ_side(g, origin, x) < 0)) {
       t = element(across, next_corner(k));
       y = x;
     } else if (sz < 0) {

@@ -10,7 +10,7 @@
 #include "constrain/chunks.h"
 #include "constrain/near.h"
 
-// One work-item per part. Writes near words by compare-and-exchange (reduce_piece: order cannot
+// One work-item per part. Writes near words by compare-and-exchange (reduce_near: order cannot
 // matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
 // an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by
 // atomic_or). After: near and crossed faces are complete, or failure bits are set.
@@ -43,8 +43,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
       volatile global uint *left = near_left(near, w.code), *right = near_right(near, w.code);
       const uint at_left = *left, at_right = *right;
       const Behind behind = look_behind(&w, mesh);
-      reduce_piece(left, at_left, c, &w, w.left, 0u, mesh, lines, counters);
-      reduce_piece(right, at_right, c, &w, w.right, 0u, mesh, lines, counters);
+      reduce_near(left, at_left, right, at_right, c, &w, lines, counters);
       event = walk_cross(&w, mesh, behind);
       // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
       if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
@@ -160,9 +159,11 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 
 // The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
 // the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
-// last face, at the edge where the walk came in) has one owner, and one part of that piece comes there.
+// last face, at the edge where the walk came in) has one owner, and one part of that piece comes there. Both words are
+// asked for before either is waited for: who owns nothing there may read one that is being marked, and does nothing.
 static inline uint chain_side(volatile global uint* near, uint along, bool from_end, uint word, uint c) {
-  if (!(from_end || near[word] == c) || near[along] != GCDT_NONE) return GCDT_NONE;
+  const uint at_word = near[word], at_along = near[along];
+  if (!(from_end || at_word == c) || at_along != GCDT_NONE) return GCDT_NONE;
   near[along] = NEAR_CHAIN;
   return along;
 }
@@ -177,7 +178,7 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
 
 // One work-item per part. Writes the vertices that the part owns to chunks, the first of which all parts have, and how
 // many are left and right (its own words, the right ones `capacity` behind), marks known sides along chains with
-// NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon (reduce_piece). A piece that is an edge already
+// NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon (reduce_far). A piece that is an edge already
 // crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each piece that was
 // walked.
 kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS,
@@ -204,15 +205,17 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
         const Behind behind = look_behind(&w, mesh);
-        if (owns_left(&w, near, c))
+        // Both words are asked for before anything is done.
+        const bool left_owned = owns_left(&w, near, c), right_owned = owns_right(&w, near, c);
+        if (left_owned)
           own_vertex(chunks, &o, w.left, 0u, chain_side(near, w.across_right, w.third_side == 0, w.across_left, c),
                      counters);
-        if (owns_right(&w, near, c))
+        if (right_owned)
           own_vertex(chunks, &o, w.right, 1u,
                      chain_side(near, w.across_left, w.third_side == 0, w.across_right ^ 1u, c), counters);
         if (w.third_side != 0 && word > claim) {
-          volatile global uint* at = far + 3u * (word - claim - 1u) + cut_corner(&w);
-          reduce_piece(at, *at, c, &w, w.third_side > 0 ? w.right : w.left, 1u, mesh, lines, counters);
+          reduce_far(far + 3u * (word - claim - 1u) + cut_corner(&w), c, &w,
+                     w.third_side > 0 ? w.point_right : w.point_left, lines, counters);
         }
         word = behind.corners.w;
         event = walk_cross(&w, mesh, behind);

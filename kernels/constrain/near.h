@@ -37,29 +37,49 @@ static int compare_pieces(Vertex a1, Vertex b1, Vertex a2, Vertex b2, Vertex u) 
   return PIECES_CROSS;
 }
 
-// Compares `piece` with the walk's own from u. (To remember the last answer, which is mostly asked for again, takes
-// registers that more work-items need: NOTES, "Many crossings".)
-static inline int compare_with_walk(uint piece, const private Walk* w, uint u, Mesh mesh, global const int4* lines) {
-  const int4 line = lines[piece];
-  return compare_pieces(line_begin(line), line_end(line), w->va, w->vb, load_vertex(mesh.points, mesh.n, u));
+// Which is met first from u: `current`, along `line`, or the walk's own piece? Crossing ones set the failure bit.
+static inline int compare_with_walk(int4 line, const private Walk* w, Vertex u, volatile global Counters* counters) {
+  const int order = compare_pieces(line_begin(line), line_end(line), w->va, w->vb, u);
+  if (order == PIECES_CROSS) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
+  return order;
 }
 
-// Makes *word, which was `current`, the piece nearest to u (farthest = 0) or farthest from it (farthest = 1), of
-// itself and c; equal places go to the smaller number. A total order if no pieces cross, so the order of
-// work-items cannot matter; crossing ones set the failure bit. Ends: the word changes only to nearer
-// (farther) pieces, so each exchange that fails does so for another of finitely many.
-static void reduce_piece(volatile global uint* word, uint current, uint c, const private Walk* w, uint u, uint farthest,
-                         Mesh mesh, global const int4* lines, volatile global Counters* counters) {
+static inline bool is_nearer(uint current, int4 line, uint c, const private Walk* w, Vertex u,
+                             volatile global Counters* counters) {
+  if (current == c) return false;
+  if (current == GCDT_NONE) return true;
+  const int order = compare_with_walk(line, w, u, counters);
+  return order == SAME_PLACE ? c < current : order == SECOND_NEARER;
+}
+
+// At the edge that the walk crosses: makes the words of its ends, which were `at_left` and `at_right`, the pieces
+// nearest to these, of themselves and c; equal places go to the smaller number. A total order if no pieces cross, so
+// the order of work-items cannot matter. Both exchanges are asked for before either is waited for. Ends: a word changes
+// only to nearer pieces, so each exchange that fails does so for another of finitely many, and a word that has become
+// c or is nearer stays as it is.
+static void reduce_near(volatile global uint* left, uint at_left, volatile global uint* right, uint at_right, uint c,
+                        const private Walk* w, global const int4* lines, volatile global Counters* counters) {
   for (;;) {
-    if (current == c) return;
+    const int4 line_left = lines[at_left == GCDT_NONE ? c : at_left],
+               line_right = lines[at_right == GCDT_NONE ? c : at_right];
+    const bool nearer_left = is_nearer(at_left, line_left, c, w, w->point_left, counters),
+               nearer_right = is_nearer(at_right, line_right, c, w, w->point_right, counters);
+    uint seen_left = at_left, seen_right = at_right;
+    if (nearer_left) seen_left = atomic_cmpxchg(left, at_left, c);
+    if (nearer_right) seen_right = atomic_cmpxchg(right, at_right, c);
+    if (seen_left == at_left && seen_right == at_right) return;
+    at_left = nearer_left && seen_left == at_left ? c : seen_left;
+    at_right = nearer_right && seen_right == at_right ? c : seen_right;
+  }
+}
+
+// The same for the piece that is farthest from u, in one word. Ends as that.
+static void reduce_far(volatile global uint* word, uint c, const private Walk* w, Vertex u, global const int4* lines,
+                       volatile global Counters* counters) {
+  for (uint current = *word; current != c;) {
     if (current != GCDT_NONE) {
-      const int order = compare_with_walk(current, w, u, mesh, lines);
-      if (order == PIECES_CROSS) {
-        atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
-        return;
-      }
-      const bool better = order == SAME_PLACE ? c < current : (order == SECOND_NEARER) != (farthest != 0u);
-      if (!better) return;
+      const int order = compare_with_walk(lines[current], w, u, counters);
+      if (order == SAME_PLACE ? c > current : order != FIRST_NEARER) return;
     }
     const uint seen = atomic_cmpxchg(word, current, c);
     if (seen == current) return;

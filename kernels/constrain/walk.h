@@ -19,14 +19,15 @@ typedef struct Walk {
   Vertex va, vb;
   u32 k, parts;  // from division point k to k + 1 of `parts`
   u32 face;
-  u32 third;                      // corner number: the exit edge is the one opposite it
-  i32 third_side;                 // of the line a -> b: 1 left, -1 right, 0 on it, behind
-  u32 code;                       // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
-  u32 across_left, across_right;  // at an exit edge: side codes of the face's edges across from its two ends
-  u32 left, right;                // ends of the exit edge
-  i32 at_left, at_right;          // how far along the piece they are: way_along
-  i32 until;                      // the next division point is that far at least
-  u32 hit;                        // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
+  u32 third;                       // corner number: the exit edge is the one opposite it
+  i32 third_side;                  // of the line a -> b: 1 left, -1 right, 0 on it, behind
+  u32 code;                        // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
+  u32 across_left, across_right;   // at an exit edge: side codes of the face's edges across from its two ends
+  u32 left, right;                 // ends of the exit edge
+  i32 at_left, at_right;           // how far along the piece they are: way_along
+  i32 until;                       // the next division point is that far at least
+  Vertex point_left, point_right;  // of the ends
+  u32 hit;                         // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
 } Walk;
 
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without
@@ -111,8 +112,10 @@ static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 
 
 // The same, where nothing is known of the ends.
 static uint come_to_first_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
-  w->at_right = way_along(w, load_vertex(mesh.points, mesh.n, c.y));
-  w->at_left = way_along(w, load_vertex(mesh.points, mesh.n, c.z));
+  w->point_right = load_vertex(mesh.points, mesh.n, c.y);
+  w->point_left = load_vertex(mesh.points, mesh.n, c.z);
+  w->at_right = way_along(w, w->point_right);
+  w->at_left = way_along(w, w->point_left);
   return come_to_edge(w, mesh, third, c, sides, third_side);
 }
 
@@ -186,10 +189,13 @@ static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
   const int s = gcdt_sign64(gcdt_orient2d(w->va, w->vb, b.apex));
   if (s == 0) return come_to_vertex(w, mesh, element(b.corners, j), GCDT_NONE);
   const uint third = s > 0 ? next_corner(j) : previous_corner(j);
-  if (s > 0)
+  if (s > 0) {
+    w->point_left = b.apex;
     w->at_left = way_along(w, b.apex);
-  else
+  } else {
+    w->point_right = b.apex;
     w->at_right = way_along(w, b.apex);
+  }
   return come_to_edge(w, mesh, third, rotate_to(b.corners, third), b.sides, s > 0 ? 1 : -1);
 }
 

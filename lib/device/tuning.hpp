@@ -72,6 +72,9 @@ struct Tuning {
   std::uint32_t crossings_per_part = 8;
   /// Crossed faces a constraint from which on they are cleaned in the order of the curve; none: by the device, below.
   std::optional<std::uint32_t> curve_crossings;
+  /// Crossed faces, as many times as the mesh has faces, from which on some pieces are enforced ahead of the others;
+  /// none: by the device, below.
+  std::optional<std::uint32_t> crossings_ahead;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
   /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
   /// need to help it, each of which wakes all of them (bench/NOTES.md).
@@ -235,6 +238,11 @@ struct Tuning {
   /// Crossed faces a constraint from which on GPUs clean them in the order of the curve: lanes side by side then read
   /// the same faces, which a sort by so many bits pays for (NOTES, "Many crossings").
   static constexpr std::uint32_t gpu_curve_crossings = 16, gpu_curve_bits = 12;
+  /// Crossed faces, as many times as the mesh has faces, from which on every `step_ahead`-th piece is enforced ahead of
+  /// the others: two phases with little to walk instead of one, which on GPUs are some 80 launches more (NOTES,
+  /// "Constraints in turn").
+  static constexpr std::uint32_t gpu_crossings_ahead = 40, gpu_step_ahead = 16, cpu_crossings_ahead = 8,
+                                 cpu_step_ahead = 8;
   /// Crossed faces of a part on threads, about: where a part begins takes as long to find as some to hundreds of faces
   /// to cross (NOTES, "Threads: parts": a closed comb of 1000 vertices cleaned in 0.7 ms instead of 4.9).
   static constexpr std::uint32_t cpu_crossings_per_part = 128;

@@ -82,6 +82,9 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.crossings_of_long = Tuning::crossings_of_long;
   plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   plan.crossings_per_part = threads ? Tuning::cpu_crossings_per_part : tuning.crossings_per_part;
+  plan.crossings_ahead =
+      tuning.crossings_ahead.value_or(gpu ? Tuning::gpu_crossings_ahead : Tuning::cpu_crossings_ahead);
+  plan.step_ahead = gpu ? Tuning::gpu_step_ahead : Tuning::cpu_step_ahead;
   plan.all_pairs = lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
 
   plan.output = each ? By::each : by_one(sizes.vertices);

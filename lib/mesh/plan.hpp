@@ -69,6 +69,9 @@ struct Plan {
   std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
   /// Where parts would have `crossings_of_long` faces and more, there are so many at most.
   std::uint32_t long_parts = 0, crossings_of_long = 0;
+  /// Crossed faces, as many times as there are faces, from which on every `step_ahead`-th piece is enforced ahead of
+  /// the others.
+  std::uint32_t crossings_ahead = 0, step_ahead = 0;
   std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.

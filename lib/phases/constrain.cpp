@@ -62,8 +62,8 @@ class Constraining {
   void find_near() {
     take_claims();
     parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
-    begins_ =
-        find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_, &pieces_.walked, false, counters_);
+    begins_ = find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_,
+                               pieces_.walked.located ? &pieces_.walked : nullptr, false, counters_);
     history_.fans = no_fans(runtime_);
     near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);

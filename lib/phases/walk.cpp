@@ -18,14 +18,6 @@ PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const r
   return parts;
 }
 
-std::uint64_t total_length(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces) {
-  const auto total = runtime.filled<cl_uint>("length of pieces", 2, 0);
-  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, lengths, total);
-  cl_uint words[2];
-  runtime.read(total, words, 2);
-  return wide(words[0], words[1]);
-}
-
 // Without what was walked before, buffers that are not read take its place.
 void launch_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
                         cl_uint pieces, const PieceParts& parts, const WalkedPieces* before, cl_uint hasty,
@@ -41,6 +33,14 @@ void launch_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, con
 }
 
 }  // namespace
+
+std::uint64_t total_weight(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& weights, cl_uint pieces) {
+  const auto total = runtime.filled<cl_uint>("weight of pieces", 2, 0);
+  runtime.launch("parts", "parts_total", runtime::over(pieces), pieces, weights, total);
+  cl_uint words[2];
+  runtime.read(total, words, 2);
+  return wide(words[0], words[1]);
+}
 
 // Below 2^31 lengths of below 2^31, times the square root of at most 2^32 faces, by 2^31. (Each step of the loop comes
 // nearer: it ends.)
@@ -61,14 +61,14 @@ PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, co
                            const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
   auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
   runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
-  return parts_by_length(runtime, primitives, plan, vertices, lengths, pieces, total_length(runtime, lengths, pieces));
+  return parts_by_length(runtime, primitives, plan, vertices, lengths, pieces, total_weight(runtime, lengths, pieces));
 }
 
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                               const Pieces& pieces) {
   const WalkedPieces& walked = pieces.walked;
   return make_parts(runtime, primitives, walked.weights, pieces.count, walked.crossed,
-                    part_pool(plan, walked.crossed, walked.pool), &walked);
+                    part_pool(plan, walked.crossed, walked.pool), walked.located ? &walked : nullptr);
 }
 
 PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,

@@ -29,6 +29,8 @@ PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, co
 /// The same of pieces whose lengths nobody knows. Blocks.
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                            const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);
+/// The sum of the weights, or lengths, of pieces. Blocks.
+std::uint64_t total_weight(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& weights, cl_uint pieces);
 /// The faces that constraints of this total length cross on an evenly filled mesh.
 std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length);
 /// The same by the weights of the pieces, which are the crossings counted when the constraints were cleaned. They are a

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solve/run.hpp"
 
+#include "phases/ahead.hpp"
 #include "phases/grow.hpp"
 #include "solve/memory.hpp"
 
@@ -104,7 +105,7 @@ void Run::clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, co
 }
 
 ConstrainResult Run::enforce() {
-  const ConstrainResult r = constrain(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
+  const ConstrainResult r = constrain_in_turn(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
   auto& cases = statistics.cases;
   cases.existing_edges = r.existing_edges;
   cases.pieces_walked = r.walked;

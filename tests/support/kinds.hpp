@@ -64,7 +64,7 @@ inline Tuning small_thresholds() {
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
   tuning.most_ranked_by_count = tuning.most_by_teams = 16;
-  tuning.curve_crossings = 0;
+  tuning.curve_crossings = tuning.crossings_ahead = 0;
   return tuning;
 }
 
