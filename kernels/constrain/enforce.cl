@@ -279,12 +279,13 @@ static void know_faces(private Problem* p, uint problem, uint begin, uint end) {
 // an earlier one; and if they do and not `all`, but for those that follow. Writes words of its problem; pieces_of[c]:
 // of how many edges constraint c is made, 0 if it is left out or has no length; crosses[c]: 1 if it crosses an earlier
 // one that was enforced, else 0. Ends: see the functions. After: the mesh is constrained Delaunay;
-// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void; GCDT_FAILED_INDEX: an end is not
-// below `inputs`, and constraints from there on are left out.
-kernel void enforce_problems(uint problems, uint inputs, uint all, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
-                             global const uint2* constraints, global const uint* input_vertex, global uint* edge_marks,
-                             global uint* vertex_face, global uint4* crossed, global uint4* stack,
-                             global uint* pieces_of, global uint* crosses, volatile global Counters* counters) {
+// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void; GCDT_FAILED_INDEX: an end is
+// not below `inputs`, and constraints from there on are left out.
+kernel void enforce_problems(uint problems, uint inputs, uint all, GCDT_MESH_PARAMETERS,
+                             global const uint* first_constraint, global const uint2* constraints,
+                             global const uint* input_vertex, global uint* edge_marks, global uint* vertex_face,
+                             global uint4* crossed, global uint4* stack, global uint* pieces_of, global uint* crosses,
+                             volatile global Counters* counters) {
   Problem p;
   p.mesh = make_mesh(n, points, face_data, edge_faces);
   p.marks = edge_marks;
@@ -347,11 +348,11 @@ static uint next_on(Mesh mesh, global const uint* vertex_face, uint a, uint b) {
 // higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and by
 // insertion for the few pieces of each. `places`: a word per vertex, void afterwards, as are the unsorted ones.
 // Writes words of its problem. After: as clean_pieces and a stable sort.
-kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS, global const uint* first_constraint,
-                           global const uint2* constraints, global const uint* input_vertex,
-                           global const uint* vertex_face, global const uint* offsets, global uint* places,
-                           global ulong* unsorted_keys, global uint* unsorted_sources, global ulong* keys,
-                           global uint* sources) {
+kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
+                           global const uint* first_constraint, global const uint2* constraints,
+                           global const uint* input_vertex, global const uint* vertex_face, global const uint* offsets,
+                           global uint* places, global ulong* unsorted_keys, global uint* unsorted_sources,
+                           global ulong* keys, global uint* sources) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH_TREE(i, problems, points, n) {
     const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
@@ -390,7 +391,7 @@ kernel void enforce_ends(uint count, GCDT_LEVELS_POINTER levels, global const ul
   const uint last = levels->count - 1u;
   FOR_EACH(i, count) {
     const ulong key = keys[firsts[i]];
-    ends[i] = (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> 32)),
-                      gcdt_vertex_of_rank(levels, last, (uint)key));
+    ends[i] =
+        (uint2)(gcdt_vertex_of_rank(levels, last, (uint)(key >> 32)), gcdt_vertex_of_rank(levels, last, (uint)key));
   }
 }

@@ -250,9 +250,9 @@ kernel void tile_places(const uint finals, const uint count, global const uint* 
   FOR_EACH(r, finals) places[r] = r + count_up_to(before, count, r);
 }
 
-// One work-item per final triangle from number `begin` on. Reads places, ids and what tile_finals has written. Writes the
-// triangle's arrays at its place: input numbers, neighbours as places from `first` on, -1 where there is no final one.
-// Places differ. Places of the seam's triangles are not written.
+// One work-item per final triangle from number `begin` on. Reads places, ids and what tile_finals has written. Writes
+// the triangle's arrays at its place: input numbers, neighbours as places from `first` on, -1 where there is no final
+// one. Places differ. Places of the seam's triangles are not written.
 kernel void tile_write(const uint finals, const uint begin, const uint first, global const uint* places,
                        global const uint* ids, global const uint* corners, global const int* neighbours,
                        global const uchar* constrained, global uint* out_corners, global int* out_neighbours,
