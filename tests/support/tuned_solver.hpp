@@ -4,6 +4,8 @@
 
 #include <memory>
 
+#include <gcdt/gcdt.hpp>
+
 #include "api/state.hpp"
 #include "device_list.hpp"
 
