@@ -30,19 +30,6 @@ static inline void queue_edge(Queue q, uint e) {
   if (q.listed && !(old & GCDT_MARK_QUEUED)) append(q.list, e);
 }
 
-// The four edges around one that was flipped. All marks are asked for before the first answer is waited for.
-static inline void queue_around(Queue q, const private uint* around) {
-  const uint e0 = GCDT_SIDE_EDGE(around[0]), e1 = GCDT_SIDE_EDGE(around[1]), e2 = GCDT_SIDE_EDGE(around[2]),
-             e3 = GCDT_SIDE_EDGE(around[3]);
-  const uint old0 = atomic_or(q.marks + e0, GCDT_MARK_QUEUED), old1 = atomic_or(q.marks + e1, GCDT_MARK_QUEUED),
-             old2 = atomic_or(q.marks + e2, GCDT_MARK_QUEUED), old3 = atomic_or(q.marks + e3, GCDT_MARK_QUEUED);
-  if (!q.listed) return;
-  if (!(old0 & GCDT_MARK_QUEUED)) append(q.list, e0);
-  if (!(old1 & GCDT_MARK_QUEUED)) append(q.list, e1);
-  if (!(old2 & GCDT_MARK_QUEUED)) append(q.list, e2);
-  if (!(old3 & GCDT_MARK_QUEUED)) append(q.list, e3);
-}
-
 // Edge e, not constrained.
 GCDT_GIVEN_LOCAL void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
   const uint2 refs = faces_of_edge(mesh, e);
@@ -98,17 +85,6 @@ static uint propagate(Mesh mesh, Claim c, uint ticket, private uint* around, Que
   return flips;
 }
 
-// The same, if work-items propagate here; else leaves the edges around to the next round, where a constrained one
-// leaves the queue unseen.
-static inline uint go_on_around(Mesh mesh, Claim c, uint ticket, private uint* around, Queue queue) {
-#if GCDT_FLIP_CHAIN > 1
-  return propagate(mesh, c, ticket, around, queue);
-#else
-  queue_around(queue, around);
-  return 1;
-#endif
-}
-
 // Flips e if it owns both its faces; they were claimed before this launch or not at all, so corners read with the
 // ticket beside them are right. Returns the number of flips.
 static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
@@ -122,7 +98,13 @@ static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
     return 0;
   }
   flip_edge(mesh, e, refs, ct, cu, around);
-  return go_on_around(mesh, c, ticket, around, queue);
+#if GCDT_FLIP_CHAIN > 1
+  return propagate(mesh, c, ticket, around, queue);
+#else
+  // A constrained edge leaves the queue unseen.
+  for (uint i = 0; i < 4u; ++i) queue_edge(queue, GCDT_SIDE_EDGE(around[i]));
+  return 1;
+#endif
 }
 
 // A tile of the edges to be tested, by the whole group.
@@ -149,106 +131,36 @@ typedef struct OwnLists {
   volatile global uint *tests, *found;
 } OwnLists;
 
-// An edge that a work-item keeps from its test to its flip.
-typedef struct Tested {
-  uint e;
-  bool illegal;
-  uint2 refs;                          // of its faces
-  uint4 corners_t, corners_u, st, su;  // their corners and sides
-} Tested;
-
-// Takes e out of the queue, unless it is GCDT_NONE; if it is illegal, claims its faces. What it may want next is read
-// at once: few edges wait for memory, and for nothing else.
-static inline Tested test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, uint e) {
-  Tested k;
-  k.e = e;
-  k.illegal = false;
-  k.refs = (uint2)(0u, 0u);
-  k.corners_t = k.corners_u = k.st = k.su = (uint4)(0u);
-  if (e == GCDT_NONE) return k;
-  const uint marks = edge_marks[e];
-  k.refs = faces_of_edge(mesh, e);
-  edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
-  if ((marks & GCDT_MARK_CONSTRAINED) || k.refs.x == GCDT_NONE || k.refs.y == GCDT_NONE) return k;
-  const uint t = GCDT_REF_FACE(k.refs.x), u = GCDT_REF_FACE(k.refs.y);
-  k.corners_t = mesh.face_data[GCDT_CORNERS(t)];
-  k.corners_u = mesh.face_data[GCDT_CORNERS(u)];
-#ifndef GCDT_CONTIGUOUS
-  k.st = mesh.face_data[GCDT_SIDES(t)];
-  k.su = mesh.face_data[GCDT_SIDES(u)];
-#endif
-  k.illegal = is_illegal_between(mesh, k.refs.x, k.refs.y, k.corners_t, k.corners_u);
-  if (!k.illegal) return k;
-  const uint ticket = make_ticket(c.stamp, c.bits, e);
-  atomic_max(claim_word(mesh.face_data, t), ticket);
-  atomic_max(claim_word(mesh.face_data, u), ticket);
-  return k;
-}
-
-// Flips the edge if it was illegal and owns both its faces: then nobody has changed what was kept of them. Returns the
-// flips.
-static inline uint flip_kept(Mesh mesh, Claim c, private Tested* k, Queue queue) {
-  if (!k->illegal) return 0u;
-  const uint ticket = make_ticket(c.stamp, c.bits, k->e);
-  const uint of_t = *claim_word(mesh.face_data, GCDT_REF_FACE(k->refs.x)),
-             of_u = *claim_word(mesh.face_data, GCDT_REF_FACE(k->refs.y));
-  if (of_t != ticket || of_u != ticket) {
-    queue_edge(queue, k->e);
-    return 0u;
-  }
-  k->corners_t.w = k->corners_u.w = ticket;
-  uint around[4];
-  flip_edge_with(mesh, k->e, k->refs, k->corners_t, k->corners_u, k->st, k->su, around);
-  return go_on_around(mesh, c, ticket, around, queue);
-}
-
 // One work-group, all of it with the same arguments. Up to `most` rounds, of which the first tests the edges of the
 // list; barriers order what two kernels do otherwise, and the same arguments hold for each part. Nobody else touches
-// the faces that these edges lead to. Where each work-item has one edge at most, it keeps that from its test to its
-// flip, and the list stays in local memory: a round waits for half as many loads that depend on one another. Ends when
-// the list is empty or after `most` rounds. Returns how many were done; the list is what is left.
+// the faces that these edges lead to. Ends when the list is empty or after `most` rounds. Returns how many were done;
+// the list is what is left.
 GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
                                     local uint* items, local uint* gathered, private uint* flips) {
-  const uint me = get_local_id(0), most_kept = min((uint)get_local_size(0), APPEND_CAPACITY);
-  const Appender queue = {.items = items, .gathered = gathered, .list = own.list, .length = own.tests};
   uint done = 0;
-  bool local_list = false;  // the list stands in `items`, and *own.tests is 0
   for (;;) {
-    const uint tests = local_list ? queue.gathered[0] : *own.tests;
+    const uint tests = *own.tests;
+    barrier(CLK_GLOBAL_MEM_FENCE);
     if (tests == 0u || done == most) break;
-    const bool few = tests <= most_kept;
-    const uint mine = few && me < tests ? (local_list ? items[me] : own.list[me]) : GCDT_NONE;
-    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     const Claim c = make_claim(stamp + done, bits);
-    if (me == 0) {
-      queue.gathered[0] = 0u;
-      if (!local_list) *own.tests = *own.found = 0u;
+    if (get_local_id(0) == 0) {
+      *own.tests = 0u;
+      *own.found = 0u;
     }
-    if (few) {
-      Tested kept = test_and_keep(mesh, edge_marks, c, mine);
-      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-      *flips += flip_kept(mesh, c, &kept, make_list_queue(edge_marks, queue));
-    } else {
-      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-      const Appender illegal = make_appender(items, gathered, own.illegal, own.found);
-      FOR_ALL_TILES(tile, tests) test_tile(mesh, edge_marks, c, own.list, tests, tile, illegal);
-      append_flush(illegal, 0u);
-      barrier(CLK_GLOBAL_MEM_FENCE);
-      const uint count = *own.found;
-      FOR_ALL_TILES(tile, count) {
-        *flips += flip_tile(mesh, c, own.illegal, count, tile, make_list_queue(edge_marks, queue));
-      }
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    const Appender illegal = make_appender(items, gathered, own.illegal, own.found);
+    FOR_ALL_TILES(tile, tests) test_tile(mesh, edge_marks, c, own.list, tests, tile, illegal);
+    append_flush(illegal, 0u);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    const uint count = *own.found;
+    const Appender queue = make_appender(items, gathered, own.list, own.tests);
+    FOR_ALL_TILES(tile, count) {
+      *flips += flip_tile(mesh, c, own.illegal, count, tile, make_list_queue(edge_marks, queue));
     }
-    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    local_list = few && queue.gathered[0] <= most_kept;
-    if (!local_list) {
-      append_flush(queue, 0u);
-      barrier(CLK_GLOBAL_MEM_FENCE);
-    }
+    append_flush(queue, 0u);
+    barrier(CLK_GLOBAL_MEM_FENCE);
     ++done;
   }
-  if (local_list) append_flush(queue, 0u);
-  barrier(CLK_GLOBAL_MEM_FENCE);
   return done;
 }
 
