@@ -270,7 +270,7 @@ TransferChunks* Runtime::chunks_for(std::size_t bytes) {
       log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: transfers are slow");
     }
   }
-  return chunks_.get();
+  return chunks_ && !chunks_->lent() ? chunks_.get() : nullptr;
 }
 
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {

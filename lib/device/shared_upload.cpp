@@ -32,19 +32,29 @@ std::size_t SharedUpload::join(Runtime& runtime) {
     chunk_bytes_ = chunks->chunk_bytes();
     threads_ += runtime.tuning().copy_threads;
     for (std::size_t i = 0; i < chunks->count(); ++i) slots_.push_back({chunks->memory(i)});
+    lent_.push_back(chunks->lend());
   } else {
     all_have_chunks_ = false;
   }
   if (!failed) ++active_;
   if (++joined_ == expected_) {
     if (!all_have_chunks_ || active_ < 2) slots_.clear();
-    if (is_shared()) begin_helpers();
+    if (is_shared())
+      begin_helpers();
+    else
+      give_back();
     ready_ = true;
     changed_.notify_all();
   }
   changed_.wait(lock, [&] { return ready_; });
   if (failed) std::rethrow_exception(failed);
   return slots_.size();
+}
+
+// The chunks are their devices' again.
+void SharedUpload::give_back() {
+  for (const auto& lent : lent_) *lent = false;
+  lent_.clear();
 }
 
 void SharedUpload::wait_until_left() {
@@ -66,9 +76,9 @@ void SharedUpload::begin_helpers() {
 // What it has not released, nobody waits for.
 void SharedUpload::leave(std::size_t released) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  --active_;
   for (Slot& slot : slots_)
     if (slot.part != none && slot.part >= released) --slot.users;
+  if (--active_ == 0) give_back();
   changed_.notify_all();
 }
 

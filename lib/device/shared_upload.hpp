@@ -27,8 +27,8 @@ class SharedUpload {
   /// Waits until all takers have left: from then on a device's chunks are its own again. For one that has left.
   void wait_until_left();
 
-  /// A device's thread. Until all have left, or its runtime is given up, the device makes no transfer that goes through
-  /// chunks but this one. It may leave when it likes; the others go on.
+  /// A device's thread. Until all have left, the device's other transfers do not go through its chunks, which are lent
+  /// (transfer_chunks.hpp). It may leave when it likes; the others go on.
   class Taker {
    public:
     Taker(SharedUpload& shared, Runtime& runtime);
@@ -64,6 +64,7 @@ class SharedUpload {
     std::size_t bytes;
   };
   bool is_shared() const { return !slots_.empty(); }
+  void give_back();
   std::size_t join(Runtime& runtime);
   void leave(std::size_t released);
   void release(std::size_t part);
@@ -79,6 +80,7 @@ class SharedUpload {
   bool all_have_chunks_ = true, ready_ = false, over_ = false;
   std::vector<Slot> slots_;  ///< none: each device is sent everything by itself
   std::deque<Copy> waiting_;
+  std::vector<std::shared_ptr<std::atomic<bool>>> lent_;  ///< of each device's chunks, until all takers have left
   std::vector<std::thread> helpers_;
 };
 

@@ -2,6 +2,8 @@
 // The host memory through which transfers to and from a device go.
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <optional>
 
 #include "device/host_array.hpp"
@@ -29,6 +31,13 @@ class TransferChunks {
   /// Of one chunk.
   std::size_t chunk_bytes() const { return bytes_; }
   unsigned char* memory(std::size_t chunk) const { return memory_ + chunk * bytes_; }
+  /// Others use the memory (shared_upload.hpp) until they set what is returned to false. Meanwhile the device's own
+  /// transfers must not go through it.
+  std::shared_ptr<std::atomic<bool>> lend() {
+    *lent_ = true;
+    return lent_;
+  }
+  bool lent() const { return *lent_; }
   /// Waits until the device does not use the chunk. What it did may have been part of an earlier transfer. After an
   /// error the device may still use it; it is done with it before anything that is queued later.
   void take(std::size_t chunk);
@@ -47,6 +56,7 @@ class TransferChunks {
   std::optional<MappedMemory> mapped_;
   HostArray plain_;
   unsigned char* memory_;
+  std::shared_ptr<std::atomic<bool>> lent_ = std::make_shared<std::atomic<bool>>(false);
   std::vector<cl::Event> under_way_;  ///< what the device was last asked to do with each; null if it is done
 };
 

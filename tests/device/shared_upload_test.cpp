@@ -37,6 +37,10 @@ struct Receiver {
         taker.write(part.handle(), sent.data() + first, count * sizeof(cl_uint));
         runtime.copy_out(part, buffer.handle(), count, first);
         has = first + count;
+        if (!reads_between) continue;
+        std::vector<cl_uint> there(count);
+        runtime.read(part, there.data(), count);
+        read_right &= std::equal(there.begin(), there.end(), sent.begin() + static_cast<std::ptrdiff_t>(first));
       }
     } catch (const Error&) {
       failed = true;
@@ -53,7 +57,7 @@ struct Receiver {
   runtime::Runtime runtime;
   runtime::Buffer<cl_uint> buffer;
   std::size_t has = 0;
-  bool failed = false;
+  bool failed = false, reads_between = false, read_right = true;
 };
 
 std::vector<cl_uint> some_words() {
@@ -95,6 +99,18 @@ TEST_CASE("devices have what they are sent from one copy, however much at once, 
           CHECK(receiver->is_right(sent));
         }
       }
+}
+
+TEST_CASE("a device may read and write by itself meanwhile: not through the memory that others read") {
+  const std::vector<cl_uint> sent = some_words();
+  std::vector<std::unique_ptr<Receiver>> receivers;
+  for (int i = 0; i < 3; ++i) receivers.push_back(std::make_unique<Receiver>(with_chunks()));
+  receivers[0]->reads_between = receivers[2]->reads_between = true;
+  for (int time = 0; time < 5; ++time) send(receivers, sent, 1500, {all_words, all_words, all_words});
+  for (const auto& receiver : receivers) {
+    CHECK(receiver->is_right(sent));
+    CHECK(receiver->read_right);
+  }
 }
 
 TEST_CASE("a device that leaves early, or that has no pinned memory, keeps nothing from the others") {

@@ -13,19 +13,12 @@ using namespace gcdt::test;
 
 namespace {
 
-/// The work-items of a launch, all of them, do what one does for few vertices.
-Tuning by_all() {
-  Tuning tuning;
-  tuning.one_item_vertices = 0;
-  return tuning;
-}
-
 Solver& usual() {
   static Solver instance = tuned_solver(DeviceKind::threads, {});
   return instance;
 }
-Solver& shared_out() {
-  static Solver instance = tuned_solver(DeviceKind::threads, by_all());
+Solver& all_of_them() {
+  static Solver instance = tuned_solver(DeviceKind::threads, shared_out());
   return instance;
 }
 
@@ -47,7 +40,7 @@ Answer ask(Solver& solver, const Workload& work, const Options& options) {
 }
 
 void check_same(const Workload& work, const Options& options) {
-  const Answer few = ask(usual(), work, options), all = ask(shared_out(), work, options);
+  const Answer few = ask(usual(), work, options), all = ask(all_of_them(), work, options);
   CHECK(few.error == all.error);
   CHECK(few.indices == all.indices);
   if (few.error.empty() && all.error.empty()) CHECK(difference(few.mesh, all.mesh) == "");
@@ -109,7 +102,7 @@ TEST_CASE("the first of several ends out of range is named, whatever crosses bef
 TEST_CASE("few launches do it") {
   const Workload work = random_pslg(300, 1000, 100, 5);
   const Statistics few = usual().triangulate(work.points, work.constraints).statistics,
-                   all = shared_out().triangulate(work.points, work.constraints).statistics;
+                   all = all_of_them().triangulate(work.points, work.constraints).statistics;
   CHECK(few.launches <= 12);
   CHECK(few.read_backs <= 8);
   CHECK(all.launches > 40);

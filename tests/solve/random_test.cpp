@@ -5,6 +5,7 @@
 
 #include "agreement.hpp"
 #include "solver_fixture.hpp"
+#include "tuned_solver.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -49,11 +50,11 @@ Workload cut_corners(std::uint64_t seed) {
   return work;
 }
 
-/// Empty if the result is valid and agrees with brute force and CGAL. Counts the special cases in `sum`.
-std::string fault_of(const Workload& work, Statistics::Cases& sum, Crossing crossing = Crossing::reject) try {
+/// Empty if the solver's result is valid and agrees with brute force and CGAL. Counts the special cases in `sum`.
+std::string fault_by(Solver& solver, const Workload& work, Statistics::Cases& sum, Crossing crossing) try {
   Options options;
   options.crossing = crossing;
-  const Triangulation mesh = solver().triangulate(work.points, work.constraints, options);
+  const Triangulation mesh = solver.triangulate(work.points, work.constraints, options);
   const Statistics::Cases& cases = mesh.statistics.cases;
   sum.edge_splits += cases.edge_splits;
   sum.constraint_hits += cases.constraint_hits;
@@ -66,6 +67,13 @@ std::string fault_of(const Workload& work, Statistics::Cases& sum, Crossing cros
   return invalid.empty() ? disagreement(work, mesh, crossing) : invalid;
 } catch (const Error& error) {
   return error.what();
+}
+
+/// By one work-item, where few vertices are one's, and by all.
+std::string fault_of(const Workload& work, Statistics::Cases& sum, Crossing crossing = Crossing::reject) {
+  static Solver by_all = tuned_solver(DeviceKind::threads, shared_out());
+  const std::string fault = fault_by(solver(), work, sum, crossing);
+  return fault.empty() ? fault_by(by_all, work, sum, crossing) : fault;
 }
 
 }  // namespace
