@@ -66,6 +66,14 @@ void Spiller::settle(DevicePool::Lent& lent) {
   own.there.erase(own.there.begin());
 }
 
+void Spiller::finish(DevicePool::Lent& lent) {
+  try {
+    settle(lent);
+  } catch (const Error& error) {
+    if (error.status() != Status::out_of_memory) throw;
+  }
+}
+
 /// A tile that is solved again, on another device, may have other final triangles (docs/scale.md, T2); its place stays.
 void Spiller::note(std::size_t tile, std::uint32_t count) {
   const std::lock_guard<std::mutex> lock(mutex_);

@@ -35,6 +35,8 @@ class Spiller {
   bool goes_on() const;
   /// Waits for the one that leaves the device, if one does. Throws what went wrong; then it is there yet.
   void settle(DevicePool::Lent& lent);
+  /// settle() when all tiles are made: nothing needs the room, so a tile for which there was too little memory stays.
+  void finish(DevicePool::Lent& lent);
 
  private:
   struct There {

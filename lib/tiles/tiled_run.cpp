@@ -250,7 +250,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
       spiller.add(lent, t, tiles_[t].final, sizes.n(problem), sizes.m(problem));
       return ForestResult();
     });
-    if (spiller.goes_on()) pool_.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) { spiller.settle(lent); });
+    if (spiller.goes_on()) pool_.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) { spiller.finish(lent); });
     wanted.clear();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t)
       if (tiles_[t].final.on_device() && pool_.report(tiles_[t].device).lost) wanted.push_back(t);

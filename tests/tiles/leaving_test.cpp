@@ -208,6 +208,43 @@ TEST_CASE("where reads beside the runs fail, a tile stays on its device, and is 
   }
 }
 
+TEST_CASE("a read beside the runs that fails when no tile is left to make takes no device away") {
+  const Workload work = uniform(60000);
+  const RaggedBatch batch({work});
+  const Singles expected({work});
+  const auto began = std::make_shared<std::atomic<int>>(0), are_made = std::make_shared<std::atomic<int>>(0);
+  const auto wait_until = [](const std::atomic<int>& some) {
+    for (int waits = 0; some == 0 && waits < 20000; ++waits) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  // From its first read beside the runs on, the device goes on only when the other one has made all tiles.
+  runtime::CallHook hook = healthy();
+  hook.before = [=](const char* call, const char*) {
+    static thread_local bool launches = false;
+    launches = launches || std::string(call) == "clEnqueueNDRangeKernel";
+    const bool beside = !launches && std::string(call) == "clEnqueueReadBuffer" && *are_made == 0;
+    if (beside) ++*began;
+    if (*began > 0) wait_until(*are_made);
+    return beside ? CL_OUT_OF_RESOURCES : CL_SUCCESS;
+  };
+  runtime::CallHook waiting = healthy();  // until then: the first device has at least one tile to read
+  waiting.before = [=](const char* call, const char* kernel) {
+    if (std::string(call) == "clEnqueueNDRangeKernel" && std::string(kernel) == "tile_input_numbers")
+      wait_until(*began);
+    return CL_SUCCESS;
+  };
+  Options options = in_tiles();
+  options.progress = [=](const char* phase, double done) {
+    const double all_but_one = 0.6;  // of what is told of the whole, of which tiles are 0.7
+    if (std::string(phase) != "tiles" || done > all_but_one) *are_made = 1;
+    return true;
+  };
+  DevicePool pool({{cl::Context(), app_device(), small(work, hook, 1.5)}, {cl::Context(), app_device(), waiting}}, {},
+                  {});
+  expected.check(tiles::triangulate(pool, batch.view(), options));
+  CHECK(*began > 0);
+  CHECK(!pool.report(0).lost);
+}
+
 TEST_CASE("a tile whose spill fails when its corners have got the input's numbers has these once") {
   const Workload work = uniform(60000);
   const RaggedBatch batch({work});
