@@ -64,7 +64,7 @@ void SharedUpload::wait_until_left() {
 
 // With more than half of the host's cores, threads were in each other's way (bench/NOTES.md, "Tiles").
 void SharedUpload::begin_helpers() {
-  const std::size_t half = std::thread::hardware_concurrency() / 2;
+  const std::size_t half = cores_ / 2;
   const std::size_t count = std::max(std::min(threads_, half), active_) - active_;
   try {
     for (std::size_t i = 0; i < count; ++i) helpers_.emplace_back([this] { help(); });
@@ -73,12 +73,18 @@ void SharedUpload::begin_helpers() {
   }
 }
 
-// What it has not released, nobody waits for.
+// What it has not released, nobody waits for. What the last one, after an error, has begun and not sent may be being
+// copied yet. Ends: a copy does, and no further one begins.
 void SharedUpload::leave(std::size_t released) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   for (Slot& slot : slots_)
     if (slot.part != none && slot.part >= released) --slot.users;
-  if (--active_ == 0) give_back();
+  if (active_ == 1) {
+    waiting_.clear();
+    changed_.wait(lock, [&] { return copying_ == 0; });
+    give_back();
+  }
+  --active_;
   changed_.notify_all();
 }
 
@@ -127,9 +133,11 @@ void SharedUpload::make_next(std::unique_lock<std::mutex>& lock) {
   const Copy copy = waiting_.front();
   waiting_.pop_front();
   Slot& slot = slots_[copy.slot];
+  ++copying_;
   lock.unlock();
   std::memcpy(slot.memory, copy.from, copy.bytes);
   lock.lock();
+  --copying_;
   slot.filled = true;
   changed_.notify_all();
 }

@@ -19,12 +19,15 @@ namespace gcdt::runtime {
 /// what the devices' links take (bench/NOTES.md, "Tiles").
 class SharedUpload {
  public:
-  /// So many threads are to make a Taker each, with a device of its own. Nothing is sent before all have.
-  explicit SharedUpload(std::size_t takers) : expected_(takers) {}
+  /// So many threads are to make a Taker each, with a device of its own. Nothing is sent before all have. `cores`: of
+  /// the host, by which threads are chosen that help to copy.
+  explicit SharedUpload(std::size_t takers, std::size_t cores = std::thread::hardware_concurrency())
+      : expected_(takers), cores_(cores) {}
   SharedUpload(const SharedUpload&) = delete;
   SharedUpload& operator=(const SharedUpload&) = delete;
   ~SharedUpload();
-  /// Waits until all takers have left: from then on a device's chunks are its own again. For one that has left.
+  /// Waits until all takers have left: from then on nothing is copied, and a device's chunks are its own again. For one
+  /// that has left.
   void wait_until_left();
 
   /// A device's thread. Until all have left, the device's other transfers do not go through its chunks, which are lent
@@ -76,7 +79,7 @@ class SharedUpload {
 
   std::mutex mutex_;  ///< of all but helpers_; slots' memory is who copies', then who reads'
   std::condition_variable begun_, changed_;
-  std::size_t expected_, joined_ = 0, active_ = 0, threads_ = 0, chunk_bytes_ = 0;
+  std::size_t expected_, cores_, joined_ = 0, active_ = 0, copying_ = 0, threads_ = 0, chunk_bytes_ = 0;
   bool all_have_chunks_ = true, ready_ = false, over_ = false;
   std::vector<Slot> slots_;  ///< none: each device is sent everything by itself
   std::deque<Copy> waiting_;

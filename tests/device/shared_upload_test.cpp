@@ -13,6 +13,7 @@ using namespace gcdt::test;
 namespace {
 
 constexpr std::size_t chunk = 4096, chunks = 4, all_words = 50000;
+constexpr std::size_t host_cores = 16;  // so that threads help wherever the tests run
 
 runtime::CallHook with_chunks(runtime::CallHook hook = {}) {
   hook.tuning.prepares_host_memory = true;
@@ -68,7 +69,7 @@ std::vector<cl_uint> some_words() {
 
 void send(std::vector<std::unique_ptr<Receiver>>& receivers, const std::vector<cl_uint>& sent, std::size_t at_once,
           const std::vector<std::size_t>& most) {
-  runtime::SharedUpload shared(receivers.size());
+  runtime::SharedUpload shared(receivers.size(), host_cores);
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < receivers.size(); ++i)
     threads.emplace_back([&, i] { receivers[i]->take(shared, sent, at_once, most[i]); });
@@ -147,4 +148,47 @@ TEST_CASE("a device that fails at its k-th call changes nothing of what the othe
     failed += receivers[0]->failed;
   }
   CHECK(failed > 10);
+}
+
+TEST_CASE("when all have left, after errors, too, nothing is copied any more, and chunks are their devices' own") {
+  constexpr std::size_t large_chunk = std::size_t{1} << 23, bytes = 2 * chunks * large_chunk;
+  const std::vector<unsigned char> sent(bytes, 1);
+  const auto sending = std::make_shared<std::atomic<bool>>(false);
+  runtime::CallHook hook = with_chunks();
+  hook.tuning.transfer_chunk = large_chunk;
+  hook.before = [=](const char* call, const char*) {
+    return *sending && std::string(call) == "clEnqueueWriteBuffer" ? CL_OUT_OF_RESOURCES : CL_SUCCESS;
+  };
+  for (int time = 0; time < 5; ++time) {
+    runtime::Runtime first(app_device(), hook), second(app_device(), hook);
+    runtime::SharedUpload shared(2, host_cores);
+    std::atomic<int> failed{0};
+    const auto take = [&](runtime::Runtime& runtime) {
+      runtime.set_alone(true);
+      const auto buffer = runtime.allocate<unsigned char>("received", bytes);
+      try {
+        runtime::SharedUpload::Taker taker(shared, runtime);
+        *sending = true;
+        taker.write(buffer.handle(), sent.data(), bytes);
+      } catch (const Error&) {
+        ++failed;
+      }
+    };
+    std::thread other([&] { take(second); });
+    take(first);
+    shared.wait_until_left();
+    std::vector<unsigned char*> all;
+    for (runtime::Runtime* one : {&first, &second}) {
+      runtime::TransferChunks* const own = one->pinned_chunks();
+      REQUIRE(own);
+      for (std::size_t i = 0; i < own->count(); ++i) all.push_back(own->memory(i));
+    }
+    for (unsigned char* const memory : all) std::fill(memory, memory + large_chunk, static_cast<unsigned char>(2));
+    other.join();
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    for (const unsigned char* const memory : all)
+      CHECK(std::all_of(memory, memory + large_chunk, [](unsigned char byte) { return byte == 2; }));
+    CHECK(failed == 2);
+    *sending = false;
+  }
 }
