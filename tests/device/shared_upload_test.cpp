@@ -151,20 +151,29 @@ TEST_CASE("a device that fails at its k-th call changes nothing of what the othe
 }
 
 TEST_CASE("when all have left, after errors, too, nothing is copied any more, and chunks are their devices' own") {
-  constexpr std::size_t large_chunk = std::size_t{1} << 23, bytes = 2 * chunks * large_chunk;
+  // Many parts are begun ahead of the first that is sent, and copied for long after that.
+  constexpr std::size_t large_chunk = std::size_t{1} << 21, of_device = 16, bytes = 2 * of_device * large_chunk;
   const std::vector<unsigned char> sent(bytes, 1);
   const auto sending = std::make_shared<std::atomic<bool>>(false);
   runtime::CallHook hook = with_chunks();
   hook.tuning.transfer_chunk = large_chunk;
+  hook.tuning.transfer_chunks = of_device;
   hook.before = [=](const char* call, const char*) {
     return *sending && std::string(call) == "clEnqueueWriteBuffer" ? CL_OUT_OF_RESOURCES : CL_SUCCESS;
   };
   for (int time = 0; time < 5; ++time) {
     runtime::Runtime first(app_device(), hook), second(app_device(), hook);
+    std::vector<unsigned char*> places;  // some of each chunk
+    for (runtime::Runtime* one : {&first, &second}) {
+      one->set_alone(true);
+      runtime::TransferChunks* const own = one->pinned_chunks();
+      REQUIRE(own);
+      for (std::size_t i = 0; i < own->count(); ++i)
+        for (std::size_t at = 0; at < large_chunk; at += large_chunk / 64) places.push_back(own->memory(i) + at);
+    }
     runtime::SharedUpload shared(2, host_cores);
     std::atomic<int> failed{0};
     const auto take = [&](runtime::Runtime& runtime) {
-      runtime.set_alone(true);
       const auto buffer = runtime.allocate<unsigned char>("received", bytes);
       try {
         runtime::SharedUpload::Taker taker(shared, runtime);
@@ -177,17 +186,11 @@ TEST_CASE("when all have left, after errors, too, nothing is copied any more, an
     std::thread other([&] { take(second); });
     take(first);
     shared.wait_until_left();
-    std::vector<unsigned char*> all;
-    for (runtime::Runtime* one : {&first, &second}) {
-      runtime::TransferChunks* const own = one->pinned_chunks();
-      REQUIRE(own);
-      for (std::size_t i = 0; i < own->count(); ++i) all.push_back(own->memory(i));
-    }
-    for (unsigned char* const memory : all) std::fill(memory, memory + large_chunk, static_cast<unsigned char>(2));
+    for (unsigned char* const place : places) *place = 2;
+    CHECK(!first.pinned_chunks()->lent());
     other.join();
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    for (const unsigned char* const memory : all)
-      CHECK(std::all_of(memory, memory + large_chunk, [](unsigned char byte) { return byte == 2; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    CHECK(std::all_of(places.begin(), places.end(), [](const unsigned char* place) { return *place == 2; }));
     CHECK(failed == 2);
     *sending = false;
   }
