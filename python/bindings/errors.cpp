@@ -47,8 +47,14 @@ void bind_errors() {
     try {
       std::rethrow_exception(thrown);
     } catch (const Error& error) {
-      const nb::object object = error_object(error);
-      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(object.ptr())), object.ptr());
+      try {
+        const nb::object object = error_object(error);
+        PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(object.ptr())), object.ptr());
+      } catch (nb::python_error& raised) {
+        // By a signal's handler, such as KeyboardInterrupt. It goes first: the signal may have been why a driver
+        // failed.
+        raised.restore();
+      }
     }
   });
 }

@@ -2,6 +2,7 @@
 """The native call: arrays in and out, errors, questions, threads, interrupts."""
 
 import gc
+import signal
 import subprocess
 import sys
 import threading
@@ -15,6 +16,7 @@ from scipy.spatial import ConvexHull, Delaunay
 
 import gcdt
 from conftest import as_set
+from gcdt import _errors
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (1, 2), (3, 2)]
 BORDER = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5)]
@@ -319,9 +321,26 @@ except KeyboardInterrupt:
 print(gcdt.triangulate_pslg(points[:1000]).verify().valid)
 """
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
     first, second = ran.stdout.split("\n")[:2]
     assert first.startswith("interrupted"), ran.stdout + ran.stderr
     assert second == "True"
+
+
+def test_ctrl_c_goes_before_an_error_of_the_library(monkeypatch):
+    """A signal during a call of a driver may make it fail: its handler runs when the error is made."""
+    make = _errors.make
+
+    def make_and_interrupt(*arguments):
+        signal.raise_signal(signal.SIGINT)
+        return make(*arguments)
+
+    monkeypatch.setattr(_errors, "make", make_and_interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        gcdt.triangulate_pslg([(0, 0), (1, 0), (0, float("nan"))])
+    monkeypatch.undo()
+    with pytest.raises(gcdt.CoordinateError):
+        gcdt.triangulate_pslg([(0, 0), (1, 0), (0, float("nan"))])
 
 
 def test_statistics_have_the_names_of_the_file(rng_points):
