@@ -228,15 +228,12 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
 // counters->rounds the rounds done.
 kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
                         global uint* list, global uint* illegal, volatile global Counters* counters) {
-  DECLARE_APPENDER(gathered);
+  DECLARE_ROUNDS(memory);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const OwnLists own = {.list = list,
-                        .illegal = illegal,
-                        .tests = &counters->list_test[round % 3u],
-                        .found = &counters->list_flip[round & 1u]};
+  const OwnLists own = {.list = list, .illegal = illegal, .tests = &counters->list_test[round % 3u]};
   uint flips = 0;
-  const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
+  const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, memory, &flips);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
   if (get_local_id(0) == 0) {
     counters->list_test[(round + done) % 3u] = *own.tests;
@@ -257,8 +254,8 @@ static inline uint place_of_problem(Mesh mesh, uint p) { return 3u * (first_rank
 
 // One work-item per edge. Deals those that may be flipped to the lists of their problems. (Which edges are whose is not
 // said by their numbers: where constraints were enforced, problems may have exchanged slots.)
-// Reads: the mesh. Writes: list, and lengths[2p], which were 0, by atomic_inc, which gives each place once.
-// After: list has lengths[2p] edges of problem p from its place on, in any order.
+// Reads: the mesh. Writes: list, and lengths[p], which was 0, by atomic_inc, which gives each place once.
+// After: list has lengths[p] edges of problem p from its place on, in any order.
 kernel void flip_deal(uint edges, GCDT_MESH_PARAMETERS, global const uint* edge_marks, global uint* list,
                       volatile global uint* lengths) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
@@ -266,18 +263,17 @@ kernel void flip_deal(uint edges, GCDT_MESH_PARAMETERS, global const uint* edge_
     const uint2 refs = faces_of_edge(mesh, e);
     if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || (edge_marks[e] & GCDT_MARK_CONSTRAINED)) continue;
     const uint p = problem_of_face(mesh, GCDT_REF_FACE(refs.x));
-    list[place_of_problem(mesh, p) + atomic_inc(lengths + 2u * p)] = e;
+    list[place_of_problem(mesh, p) + atomic_inc(lengths + p)] = e;
   }
 }
 
 // One work-group per problem from `begin` up to `end`. Does up to `most` rounds, of which the first tests the edges of
-// the problem's list. Reads, writes: the problem's faces and edges, its part of both lists, and lengths[2p], lengths[2p
-// + 1], theirs. A problem has one work-group, and a flip leads to no other problem (forest.h). After: list_test[0] is
+// the problem's list. Reads, writes: the problem's faces and edges, its part of both lists, and lengths[p]. A problem has one work-group, and a flip leads to no other problem (forest.h). After: list_test[0] is
 // greater by the problems that have edges left; counters->rounds is the most rounds done.
 kernel void flip_problems(uint begin, uint end, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS,
                           global uint* edge_marks, global uint* list, global uint* illegal,
                           volatile global uint* lengths, volatile global Counters* counters) {
-  DECLARE_APPENDER(gathered);
+  DECLARE_ROUNDS(memory);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   uint flips = 0, rounds = 0;
@@ -286,10 +282,8 @@ kernel void flip_problems(uint begin, uint end, uint stamp, uint bits, uint most
     OwnLists own;
     own.list = list + place;
     own.illegal = illegal + place;
-    own.tests = lengths + 2u * p;
-    own.found = own.tests + 1;
-    const uint done =
-        flip_in_group(mesh, edge_marks, stamp, bits, most, own, gathered_items, gathered_gathered, &flips);
+    own.tests = lengths + p;
+    const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, memory, &flips);
     rounds = max(rounds, done);
     if (get_local_id(0) == 0 && *own.tests > 0u) atomic_inc(&counters->list_test[0]);
   }

@@ -35,15 +35,20 @@ static inline bool claimed_now(uint word, Claim c) { return (word >> c.bits) == 
 // The face references on both sides of edge e.
 static inline uint2 faces_of_edge(Mesh mesh, uint e) { return ((global const uint2*)mesh.edge_faces)[e]; }
 
+// Is the edge with these face references, whose faces have these corners, illegal?
+static inline bool is_illegal_between(Mesh mesh, uint near, uint far, uint4 corners, uint4 opposite) {
+  const uint4 r = rotate_to(corners, GCDT_REF_CORNER(near));
+  const uint d = element(opposite, GCDT_REF_CORNER(far));
+  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x),
+                        load_vertex(mesh.points, mesh.n, r.y), load_vertex(mesh.points, mesh.n, d));
+}
+
 // Is the edge with face references `near` and `far` illegal? Reads of a far face that another
 // work-item is changing give a worthless answer: the caller must own the face before acting on it.
 static bool is_illegal(Mesh mesh, uint near, uint far) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(near))],
               opposite = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(far))];
-  const uint4 r = rotate_to(c, GCDT_REF_CORNER(near));
-  const uint d = element(opposite, GCDT_REF_CORNER(far));
-  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x),
-                        load_vertex(mesh.points, mesh.n, r.y), load_vertex(mesh.points, mesh.n, d));
+  return is_illegal_between(mesh, near, far, c, opposite);
 }
 
 //   before: t = (b, x, y), u = (d, y, x)        after: t = (b, x, d), u = (d, y, b)
@@ -54,9 +59,10 @@ static bool is_illegal(Mesh mesh, uint near, uint far) {
 //        d                                              d
 // b keeps its place in t and d in u, so that e_y and f_x stay where they are: scattered words are what a flip costs.
 // Writes only words of the two faces, which the caller owns (L1). The claim words stay.
-// `refs`, `corners_t`, `corners_u`: its faces and their corners. `around` gets the owned sides' codes of the four
-// edges around.
-static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
+// `refs`, `corners_t`, `corners_u`, `st`, `su`: its faces, their corners and sides. `around` gets the owned sides'
+// codes of the four edges around.
+static void flip_edge_with(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, uint4 st, uint4 su,
+                           private uint* around) {
   const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
   const uint b = GCDT_REF_CORNER(refs.x), d = GCDT_REF_CORNER(refs.y);
   const uint x = next_corner(b), y = previous_corner(b), y_of_u = next_corner(d), x_of_u = previous_corner(d);
@@ -81,7 +87,6 @@ static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corn
   mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
   mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
 #else
-  const uint4 st = mesh.face_data[GCDT_SIDES(t)], su = mesh.face_data[GCDT_SIDES(u)];
   const uint ex = element(st, x), fy = element(su, y_of_u);
   mesh.face_data[GCDT_CORNERS(t)] = with_element(corners_t, y, element(corners_u, d));
   mesh.face_data[GCDT_CORNERS(u)] = with_element(corners_u, x_of_u, element(corners_t, b));
@@ -95,6 +100,17 @@ static void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corn
   around[2] = ex;
   around[3] = element(su, x_of_u);
 #endif
+}
+
+// The same where the sides have not been read. (Where words are taken one by one, they are not read at once.)
+static inline void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
+#ifdef GCDT_CONTIGUOUS
+  const uint4 st = (uint4)(0u), su = (uint4)(0u);
+#else
+  const uint4 st = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(refs.x))],
+              su = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(refs.y))];
+#endif
+  flip_edge_with(mesh, e, refs, corners_t, corners_u, st, su, around);
 }
 
 // Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is

@@ -30,6 +30,19 @@ static inline void queue_edge(Queue q, uint e) {
   if (q.listed && !(old & GCDT_MARK_QUEUED)) append(q.list, e);
 }
 
+// The four edges around one that was flipped. All marks are asked for before the first answer is waited for.
+static inline void queue_around(Queue q, const private uint* around) {
+  const uint e0 = GCDT_SIDE_EDGE(around[0]), e1 = GCDT_SIDE_EDGE(around[1]), e2 = GCDT_SIDE_EDGE(around[2]),
+             e3 = GCDT_SIDE_EDGE(around[3]);
+  const uint old0 = atomic_or(q.marks + e0, GCDT_MARK_QUEUED), old1 = atomic_or(q.marks + e1, GCDT_MARK_QUEUED),
+             old2 = atomic_or(q.marks + e2, GCDT_MARK_QUEUED), old3 = atomic_or(q.marks + e3, GCDT_MARK_QUEUED);
+  if (!q.listed) return;
+  if (!(old0 & GCDT_MARK_QUEUED)) append(q.list, e0);
+  if (!(old1 & GCDT_MARK_QUEUED)) append(q.list, e1);
+  if (!(old2 & GCDT_MARK_QUEUED)) append(q.list, e2);
+  if (!(old3 & GCDT_MARK_QUEUED)) append(q.list, e3);
+}
+
 // Edge e, not constrained.
 GCDT_GIVEN_LOCAL void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
   const uint2 refs = faces_of_edge(mesh, e);
@@ -85,6 +98,17 @@ static uint propagate(Mesh mesh, Claim c, uint ticket, private uint* around, Que
   return flips;
 }
 
+// The same, if work-items propagate here; else leaves the edges around to the next round, where a constrained one
+// leaves the queue unseen.
+static inline uint go_on_around(Mesh mesh, Claim c, uint ticket, private uint* around, Queue queue) {
+#if GCDT_FLIP_CHAIN > 1
+  return propagate(mesh, c, ticket, around, queue);
+#else
+  queue_around(queue, around);
+  return 1;
+#endif
+}
+
 // Flips e if it owns both its faces; they were claimed before this launch or not at all, so corners read with the
 // ticket beside them are right. Returns the number of flips.
 static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
@@ -98,13 +122,7 @@ static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
     return 0;
   }
   flip_edge(mesh, e, refs, ct, cu, around);
-#if GCDT_FLIP_CHAIN > 1
-  return propagate(mesh, c, ticket, around, queue);
-#else
-  // A constrained edge leaves the queue unseen.
-  for (uint i = 0; i < 4u; ++i) queue_edge(queue, GCDT_SIDE_EDGE(around[i]));
-  return 1;
-#endif
+  return go_on_around(mesh, c, ticket, around, queue);
 }
 
 // A tile of the edges to be tested, by the whole group.
@@ -125,42 +143,144 @@ static uint flip_tile(Mesh mesh, Claim c, global const uint* illegal, uint count
 
 // ---- Rounds of one work-group ----------------------------------------------------------------------
 
-// Lists of edges that one work-group works off by itself, and how long they are.
+// Lists of edges that one work-group works off by itself: those to be tested, which `tests` counts, and those that are
+// illegal.
 typedef struct OwnLists {
   global uint *list, *illegal;
-  volatile global uint *tests, *found;
+  volatile global uint* tests;
 } OwnLists;
 
+// In local memory: the list's first edges, and how many edges are to be tested and are illegal, each for rounds of even
+// and of odd numbers.
+typedef struct RoundsMemory {
+  local uint* items;  // APPEND_CAPACITY
+  volatile local uint *tests, *found;
+} RoundsMemory;
+
+// Declared in the kernel itself, as OpenCL C 1.2 asks.
+#define DECLARE_ROUNDS(name)                \
+  local uint name##_items[APPEND_CAPACITY]; \
+  volatile local uint name##_counts[4];     \
+  const RoundsMemory name = {.items = name##_items, .tests = name##_counts, .found = name##_counts + 2}
+
+// An edge that a work-item keeps from its test to its flip.
+typedef struct Kept {
+  uint e;                              // GCDT_NONE: nothing is to be flipped
+  uint2 refs;                          // of its faces
+  uint4 corners_t, corners_u, st, su;  // their corners and sides
+} Kept;
+
+// What is known of an edge that has two faces. What may be wanted is read at once: few edges wait for memory, and for
+// nothing else.
+static inline Kept keep_edge(Mesh mesh, uint e, uint2 refs) {
+  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
+  Kept k;
+  k.e = e;
+  k.refs = refs;
+  k.corners_t = mesh.face_data[GCDT_CORNERS(t)];
+  k.corners_u = mesh.face_data[GCDT_CORNERS(u)];
+#ifdef GCDT_CONTIGUOUS
+  k.st = k.su = (uint4)(0u);
+#else
+  k.st = mesh.face_data[GCDT_SIDES(t)];
+  k.su = mesh.face_data[GCDT_SIDES(u)];
+#endif
+  return k;
+}
+
+// Takes e out of the queue; if it is illegal, claims its faces and keeps it.
+static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, uint e) {
+  Kept k = {.e = GCDT_NONE};
+  const uint marks = edge_marks[e];
+  const uint2 refs = faces_of_edge(mesh, e);
+  edge_marks[e] = marks & ~GCDT_MARK_QUEUED;
+  if ((marks & GCDT_MARK_CONSTRAINED) || refs.x == GCDT_NONE || refs.y == GCDT_NONE) return k;
+  k = keep_edge(mesh, e, refs);
+  if (!is_illegal_between(mesh, refs.x, refs.y, k.corners_t, k.corners_u)) {
+    k.e = GCDT_NONE;
+    return k;
+  }
+  const uint ticket = make_ticket(c.stamp, c.bits, e);
+  atomic_max(claim_word(mesh.face_data, GCDT_REF_FACE(refs.x)), ticket);
+  atomic_max(claim_word(mesh.face_data, GCDT_REF_FACE(refs.y)), ticket);
+  return k;
+}
+
+// Flips the illegal edge k.e if it owns both its faces: then nobody has changed what is kept of them since it claimed
+// them, whenever that was read. (If it does not, that may be worthless.) Returns the number of flips.
+static inline uint flip_kept(Mesh mesh, Claim c, Kept k, Queue queue) {
+  const uint ticket = make_ticket(c.stamp, c.bits, k.e);
+  const uint of_t = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.x)),
+             of_u = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.y));
+  if (of_t != ticket || of_u != ticket) {
+    queue_edge(queue, k.e);
+    return 0u;
+  }
+  k.corners_t.w = k.corners_u.w = ticket;
+  uint around[4];
+  flip_edge_with(mesh, k.e, k.refs, k.corners_t, k.corners_u, k.st, k.su, around);
+  return go_on_around(mesh, c, ticket, around, queue);
+}
+
 // One work-group, all of it with the same arguments. Up to `most` rounds, of which the first tests the edges of the
-// list; barriers order what two kernels do otherwise, and the same arguments hold for each part. Nobody else touches
-// the faces that these edges lead to. Ends when the list is empty or after `most` rounds. Returns how many were done;
-// the list is what is left.
+// list; two barriers a round order what two kernels do otherwise, and the same arguments hold for each part. Nobody
+// else touches the faces that these edges lead to.
+// A round of few edges waits for loads that depend on one another, so there are few of them: each work-item keeps its
+// first edge from test to flip, and the list and its counts stay in local memory. The list's edge i stands in
+// items[i], or from APPEND_CAPACITY on in own.list[i].
+// No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is reset in the
+// other half of a round than it is read in or added to: that of illegal edges, read after the first barrier, when the
+// next round tests; that of the list, read before it, when edges are flipped.
+// Ends when the list is empty or after `most` rounds. Returns how many were done; the list is what is left.
 GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
-                                    local uint* items, local uint* gathered, private uint* flips) {
+                                    RoundsMemory memory, private uint* flips) {
+  const uint me = get_local_id(0), size = (uint)get_local_size(0), begun = *own.tests;
+  for (uint i = me; i < min(begun, APPEND_CAPACITY); i += size) memory.items[i] = own.list[i];
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+  if (me == 0) {
+    *own.tests = APPEND_CAPACITY;  // the place where append() goes on when `items` are full
+    memory.tests[0] = begun;
+    memory.tests[1] = memory.found[0] = memory.found[1] = 0u;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   uint done = 0;
   for (;;) {
-    const uint tests = *own.tests;
-    barrier(CLK_GLOBAL_MEM_FENCE);
+    volatile local uint *const now = memory.tests + (done & 1u), *const next = memory.tests + (~done & 1u),
+                               *const found = memory.found + (done & 1u);
+    const uint tests = *now;
     if (tests == 0u || done == most) break;
     const Claim c = make_claim(stamp + done, bits);
-    if (get_local_id(0) == 0) {
-      *own.tests = 0u;
-      *own.found = 0u;
+    if (me == 0) {
+      memory.found[~done & 1u] = 0u;
+      if (tests > APPEND_CAPACITY) *own.tests = APPEND_CAPACITY;
     }
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    const Appender illegal = make_appender(items, gathered, own.illegal, own.found);
-    FOR_ALL_TILES(tile, tests) test_tile(mesh, edge_marks, c, own.list, tests, tile, illegal);
-    append_flush(illegal, 0u);
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    const uint count = *own.found;
-    const Appender queue = make_appender(items, gathered, own.list, own.tests);
-    FOR_ALL_TILES(tile, count) {
-      *flips += flip_tile(mesh, c, own.illegal, count, tile, make_list_queue(edge_marks, queue));
+    Kept kept = {.e = GCDT_NONE};
+    FOR_ALL_TILES(tile, tests) {
+      const uint i = tile + me;
+      if (i >= tests) continue;
+      const Kept k = test_and_keep(mesh, edge_marks, c, i < APPEND_CAPACITY ? memory.items[i] : own.list[i]);
+      if (tile == 0u)
+        kept = k;
+      else if (k.e != GCDT_NONE)
+        own.illegal[atomic_inc(found)] = k.e;
     }
-    append_flush(queue, 0u);
-    barrier(CLK_GLOBAL_MEM_FENCE);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    const uint count = *found;
+    if (me == 0) *now = 0u;
+    const Appender list = {.items = memory.items, .gathered = next, .list = own.list, .length = own.tests};
+    const Queue queue = make_list_queue(edge_marks, list);
+    for (uint i = me;; i += size) {
+      if (kept.e != GCDT_NONE) *flips += flip_kept(mesh, c, kept, queue);
+      if (i >= count) break;
+      kept = keep_edge(mesh, own.illegal[i], faces_of_edge(mesh, own.illegal[i]));
+    }
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     ++done;
   }
+  const uint left = memory.tests[done & 1u];
+  for (uint i = me; i < min(left, APPEND_CAPACITY); i += size) own.list[i] = memory.items[i];
+  if (me == 0) *own.tests = left;
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   return done;
 }
 

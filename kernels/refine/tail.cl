@@ -105,8 +105,8 @@ static void judge_for_next(Round* r, RefineTail* tail, uint winners) {
 }
 
 // A round's second half, of so many candidates: claims, insertion, flips. Returns the number of winners.
-GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, local uint* before, local uint* items,
-                                     local uint* gathered, TeamMemory memory) {
+GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, local uint* before, RoundsMemory rounds_memory,
+                                     TeamMemory memory) {
   volatile global uint* const won = r->candidates.won;
   const Ticket ticket = {
       .stamp = tail->stamp + 1u, .bits = r->bits, .place = 0u, .numbers = r->candidates.numbers, .won = won};
@@ -120,7 +120,7 @@ GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, loc
     if (won[i + 1u] > won[i]) flips += insert_winner(r->insertion, i, tail->vertices + won[i]);
   }
   const uint rounds = flip_in_group(r->insertion.mesh, r->marks, ticket.stamp + 1u, r->bits,
-                                    r->last_stamp - ticket.stamp, r->flips, items, gathered, &flips);
+                                    r->last_stamp - ticket.stamp, r->flips, rounds_memory, &flips);
   add_wide(&r->report->tail.flips_low, &r->report->tail.flips_high, flips);
   for (uint i = 0; i < winners; ++i) {
     if (find_star(r->insertion.mesh, tail->vertices + i) == GCDT_NONE) r->insertion.counters->lost = 1u;
@@ -147,7 +147,7 @@ kernel void refine_tail(JUDGE_PARAMETERS, LIST_PARAMETERS, global uint* edge_pie
                         volatile global Counters* counters, uint first, uint stamp, uint bits, uint last_stamp,
                         uint number, uint idle, uint most_rounds, uint most_aims, uint end) {
   DECLARE_TOURS(memory);
-  DECLARE_APPENDER(gathered);
+  DECLARE_ROUNDS(flips_memory);
   local uint counted[GCDT_COUNTING_TEAMS];
   MAKE_JUDGE(judge);
   MAKE_LISTS(lists);
@@ -166,14 +166,13 @@ kernel void refine_tail(JUDGE_PARAMETERS, LIST_PARAMETERS, global uint* edge_pie
   r.flips.list = queue;
   r.flips.illegal = illegal;
   r.flips.tests = &counters->list_test[0];
-  r.flips.found = &counters->list_flip[0];
   RefineTail tail = {.stage = GCDT_TAIL_GOES_ON, .idle = idle, .vertices = first, .stamp = stamp};
   while (tail.stage == GCDT_TAIL_GOES_ON) {
     tail.stage = search(r, tail, most_aims, min(min(capacity, GCDT_TAIL_CANDIDATES_MOST), end - tail.vertices), memory);
     if (tail.stage == GCDT_TAIL_JUDGE || tail.stage == GCDT_TAIL_CANDIDATES) break;
     const uint count = report->candidates;
     const uint winners =
-        count == 0u ? 0u : insert_winners(&r, &tail, count, counted, gathered_items, gathered_gathered, memory);
+        count == 0u ? 0u : insert_winners(&r, &tail, count, counted, flips_memory, memory);
     ++r.number;
     ++tail.searches;
     tail.idle = count > 0u ? 0u : tail.idle + 1u;

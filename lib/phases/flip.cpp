@@ -54,7 +54,7 @@ class Flipping {
 
   /// The rounds of all problems, each by one work-group. The counters are zero. Ends: see run().
   FlipResult by_problem(Ticker& ticker) {
-    const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
+    const auto lengths = runtime_.allocate<cl_uint>("lists of problems", mesh_.roots);
     runtime_.fill<cl_uint>(lengths, 0, lengths.size());
     runtime_.launch("flip", "flip_deal", runtime::over(edges_), edges_, mesh_.n, vertices_.points, mesh_.face_data,
                     mesh_.edge_faces, mesh_.edge_marks, lists_.first, lengths);
