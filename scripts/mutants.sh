@@ -66,6 +66,7 @@ target_of() {
   case $1 in
     scripts | readme | consumers) ;;
     forget_launches) echo launch_layer ;;
+    races) echo race_cases ;;
     abi | example_interop) echo gcdt_shared ;;
     bench_quick) echo gcdt_bench ;;
     bench_batch) echo gcdt_bench_batch ;;
