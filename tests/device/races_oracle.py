@@ -17,8 +17,8 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-ALL = [(kind, []) for kind in ("threads", "lanes", "gpu", "few")]
-QUICK = [("threads", []), ("gpu", ["vertices"]), ("few", ["vertices"])]
+ALL = [(kind, []) for kind in ("threads", "shares", "lanes", "gpu", "few")]
+QUICK = [("threads", []), ("shares", ["pslg"]), ("gpu", ["vertices"]), ("few", ["vertices"])]
 # With LLVM's passes Oclgrind 21.10 ends at functions that it does not know.
 OCLGRIND = ["oclgrind", "--data-races", "--num-threads", "1", "--max-errors", "100000000",
             "--build-options", "-cl-opt-disable -disable-llvm-passes"]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small calls that launch kernels on a device treated as one kind, for tools that look at each launch (Oclgrind):
 //   race_cases DEVICE KIND [CASE]...
-//     KIND   gpu, few (a GPU with small thresholds), lanes or threads
+//     KIND   gpu, few (a GPU with small thresholds), lanes, threads, or shares (threads of which none takes a whole call)
 //     CASE   default: all
 // Prints a line "hash KIND CASE HASH" for each, and "kernel NAME" for each kernel that was launched.
 #include <cinttypes>
@@ -112,9 +112,10 @@ Tuning small_thresholds() {
 runtime::CallHook hook_of(const std::string& kind) {
   runtime::CallHook hook;
   if (kind == "few") hook.tuning = small_thresholds();
+  if (kind == "shares") hook.tuning.one_item_vertices = 0;
   if (kind == "gpu" || kind == "few")
     hook.tuning.kind = DeviceKind::gpu;
-  else if (kind == "lanes" || kind == "threads")
+  else if (kind == "lanes" || kind == "threads" || kind == "shares")
     hook.tuning.kind = kind == "lanes" ? DeviceKind::lanes : DeviceKind::threads;
   else
     throw std::runtime_error("no kind is called " + kind);
