@@ -224,16 +224,18 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
 
 // ---- Rounds of one work-group ----------------------------------------------------------------------
 
-// One work-group. Does up to `most` rounds from `round` on. After: list_test of the next round holds what is left;
-// counters->rounds the rounds done.
-kernel void flip_rounds(uint round, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS, global uint* edge_marks,
-                        global uint* list, global uint* illegal, volatile global Counters* counters) {
+// One work-group. Does up to `most` rounds from `round` on, but none if more than `few` edges are listed: the host
+// launches it before it knows. After: list_test of the next round holds what is left; counters->rounds the rounds done.
+kernel void flip_rounds(uint round, uint stamp, uint bits, uint few, uint most, GCDT_MESH_PARAMETERS,
+                        global uint* edge_marks, global uint* list, global uint* illegal,
+                        volatile global Counters* counters) {
   DECLARE_ROUNDS(memory);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const OwnLists own = {.list = list, .illegal = illegal, .tests = &counters->list_test[round % 3u]};
   uint flips = 0;
-  const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, memory, &flips);
+  const uint rounds = *own.tests > few ? 0u : most;
+  const uint done = flip_in_group(mesh, edge_marks, stamp, bits, rounds, own, memory, &flips);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
   if (get_local_id(0) == 0) {
     counters->list_test[(round + done) % 3u] = *own.tests;

@@ -136,6 +136,13 @@ struct Tuning {
   /// faces, costs their square (not measured). Of lanes: their loops may end early.
   static constexpr std::uint32_t most_of_all_pairs = 1u << 16, most_of_all_pairs_of_lanes = 1u << 11;
 
+  // ---- Flips (flip.cpp) -------------------------------------------------------------------------
+
+  /// Of the edges of a list, what is left after `rounds_per_read` rounds is about one in so many: a guess, by which
+  /// the host goes without reads. And rounds between two reads at most, where guesses fail because flips depend on each
+  /// other (NOTES, "Reads").
+  static constexpr std::uint32_t flipped_between_reads = 6, most_between_reads = 16;
+
   // ---- Launches (runtime.cpp) -------------------------------------------------------------------
 
   /// Work-items of a group. 128 keep occupancy on GPUs with kernels of 64 or more registers (NOTES, "Single problems":

@@ -47,7 +47,7 @@ class Flipping {
     const bool queued = patched || swept;
     runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!queued), edges_, round_, mesh_.edge_marks,
                     lists_.first, counters_.buffer());
-    FlipResult result = finish(queued ? counters_.read().list_test[round_ % 3] : edges_, ticker);
+    FlipResult result = finish(queued ? read_after(plan_.rounds_per_read > 1) : edges_, ticker);
     result.rounds += counters_.last().patch_rounds;
     return result;
   }
@@ -80,13 +80,12 @@ class Flipping {
 
   /// Rounds by lists, of which the host does not know how many edges the first has, by one work-group.
   void begin_unread() {
-    const std::uint32_t most = rounds_in_one_group(rounds_unread);
-    stamps_.take(most);
+    stamps_.take(rounds_of_few(edges_, rounds_unread));
     mesh_.claims_below = stamps_.claims_below();
   }
 
   /// Goes on after begin_unread(), of which the counters have been read.
-  FlipResult finish_unread(Ticker& ticker) {
+  FlipResult finish_begun(Ticker& ticker) {
     round_ = counters_.last().rounds;
     flips_before_ = 0;
     return finish(counters_.last().list_test[round_ % 3], ticker);
@@ -94,22 +93,14 @@ class Flipping {
 
   /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
   FlipResult finish(std::uint32_t pending, Ticker& ticker) {
-    std::uint64_t total = round_;
-    while (pending > 0) {
-      const std::uint32_t rounds_before = counters_.last().rounds;
-      const bool few = pending <= plan_.group_edges;
-      if (few) rounds_in_one_group(plan_.group_flip_rounds);
-      const std::uint32_t launched = few ? 0 : rounds_wide(pending);
-      const device::Counters& c = counters_.read();
-      const std::uint32_t in_group = c.rounds - rounds_before;
-      round_ += in_group;
-      stamps_.take(in_group);
-      total += launched + in_group;
-      pending = c.list_test[round_ % 3];
-      check(total, ticker);
+    for (std::uint32_t rounds = rounds_to_few(pending); pending > 0; rounds = std::min(2 * rounds, most_between_reads())) {
+      const bool many = pending > plan_.group_edges;
+      if (many) rounds_wide(pending, rounds);
+      pending = read_after(!many || plan_.rounds_per_read > 1);
+      check(round_, ticker);
     }
     mesh_.claims_below = stamps_.claims_below();
-    return {total, wide(counters_.last().flips_low, counters_.last().flips_high) - flips_before_};
+    return {round_, wide(counters_.last().flips_low, counters_.last().flips_high) - flips_before_};
   }
 
  private:
@@ -159,24 +150,47 @@ class Flipping {
         scalars);
   }
 
+  std::uint32_t most_between_reads() const {
+    return plan_.rounds_per_read == 1 ? 1 : std::max(plan_.rounds_per_read, Tuning::most_between_reads);
+  }
+
+  // Rounds after which few of so many edges are probably left. Ends: `left` falls.
+  std::uint32_t rounds_to_few(std::uint32_t pending) const {
+    std::uint32_t rounds = plan_.rounds_per_read;
+    for (std::uint32_t left = pending / Tuning::flipped_between_reads; left > plan_.group_edges && left > 0;
+         left /= Tuning::flipped_between_reads)
+      rounds += plan_.rounds_per_read;
+    return std::min(rounds, most_between_reads());
+  }
+
+  // Reads the counters, after rounds of one work-group if few edges are left and `few`. Returns how many are left.
+  std::uint32_t read_after(bool few) {
+    const std::uint32_t rounds_before = counters_.last().rounds;
+    if (few) rounds_of_few(plan_.group_edges, plan_.group_flip_rounds);
+    const device::Counters& c = counters_.read();
+    stamps_.take(c.rounds - rounds_before);
+    round_ += c.rounds - rounds_before;
+    return c.list_test[round_ % 3];
+  }
+
   // Launches are as wide as the list was when last read; lists shrink, and a longer one is only slower.
-  std::uint32_t rounds_wide(std::uint32_t pending) {
-    for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
+  void rounds_wide(std::uint32_t pending, std::uint32_t rounds) {
+    for (std::uint32_t i = 0; i < rounds; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
       launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
       launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
     }
-    return plan_.rounds_per_read;
   }
 
-  // How many rounds were done stands in the counters. Returns how many there may be: `wanted`, if there are stamps.
-  std::uint32_t rounds_in_one_group(std::uint32_t wanted) {
+  // By one work-group, if at most `few` edges are listed. How many rounds were done stands in the counters. Returns how
+  // many there may be: `wanted`, if there are stamps.
+  std::uint32_t rounds_of_few(cl_uint few, std::uint32_t wanted) {
     renew_stamps();
     const cl_uint most = std::min({stamps_.left(), wanted, plan_.group_flip_rounds});
     runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
-                    most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists_.first,
-                    lists_.second, counters_.buffer());
+                    few, most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
+                    lists_.first, lists_.second, counters_.buffer());
     return most;
   }
 
@@ -222,7 +236,7 @@ void flip_few_unread(runtime::Runtime& runtime, const Plan& plan, const Vertices
 
 FlipResult flip_left(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                      const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
-  return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh).finish_unread(ticker);
+  return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh).finish_begun(ticker);
 }
 
 }  // namespace gcdt

@@ -59,10 +59,9 @@ class LevelInsertion {
   /// Ends: see round_limit.
   std::uint64_t finish(Ticker& ticker) {
     while (remaining_ > 0) {
-      if (remaining_ <= plan_.group_vertices)
-        rounds_in_one_group();
-      else
+      if (remaining_ > plan_.group_vertices)
         for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i) round();
+      rounds_in_one_group();
       const device::Counters& c = counters_.read();
       round_ += c.rounds - rounds_seen_;
       stamps_.take(c.rounds - rounds_seen_);
@@ -95,10 +94,11 @@ class LevelInsertion {
     launch("insert_vote", over_remaining(), standing_round(), list(round_ - 1), list(round_), counters_.buffer());
   }
 
+  // If few vertices are left, which nobody has read yet.
   void rounds_in_one_group() {
     renew_stamps(1);
-    const cl_uint most = std::min(stamps_.left(), plan_.group_rounds);
-    launch("insert_rounds", runtime::one_group(), std::make_tuple(round_, stamps_.current(), stamps_.bits(), most),
+    const cl_uint few = plan_.group_vertices, most = std::min(stamps_.left(), plan_.group_rounds);
+    launch("insert_rounds", runtime::one_group(), std::make_tuple(round_, stamps_.current(), stamps_.bits(), few, most),
            list(0), list(1), counters_.buffer());
   }
 
