@@ -19,6 +19,43 @@ static uint germ_beside(Fans fans, Mesh mesh, Germ g, uint v, Vertex at, Vertex 
   return face;
 }
 
+// The face around vertex a, inserted in the last level and not flipped away from since, whose closure holds a point
+// next to a towards b; GCDT_NONE if neither of the faces that a brought is around it any more, or if the turn passes
+// more than `patience` faces. With a's corners y, z of a face, counter-clockwise, less than 180 degrees apart:
+//   b lies between them if it is not right of a -> y and not left of a -> z;
+//   else it is less than 180 degrees beyond z, or less than that beyond y, clockwise: there the turn goes.
+// Of the next face the edge in common is on the right side of b, so its third corner decides. Ends: a turn in one
+// direction comes to each face once.
+static uint face_around(Mesh mesh, uint a, Vertex at, Vertex b, uint patience, private uint* steps) {
+  uint face = new_face(mesh, a, 0u);
+  uint4 c = mesh.face_data[GCDT_CORNERS(face)];
+  if (c.x != a && c.y != a && c.z != a) {
+    face = new_face(mesh, a, 1u);
+    c = mesh.face_data[GCDT_CORNERS(face)];
+    if (c.x != a && c.y != a && c.z != a) return GCDT_NONE;
+  }
+  uint k = c.x == a ? 0u : c.y == a ? 1u : 2u;
+  const int side_y = gcdt_sign64(gcdt_orient2d(at, load_vertex(mesh.points, mesh.n, element(c, next_corner(k))), b)),
+            side_z =
+                gcdt_sign64(gcdt_orient2d(at, load_vertex(mesh.points, mesh.n, element(c, previous_corner(k))), b));
+  const int turn = side_y < 0 ? -1 : 1;  // counter-clockwise: 1
+  if (side_y >= 0 && side_z <= 0) return face;
+  for (uint passed = 0; passed < patience; ++passed) {
+    // Across the edge a-z, which is opposite y, or a-y.
+    const uint4 sides = mesh.face_data[GCDT_SIDES(face)];
+    const uint ref = mesh.edge_faces[element(sides, turn > 0 ? next_corner(k) : previous_corner(k)) ^ 1u];
+    if (ref == GCDT_NONE) return GCDT_NONE;
+    face = GCDT_REF_FACE(ref);
+    c = mesh.face_data[GCDT_CORNERS(face)];
+    const uint third = GCDT_REF_CORNER(ref);
+    k = turn > 0 ? next_corner(third) : previous_corner(third);
+    ++*steps;
+    const int side = gcdt_sign64(gcdt_orient2d(at, load_vertex(mesh.points, mesh.n, element(c, third)), b));
+    if (side * turn <= 0) return face;
+  }
+  return GCDT_NONE;
+}
+
 // A face whose closure holds division point k of a-b, moved infinitely little towards b, or GCDT_NONE if that takes too
 // long. Walks in the top layer turn around vertices with many faces: the constraint may begin or end at one (its own
 // first point is the germ of k = 0), and then lie beside it for long.
@@ -33,6 +70,10 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked
   g.parts = parts;
   for (uint end = 0; end < (k > 0u ? 2u : 1u); ++end) {
     const uint face = germ_beside(walked.fans, mesh, g, end ? b : a, end ? g.q : g.p, end ? g.p : g.q, steps);
+    if (face != GCDT_NONE) return face;
+  }
+  if (k == 0u && a >= h.begin && a < h.end) {
+    const uint face = face_around(mesh, a, g.p, g.q, walked.patience, steps);
     if (face != GCDT_NONE) return face;
   }
   uint from, zero;

@@ -270,8 +270,9 @@ kernel void flip_deal(uint edges, GCDT_MESH_PARAMETERS, global const uint* edge_
 }
 
 // One work-group per problem from `begin` up to `end`. Does up to `most` rounds, of which the first tests the edges of
-// the problem's list. Reads, writes: the problem's faces and edges, its part of both lists, and lengths[p]. A problem has one work-group, and a flip leads to no other problem (forest.h). After: list_test[0] is
-// greater by the problems that have edges left; counters->rounds is the most rounds done.
+// the problem's list. Reads, writes: the problem's faces and edges, its part of both lists, and lengths[p]. A problem
+// has one work-group, and a flip leads to no other problem (forest.h). After: list_test[0] is greater by the problems
+// that have edges left; counters->rounds is the most rounds done.
 kernel void flip_problems(uint begin, uint end, uint stamp, uint bits, uint most, GCDT_MESH_PARAMETERS,
                           global uint* edge_marks, global uint* list, global uint* illegal,
                           volatile global uint* lengths, volatile global Counters* counters) {

@@ -105,8 +105,8 @@ static void judge_for_next(Round* r, RefineTail* tail, uint winners) {
 }
 
 // A round's second half, of so many candidates: claims, insertion, flips. Returns the number of winners.
-GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, local uint* before, RoundsMemory rounds_memory,
-                                     TeamMemory memory) {
+GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, local uint* before,
+                                     RoundsMemory rounds_memory, TeamMemory memory) {
   volatile global uint* const won = r->candidates.won;
   const Ticket ticket = {
       .stamp = tail->stamp + 1u, .bits = r->bits, .place = 0u, .numbers = r->candidates.numbers, .won = won};
@@ -171,8 +171,7 @@ kernel void refine_tail(JUDGE_PARAMETERS, LIST_PARAMETERS, global uint* edge_pie
     tail.stage = search(r, tail, most_aims, min(min(capacity, GCDT_TAIL_CANDIDATES_MOST), end - tail.vertices), memory);
     if (tail.stage == GCDT_TAIL_JUDGE || tail.stage == GCDT_TAIL_CANDIDATES) break;
     const uint count = report->candidates;
-    const uint winners =
-        count == 0u ? 0u : insert_winners(&r, &tail, count, counted, flips_memory, memory);
+    const uint winners = count == 0u ? 0u : insert_winners(&r, &tail, count, counted, flips_memory, memory);
     ++r.number;
     ++tail.searches;
     tail.idle = count > 0u ? 0u : tail.idle + 1u;

@@ -160,11 +160,13 @@ kernel void tile_mark(const uint triangles, const uint own, global const uint* f
                       global const uchar* constrained, global const Levels* levels, global const uint* input_vertex,
                       const uint pieces, global const uint2* ends, global uint* wanted, global uint* kept) {
   FOR_EACH(t, triangles) {
+    const uint is_final = final[t], marks = constrained[t];
+    if (is_final && marks == 0u) continue;  // nearly all
     for (uint k = 0; k < 3u; ++k) {
       const uint v = corners[3u * t + k];
-      if (!final[t]) {
+      if (!is_final) {
         if (v < own) wanted[v] = 1u;
-      } else if ((constrained[t] >> k) & 1u) {
+      } else if ((marks >> k) & 1u) {
         const uint piece = find_piece(levels, pieces, ends, input_vertex[corners[3u * t + next_corner(k)]],
                                       input_vertex[corners[3u * t + previous_corner(k)]]);
         if (piece != GCDT_NONE) kept[piece] = 1u;
@@ -202,6 +204,7 @@ kernel void tile_border(const uint finals, global const uint* before, global con
                         global const int* neighbours, global const uchar* constrained, global uint4* border) {
   FOR_EACH(r, finals) {
     uint place = before[r];
+    if (before[r + 1u] == place) continue;  // nearly all
     for (uint k = 0; k < 3u; ++k) {
       const int u = neighbours[3u * r + k];
       if (u >= 0) continue;
@@ -245,9 +248,16 @@ kernel void tile_before(const uint count, const uint finals, global const ulong2
 }
 
 // One work-item per final triangle. Reads `before` of `count` triangles of the seam, which ascend. Writes places[r],
-// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer.
+// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer. Of many
+// triangles in a row mostly none of the seam's comes between the first and the last.
+#define PLACES_TILE 2048u
 kernel void tile_places(const uint finals, const uint count, global const uint* before, global uint* places) {
-  FOR_EACH(r, finals) places[r] = r + count_up_to(before, count, r);
+  FOR_EACH_TILE_OF(tile, PLACES_TILE, finals) {
+    const uint end = min(tile + PLACES_TILE, finals), low = count_up_to(before, count, tile),
+               more = count_up_to(before + low, count - low, end - 1u);
+    for (uint r = tile + (uint)get_local_id(0); r < end; r += (uint)get_local_size(0))
+      places[r] = r + low + (more == 0u ? 0u : count_up_to(before + low, more, r));
+  }
 }
 
 // One work-item per final triangle from number `begin` on. Reads places, ids and what tile_finals has written. Writes

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include "batch/single.hpp"
 #include "device/step.hpp"
@@ -46,12 +47,13 @@ DevicePool::DevicePool(std::vector<Member> members, runtime::Log log, Trace trac
 }
 
 void DevicePool::open(Member& member, std::size_t device, const DevicePlan& plan) {
-  member.hook.tuning.rounds_per_read = plan.rounds_per_read;
+  const std::uint32_t rounds_alone = std::exchange(member.hook.tuning.rounds_per_read, plan.rounds_per_read);
   const auto devices = static_cast<std::uint32_t>(reports_.size()), first = static_cast<std::uint32_t>(device);
   for (std::uint32_t number = 0; number < plan.workers; ++number) {
     Worker worker;
     worker.device = device;
     worker.number = number;
+    worker.rounds_alone = rounds_alone;
     if (plan.shares_context && number > 0)
       worker.runtime = std::make_unique<runtime::Runtime>(*workers_.back().runtime, log_, trace_);
     else

@@ -91,7 +91,8 @@ class DevicePool {
   /// host copies its results and gathers its next problems, the device works for another worker.
   struct Worker {
     std::size_t device = 0;
-    std::uint32_t number = 0;  ///< among the device's workers
+    std::uint32_t number = 0;        ///< among the device's workers
+    std::uint32_t rounds_alone = 0;  ///< between two reads while the device is lent
     std::unique_ptr<runtime::Runtime> runtime;
     std::unique_ptr<Primitives> primitives;
     std::unique_ptr<Staging> staging;  ///< of the runtime

@@ -2,6 +2,7 @@
 // The devices of a pool, lent to who makes something of their own on them.
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "batch/device_pool.hpp"
 
@@ -9,15 +10,23 @@ namespace gcdt {
 
 namespace {
 
-/// As long as it lives, the runtime's transfers may use all of the device's link.
+/// As long as it lives, the worker's transfers may use all of the device's link, and it reads as often as a solver
+/// does: no other worker's launches go before its own.
 class Alone {
  public:
-  explicit Alone(runtime::Runtime& runtime) : runtime_(runtime) { runtime_.set_alone(true); }
+  Alone(runtime::Runtime& runtime, std::uint32_t rounds_per_read)
+      : runtime_(runtime), rounds_(std::exchange(runtime.tuning().rounds_per_read, rounds_per_read)) {
+    runtime_.set_alone(true);
+  }
   Alone(const Alone&) = delete;
-  ~Alone() { runtime_.set_alone(false); }
+  ~Alone() {
+    runtime_.set_alone(false);
+    runtime_.tuning().rounds_per_read = rounds_;
+  }
 
  private:
   runtime::Runtime& runtime_;
+  std::uint32_t rounds_;
 };
 
 }  // namespace
@@ -49,7 +58,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
       Worker& worker = workers_[i];
       Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity,
                    worker.side.get()};
-      const Alone alone(*worker.runtime);
+      const Alone alone(*worker.runtime, worker.rounds_alone);
       try {
         use(lent);
         return;
@@ -79,7 +88,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
 DevicePool::Made DevicePool::make_on_lent(Worker& worker, const std::vector<std::uint32_t>& numbers,
                                           const MakeOne& make, std::uint64_t capacity) {
   Lent lent = {worker.device, *worker.runtime, *worker.primitives, capacity, worker.side.get()};
-  const Alone alone(*worker.runtime);
+  const Alone alone(*worker.runtime, worker.rounds_alone);
   return make_one_by_one(worker, numbers, [&](std::uint32_t p) {
     ForestResult one = make(lent, p);
     one.problems = {p};

@@ -93,7 +93,8 @@ class Flipping {
 
   /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
   FlipResult finish(std::uint32_t pending, Ticker& ticker) {
-    for (std::uint32_t rounds = rounds_to_few(pending); pending > 0; rounds = std::min(2 * rounds, most_between_reads())) {
+    for (std::uint32_t rounds = rounds_to_few(pending); pending > 0;
+         rounds = std::min(2 * rounds, most_between_reads())) {
       const bool many = pending > plan_.group_edges;
       if (many) rounds_wide(pending, rounds);
       pending = read_after(!many || plan_.rounds_per_read > 1);

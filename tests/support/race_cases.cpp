@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small calls that launch kernels on a device treated as one kind, for tools that look at each launch (Oclgrind):
 //   race_cases DEVICE KIND [CASE]...
-//     KIND   gpu, few (a GPU with small thresholds), lanes, threads, or shares (threads of which none takes a whole call)
-//     CASE   default: all
+//     KIND   gpu, few (a GPU with small thresholds), lanes, threads, or shares (threads of which none takes a whole
+//     call) CASE   default: all
 // Prints a line "hash KIND CASE HASH" for each, and "kernel NAME" for each kernel that was launched.
 #include <cinttypes>
 #include <cmath>

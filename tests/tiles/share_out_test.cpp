@@ -341,3 +341,24 @@ TEST_CASE("under split the numbers of constraints go to a device some at a time"
   CHECK(*times > 0);
   CHECK(*largest < 4 * work.constraints.size());
 }
+
+TEST_CASE("a device that is lent reads as often as a solver does, and as a pool's again afterwards") {
+  const Workload work = workload("uniform", 3000);
+  runtime::CallHook hook;
+  hook.tuning.kind = DeviceKind::gpu;
+  DevicePool pool({{cl::Context(), app_device(), hook}}, {}, {});
+  runtime::Runtime* runtime = nullptr;
+  const auto check_lent = [&](DevicePool::Lent& lent) {
+    runtime = &lent.runtime;
+    CHECK(lent.runtime.tuning().rounds_per_read == Tuning().rounds_per_read);
+  };
+  pool.on_each(DevicePool::Who::all, check_lent);
+  REQUIRE(runtime);
+  CHECK(runtime->tuning().rounds_per_read == Tuning::gpu_rounds_per_read);
+  const RaggedBatch batch({work});
+  pool.make_each(batch.view(), {}, DevicePool::Who::all, [&](DevicePool::Lent& lent, std::uint32_t) {
+    check_lent(lent);
+    return ForestResult();
+  });
+  CHECK(runtime->tuning().rounds_per_read == Tuning::gpu_rounds_per_read);
+}
