@@ -41,7 +41,7 @@ struct Tuning {
   std::uint32_t rounds_of_group = 1024;
   /// 64-bit keys up to which groups sort blocks in local memory, which are merged two by two: a launch for each
   /// doubling where a sort by digits has three for each four bits (NOTES, "Sorting few keys").
-  std::uint32_t most_merged = 1u << 17;
+  std::uint32_t most_merged = 1u << 18;
   /// Candidates of a round of refinement that a GPU ranks by comparing all with all, in one launch instead of a sort's.
   std::uint32_t most_ranked_by_count = 1u << 13;
   /// Candidates of a round of refinement up to which one work-group does the first rounds of flips, and the host reads
@@ -195,15 +195,16 @@ struct Tuning {
   static constexpr std::size_t one_item_keys = 8192;
   /// Keys of a run that a work-item sorts by insertion; longer runs are a work-group's (NOTES, "Batches").
   static constexpr std::uint32_t longest_run = 32;
-  /// Keys from which on a sort begins with the high bits: below, its passes are launches only (not measured).
+  /// Keys from which on a sort by one work-item or by buckets begins with the high bits: below, its passes are launches
+  /// only (not measured). Groups merge blocks of as many as `most_merged` instead.
   static constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
 
   // ---- Order ------------------------------------------------------------------------------------
   // (order.cpp, order_problems.cpp)
 
-  /// Rows of a table of maxima, or of quality, that are read back; the rest is folded on the device, in a launch for
-  /// each 64th (not measured).
-  static constexpr std::uint32_t rows_read = 64;
+  /// Rows of a table of maxima, or of quality, that are read back; more are folded on the device, so many of them to
+  /// one in a launch (NOTES, "Reads": a GPU's 540,000 in two launches, not three).
+  static constexpr std::uint32_t rows_read = 64, rows_folded = 128;
   /// High bits of Morton codes that are sorted by beyond those that tell n evenly spread vertices apart: 16 cells a
   /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
   static constexpr unsigned spare_bits = 4;

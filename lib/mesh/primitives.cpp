@@ -128,7 +128,8 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
                                 unsigned prefix) {
   const unsigned digit = walk_ == Walk::serial ? GCDT_SERIAL_DIGIT_BITS : GCDT_GROUP_DIGIT_BITS;
   prefix = (prefix + digit - 1) / digit * digit;
-  if (count < Tuning::least_by_prefix || prefix + digit >= bits) return sort(keys, values, count, bits);
+  const bool few = walk_ == Walk::serial ? count < Tuning::least_by_prefix : count <= runtime_.tuning().most_merged;
+  if (few || prefix + digit >= bits) return sort(keys, values, count, bits);
   const unsigned low = bits - prefix;
   sort_pairs(sort64(), keys, values, count, low, bits, other_keys64_);
   sort_runs(keys, values, count, low, bits);

@@ -33,9 +33,9 @@ struct Maxima {
 
   /// The maximum of each column. Blocks.
   std::vector<cl_ulong> read(runtime::Runtime& runtime) {
-    // Ends: each pass leaves a 64th of the rows.
+    // Ends: each pass leaves a `rows_folded`-th of the rows.
     while (rows > Tuning::rows_read) {
-      const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_read);
+      const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_folded);
       auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
       runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
                      folded_rows, folded);

@@ -15,9 +15,9 @@ device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, cons
   auto table = runtime.allocate<device::Quality>("quality", rows);
   runtime.launch("quality", "measure_triangles", runtime::over_large(rows), cl_uint{mesh.triangles}, mesh.corners,
                  vertices.input_vertex, vertices.points, rows, table);
-  // Ends: each pass leaves a 64th of the rows.
+  // Ends: each pass leaves a `rows_folded`-th of the rows.
   while (rows > Tuning::rows_read) {
-    const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_read);
+    const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_folded);
     auto folded = runtime.allocate<device::Quality>("folded quality", folded_rows);
     runtime.launch("quality", "fold_quality", over(folded_rows), rows, table, folded_rows, folded);
     table = std::move(folded);

@@ -139,7 +139,12 @@ TEST_CASE("a problem too large for a work-group beside small ones, on a device t
 TEST_CASE("llvmpipe treated as a GPU gives PoCL's bytes, by sweeps of a mesh that is large enough for them") {
   const Workload problem = workload("uniform", 45000);
   REQUIRE(3 * problem.points.size() > Tuning().least_sweep);
-  CHECK(difference(as_gpu(DeviceKind::lanes).triangulate(problem.points), solver().triangulate(problem.points)) == "");
+  for (const std::uint32_t most_merged : {Tuning().most_merged, 1u << 15}) {  // vertices sorted by blocks, by digits
+    Tuning tuning;
+    tuning.most_merged = most_merged;
+    CHECK(difference(as_gpu(DeviceKind::lanes, tuning).triangulate(problem.points),
+                     solver().triangulate(problem.points)) == "");
+  }
 }
 
 TEST_CASE("a device treated as a GPU cleans constraints along the curve where they cross much, and only there") {
