@@ -24,8 +24,8 @@ static uint germ_beside(Fans fans, Mesh mesh, Germ g, uint v, Vertex at, Vertex 
 // more than `patience` faces. With a's corners y, z of a face, counter-clockwise, less than 180 degrees apart:
 //   b lies between them if it is not right of a -> y and not left of a -> z;
 //   else it is less than 180 degrees beyond z, or less than that beyond y, clockwise: there the turn goes.
-// Of the next face the edge in common is on the right side of b, so its third corner decides. Ends: a turn in one
-// direction comes to each face once.
+// b lies beyond the edge that the next face has in common with this one, so the third corner of that face decides.
+// Ends: a turn in one direction comes to each face once.
 static uint face_around(Mesh mesh, uint a, Vertex at, Vertex b, uint patience, private uint* steps) {
   uint face = new_face(mesh, a, 0u);
   uint4 c = mesh.face_data[GCDT_CORNERS(face)];

@@ -13,7 +13,6 @@ struct Needed {
   const char* program;
   bool by_constraints = false;
   std::optional<Meshes> of = {};  // none: of both
-  bool by_digits = false;         // by sorts of more keys than are merged
 };
 
 // In the order in which a call comes to them, but that those that take long are begun before others that are needed
@@ -21,7 +20,7 @@ struct Needed {
 constexpr Needed needed[] = {
     {"order", false, Meshes::one},
     {"forest", false, Meshes::many},
-    {"sort64_group", false, Meshes::one, true},
+    {"sort64_group", false, Meshes::one},
     {"sort_finish"},
     {"first", true},
     {"insert"},
@@ -40,11 +39,10 @@ constexpr Needed needed[] = {
 
 }  // namespace
 
-std::vector<const char*> programs_of_call(Meshes meshes, bool constrained, bool by_digits) {
+std::vector<const char*> programs_of_call(Meshes meshes, bool constrained) {
   std::vector<const char*> programs;
   for (const Needed& n : needed)
-    if ((constrained || !n.by_constraints) && (by_digits || !n.by_digits) && n.of.value_or(meshes) == meshes)
-      programs.push_back(n.program);
+    if ((constrained || !n.by_constraints) && n.of.value_or(meshes) == meshes) programs.push_back(n.program);
   return programs;
 }
 

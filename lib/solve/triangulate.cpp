@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solve/triangulate.hpp"
 
-#include <algorithm>
-
 #include "phases/check.hpp"
 #include "solve/crossing_policy.hpp"
 #include "solve/programs.hpp"
@@ -145,8 +143,7 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
                                 const Options& options) {
   if (options.refine) check_refinement(*options.refine, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
-  const bool by_digits = std::max(source.n, source.m) > runtime.tuning().most_merged;
-  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::one, source.m > 0, by_digits));
+  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::one, source.m > 0));
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);
