@@ -11,6 +11,14 @@
 
 namespace gcdt::bench {
 
+namespace {
+
+constexpr std::int32_t copied[] = {GCDT_TRIANGLES, GCDT_NEIGHBOURS,     GCDT_CONSTRAINED, GCDT_REPRESENTATIVES,
+                                   GCDT_PIECES,    GCDT_SOURCE_OFFSETS, GCDT_SOURCES};
+constexpr std::size_t array_count_of_mesh = 4, array_count = sizeof copied / sizeof *copied;
+
+}  // namespace
+
 /// Host memory of a mapped buffer, as long as the object lives.
 class PinnedCaller::Memory {
  public:
@@ -37,9 +45,13 @@ class PinnedCaller::Memory {
 
 struct PinnedCaller::State {
   explicit State(const cl::Device& device) : context(device), queue(context, device), solver(make_solver(queue)) {}
+  std::unique_ptr<Memory> pin(std::size_t bytes) const { return std::make_unique<Memory>(context, queue, bytes); }
+
   cl::Context context;
   cl::CommandQueue queue;
   Solver solver;
+  std::unique_ptr<Memory> vertices, pairs, results[array_count];
+  std::size_t n = 0, m = 0;
 };
 
 PinnedCaller::PinnedCaller(const DeviceInfo& device) {
@@ -50,29 +62,48 @@ PinnedCaller::PinnedCaller(const DeviceInfo& device) {
 
 PinnedCaller::~PinnedCaller() = default;
 
-std::vector<double> PinnedCaller::time(Points points, Constraints constraints, const Options& options, int runs) {
-  const auto pin = [&](std::size_t bytes) { return std::make_unique<Memory>(state_->context, state_->queue, bytes); };
+void PinnedCaller::take(Points points, Constraints constraints) {
   constexpr std::size_t vertex_bytes = 16;
   if (points.type() != Points::Type::float64) throw std::runtime_error("pinned calls are timed with doubles");
-  const auto vertices = pin(vertex_bytes * points.size()), pairs = pin(8 * constraints.size());
-  std::memcpy(vertices->data(), points.data(), vertex_bytes * points.size());
-  if (constraints.size() > 0) std::memcpy(pairs->data(), constraints.data(), 8 * constraints.size());
-  const Points pinned_points = Points::pairs(static_cast<const double*>(vertices->data()), points.size());
-  const Constraints pinned_pairs = {static_cast<const Constraint*>(pairs->data()), constraints.size()};
-  const std::pair<std::int32_t, std::size_t> arrays[] = {
-      {GCDT_TRIANGLES, 12}, {GCDT_NEIGHBOURS, 12}, {GCDT_CONSTRAINED, 1}, {GCDT_REPRESENTATIVES, 4}};
-  std::unique_ptr<Memory> results[4];
+  State& s = *state_;
+  s.n = points.size(), s.m = constraints.size();
+  s.vertices = s.pin(vertex_bytes * s.n), s.pairs = s.pin(sizeof(Constraint) * s.m);
+  std::memcpy(s.vertices->data(), points.data(), vertex_bytes * s.n);
+  if (s.m > 0) std::memcpy(s.pairs->data(), constraints.data(), sizeof(Constraint) * s.m);
+  for (std::unique_ptr<Memory>& memory : s.results) memory.reset();
+}
+
+Points PinnedCaller::points() const {
+  return Points::pairs(static_cast<const double*>(state_->vertices->data()), state_->n);
+}
+
+Constraints PinnedCaller::constraints() const {
+  return {static_cast<const Constraint*>(state_->pairs->data()), state_->m};
+}
+
+double PinnedCaller::call(const Options& options, bool all) {
+  const auto start = std::chrono::steady_clock::now();
+  const Result result = state_->solver.solve(points(), constraints(), options);
+  const std::size_t wanted = all ? array_count : array_count_of_mesh;
+  void* to[array_count];
+  std::uint64_t counts[array_count];
+  for (std::size_t i = 0; i < wanted; ++i) {
+    std::unique_ptr<Memory>& memory = state_->results[i];
+    counts[i] = gcdt_result_count(result.handle(), copied[i]);
+    if (!memory) memory = state_->pin(counts[i] * gcdt_element_bytes(copied[i]));
+    to[i] = memory->data();
+  }
+  detail::check(gcdt_result_copy_arrays(result.handle(), copied, to, counts, wanted));
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  return took.count() - result.statistics().ms.build;
+}
+
+std::vector<double> PinnedCaller::time(Points points, Constraints constraints, const Options& options, int runs) {
+  take(points, constraints);
   std::vector<double> times;
   for (int run = 0; run <= runs; ++run) {
-    const auto start = std::chrono::steady_clock::now();
-    const Result result = state_->solver.solve(pinned_points, pinned_pairs, options);
-    for (int i = 0; i < 4; ++i) {
-      const std::uint64_t count = gcdt_result_count(result.handle(), arrays[i].first);
-      if (run == 0) results[i] = pin(count * arrays[i].second);
-      detail::check(gcdt_result_copy(result.handle(), arrays[i].first, results[i]->data(), count));
-    }
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    if (run > 0) times.push_back(took.count() - result.statistics().ms.build);
+    const double ms = call(options);
+    if (run > 0) times.push_back(ms);
   }
   return times;
 }

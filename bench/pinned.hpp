@@ -14,8 +14,15 @@ class PinnedCaller {
   explicit PinnedCaller(const DeviceInfo& device);
   ~PinnedCaller();
 
-  /// Pins the input, triangulates it `runs` times after one that does not count, and copies triangles, neighbours,
-  /// flags and representatives to pinned memory. Returns the milliseconds of each whole call, without building.
+  /// Pins a copy of the input, of doubles, which lasts until the next one or as long as the object.
+  void take(Points points, Constraints constraints);
+  Points points() const;
+  Constraints constraints() const;
+  /// Triangulates that input, and copies triangles, neighbours, flags and representatives to pinned memory; `all`: and
+  /// pieces with their sources. Returns the milliseconds of the whole call, without building; but of the first one after
+  /// take(), which pins the results' memory.
+  double call(const Options& options, bool all = false);
+  /// `runs` such calls after one that does not count.
   std::vector<double> time(Points points, Constraints constraints, const Options& options, int runs);
 
  private:

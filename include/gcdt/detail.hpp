@@ -151,6 +151,7 @@ inline gcdt_options options(const Options& options, ProgressCall& progress) {
   c.region_seeds = seeds(options.region_seeds), c.region_seed_count = options.region_seeds.size();
   c.distinct = options.distinct;
   c.tiles = options.tiles;
+  c.pinned = options.pinned;
   return c;
 }
 

@@ -229,6 +229,7 @@ struct Options {
   std::uint32_t tiles = 0;
   /// Refines the triangles of the domain. For Solver, and to verify what that made (verify_refined); others refuse it.
   std::optional<Refinement> refine = std::nullopt;
+  bool pinned = false;  ///< the input lies in memory that the device's driver has pinned: see gcdt_options.pinned
 };
 
 /// Counts and times of one call; names as in the statistics file of the command.

@@ -87,6 +87,7 @@ void make_pool(std::vector<DevicePool::Member> members, const gcdt_pool_options&
   made->devices = std::make_unique<DevicePool>(std::move(members), read_log(options.log, options.log_user),
                                                read_trace(options.trace, options.trace_user));
   if (options.spill_directory) made->devices->spill_to(options.spill_directory);
+  if (options.pinned_results) made->devices->pin_results();
   *pool = made.release();
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "device/host_room.hpp"
+#include "phases/pinned_input.hpp"
 #include "device/transfer_chunks.hpp"
 #include "phases/order.hpp"
 #include "solve/refine_result.hpp"
@@ -130,6 +131,7 @@ Options read_options(const gcdt_options* given, std::uint32_t most_tiles) {
     throw Error(Status::invalid_argument, most_tiles == 1 ? "gcdt_options.tiles: only a pool cuts a problem into tiles"
                                                           : "gcdt_options.tiles is more than GCDT_MAX_TILES");
   options.tiles = c.tiles;
+  options.pinned = c.pinned != 0;
   options.hole_seeds = read_seeds("gcdt_options.hole_seeds", c.hole_seeds, c.hole_seed_count);
   options.region_seeds = read_seeds("gcdt_options.region_seeds", c.region_seeds, c.region_seed_count);
   if (c.refine) options.refine = read_refinement(c.refine);
@@ -334,9 +336,12 @@ int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcd
     State& state = *solver->state;
     give_result(solver->state, result, [&] {
       const gcdt_input given = read_struct(input, "gcdt_input");
-      const InputSource source = source_of(state.runtime, read_points(given), read_constraints(given));
+      const Points points = read_points(given);
+      const Constraints constraints = read_constraints(given);
+      const InputSource source = source_of(state.runtime, points, constraints);
       const Options wanted = read_options(options);
       const runtime::HostRoom room = make_room(state.runtime, options, given.vertex_count);
+      const PinnedInput pinned(*state.pinned, points, constraints, wanted);
       return state.triangulate(source, wanted);
     });
   });

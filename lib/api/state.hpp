@@ -35,6 +35,7 @@ struct State {
       : runtime(context, device, std::move(hook), std::move(log), std::move(trace)), primitives(runtime) {
     // An application with a context may pin its memory itself: that is best left to the driver.
     if (!context()) runtime.use_transfer_chunks();
+    runtime.know_pinned(pinned);
   }
 
   /// Waits for copies out of results that may be gone by now.
@@ -50,6 +51,7 @@ struct State {
   runtime::Runtime runtime;
   Primitives primitives;
   runtime::BufferSource buffer_source;
+  std::shared_ptr<runtime::PinnedRanges> pinned = std::make_shared<runtime::PinnedRanges>();  ///< of the input
   cl::CommandQueue their_queue;  ///< null: the solver has a context of its own
   std::vector<cl::Event> pending_copies;
   std::uint64_t results = 0;

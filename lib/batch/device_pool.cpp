@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "batch/single.hpp"
+#include "device/pinned_store.hpp"
 #include "device/step.hpp"
 #include "mesh/grid.hpp"
 #include "solve/refine.hpp"
@@ -58,6 +59,7 @@ void DevicePool::open(Member& member, std::size_t device, const DevicePlan& plan
       worker.runtime = std::make_unique<runtime::Runtime>(*workers_.back().runtime, log_, trace_);
     else
       worker.runtime = std::make_unique<runtime::Runtime>(member.context, member.device, member.hook, log_, trace_);
+    worker.runtime->know_pinned(pinned_);
     if (plan.polls) worker.runtime->share_context();
     worker.runtime->time_steps(worker.runtime->tracer().on());
     worker.runtime->tracer().set_worker(first + number * devices, number);
@@ -132,6 +134,15 @@ std::vector<WorkerState> DevicePool::states(const std::vector<DevicePlan>& plans
     all.push_back(state);
   }
   return all;
+}
+
+void DevicePool::pin_results() {
+  for (const Worker& worker : workers_) {
+    if (!worker.runtime || !runtime::prepares_host_memory(*worker.runtime)) continue;
+    auto own = std::make_unique<runtime::Runtime>(*worker.runtime, runtime::Log(), Trace());
+    result_memory_ = std::make_shared<runtime::PinnedStore>(std::move(own), pinned_);
+    return;
+  }
 }
 
 bool DevicePool::prepares_host_memory() const {

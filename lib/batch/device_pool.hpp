@@ -7,6 +7,7 @@
 #include "batch/pool_plan.hpp"
 #include "batch/schedule.hpp"
 #include "batch/warmup.hpp"
+#include "device/pinned_ranges.hpp"
 #include "device/side_queue.hpp"
 
 namespace gcdt {
@@ -85,6 +86,13 @@ class DevicePool {
   /// Whether a device that is not lost does (Tuning::prepares_host_memory).
   bool prepares_host_memory() const;
   const DeviceReport& report(std::size_t device) const { return reports_[device]; }
+  /// What is known to be pinned of the host's memory.
+  runtime::PinnedRanges& pinned() { return *pinned_; }
+  /// Has results in tiles lie in memory that the driver of a GPU has pinned, which is kept for the next calls'. Nothing
+  /// where no device's transfers are prepared (prepares_host_memory()), or the driver has no such memory.
+  void pin_results();
+  /// Where such memory comes from; null: from the system.
+  const std::shared_ptr<HostSource>& result_memory() const { return result_memory_; }
 
  private:
   /// A worker does one run after the other on a device. It has a queue, memory, and during calls a thread. While the
@@ -155,6 +163,8 @@ class DevicePool {
   std::vector<DeviceReport> reports_;
   std::vector<Worker> workers_;
   std::string spill_directory_;
+  std::shared_ptr<runtime::PinnedRanges> pinned_ = std::make_shared<runtime::PinnedRanges>();
+  std::shared_ptr<HostSource> result_memory_;
 };
 
 }  // namespace gcdt

@@ -184,6 +184,7 @@ Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
 void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   TransferChunks* chunks = transfers_for_many() ? nullptr : chunks_for(bytes);
   if (!chunks) return write_at_once(to, offset, from, bytes);
+  if (is_pinned(from, bytes)) return settled(*this, nullptr, [&] { wait(write_later(to, offset, from, bytes)); });
   const unsigned threads = threads_for(*this, bytes, transfers_for_many());
   settled(*this, chunks,
           [&] { write_through(*chunks, threads, to, offset, static_cast<const unsigned char*>(from), bytes); });
@@ -277,13 +278,26 @@ void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t 
   if (bytes == 0) return;
   ++read_backs_;
   if (TransferChunks* chunks = chunks_for(bytes))
-    settled(*this, chunks, [&] {
-      read_through(*chunks, threads_for(*this, bytes, transfers_for_many()), {{from, to, bytes, offset}});
-    });
+    settled(*this, chunks, [&] { read_large(*chunks, {{from, to, bytes, offset}}); });
   else
     call("clEnqueueReadBuffer", "",
          [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });
   waited();
+}
+
+// What is pinned is queued first, since nobody copies it meanwhile.
+void Runtime::read_large(TransferChunks& chunks, const std::vector<HostRead>& reads) {
+  std::vector<cl::Event> straight;
+  std::vector<HostRead> copied;
+  std::size_t bytes = 0;
+  for (const HostRead& read : reads)
+    if (is_pinned(read.to, read.bytes))
+      straight.push_back(read_later(read.from, read.offset, read.to, read.bytes));
+    else
+      copied.push_back(read), bytes += read.bytes;
+  if (!straight.empty()) flush();
+  if (!copied.empty()) read_through(chunks, threads_for(*this, bytes, transfers_for_many()), copied);
+  if (!straight.empty()) wait(straight.back());  // the queue is in order
 }
 
 void Runtime::read_all(const std::vector<HostRead>& reads) {
@@ -294,7 +308,7 @@ void Runtime::read_all(const std::vector<HostRead>& reads) {
   settled(*this, chunks, [&] {
     if (chunks) {
       ++read_backs_;
-      read_through(*chunks, threads_for(*this, bytes, transfers_for_many()), reads);
+      read_large(*chunks, reads);
       return waited();
     }
     for (std::size_t i = 0; i + 1 < reads.size(); ++i)

@@ -16,6 +16,7 @@
 
 #include <gcdt/types.hpp>
 
+#include "device/pinned_ranges.hpp"
 #include "device/buffer_pool.hpp"
 #include "device/built_programs.hpp"
 #include "device/geometry.hpp"
@@ -220,6 +221,9 @@ class Runtime {
   /// Those chunks, of pinned memory; null if there are none, or others use the device.
   TransferChunks* pinned_chunks() { return transfers_for_many() ? nullptr : chunks_for(~std::size_t{0}); }
   void release_transfer_chunks();  ///< until the next large transfer
+  /// From now on, large transfers to and from what lies there go straight, where others go through chunks.
+  void know_pinned(std::shared_ptr<const PinnedRanges> ranges) { pinned_ = std::move(ranges); }
+  bool is_pinned(const void* first, std::size_t bytes) const { return pinned_ && pinned_->contains(first, bytes); }
   /// Whether nobody else uses the device for now: then large transfers of a shared context go as if it were not,
   /// through more and larger chunks, and by several threads.
   void set_alone(bool alone) { alone_ = alone; }
@@ -307,6 +311,7 @@ class Runtime {
 
   Meshes meshes_of(const char* program) const;
   void self_test();
+  void read_large(TransferChunks& chunks, const std::vector<HostRead>& reads);
   void waited();
   cl_int ask_until_done(cl_event event);
   bool transfers_for_many() const { return shares_context_ && !alone_; }
@@ -355,6 +360,7 @@ class Runtime {
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;                                         ///< the device's own is wrong
   bool shares_context_ = false, wants_chunks_ = false, alone_ = false;  ///< shared: it asks, and does not wait
+  std::shared_ptr<const PinnedRanges> pinned_;  ///< may be null
   std::unique_ptr<TransferChunks> shared_chunks_, chunks_;  ///< if the context is; if a large transfer has been made
 };
 

@@ -153,7 +153,7 @@ SharedUpload::Taker::Taker(SharedUpload& shared, Runtime& runtime) : shared_(sha
 }
 
 SharedUpload::Taker::~Taker() {
-  if (std::any_of(reads_.begin(), reads_.end(), [](const cl::Event& read) { return read() != nullptr; }))
+  if (straight_ || std::any_of(reads_.begin(), reads_.end(), [](const cl::Event& read) { return read() != nullptr; }))
     runtime_.attempt("clFinish", "shared chunks", [&] { return runtime_.try_finish(); });
   shared_.leave(released_);
 }
@@ -172,6 +172,11 @@ void SharedUpload::Taker::begin(std::size_t part, const unsigned char* from, std
 
 // A part is queued when half as many more have been begun as there are slots: threads copy those meanwhile.
 void SharedUpload::Taker::write(cl_mem to, const void* from, std::size_t bytes) {
+  if (runtime_.is_pinned(from, bytes)) {
+    straight_ = true;
+    runtime_.write_later(to, 0, from, bytes);
+    return runtime_.flush();
+  }
   if (!shared_.is_shared()) return runtime_.write_bytes(to, 0, from, bytes);
   const auto* const first = static_cast<const unsigned char*>(from);
   const std::size_t chunk = shared_.chunk_bytes_, parts = (bytes + chunk - 1) / chunk, ahead = reads_.size() / 2;

@@ -40,7 +40,8 @@ class SharedUpload {
     /// Leaves, when nothing that the device was asked for is under way.
     ~Taker();
     /// Queues a write to the buffer's beginning. All takers make the same ones in the same order, until they leave. The
-    /// host memory must stay as it is until the device has done it.
+    /// host memory must stay as it is until the device has done it. What is pinned (Runtime::is_pinned) goes straight
+    /// from there; all takers' runtimes know the same of that.
     void write(cl_mem to, const void* from, std::size_t bytes);
 
    private:
@@ -51,6 +52,7 @@ class SharedUpload {
     std::vector<cl::Event> reads_;  ///< by slot: what the device was last asked to do with it
     std::size_t next_ = 0;          ///< of all writes' parts the first one that is not begun
     std::size_t released_ = 0;      ///< what comes before is of no use to the device any more
+    bool straight_ = false;         ///< a write may be under way that goes through no slot
   };
 
  private:

@@ -24,6 +24,11 @@ class ResultRoom {
  public:
   ResultRoom(const DevicePool& pool, std::uint64_t n, std::uint64_t m) : vertices_(static_cast<std::size_t>(n)) {
     if (!pool.prepares_host_memory() || n < Tuning::least_prepared_vertices) return;
+    const bool is_pinned = pool.result_memory() != nullptr;
+    if (is_pinned)
+      for (const int array : {GCDT_TRIANGLES, GCDT_NEIGHBOURS, GCDT_CONSTRAINED, GCDT_REPRESENTATIVES, GCDT_PIECES,
+                              GCDT_SOURCE_OFFSETS, GCDT_SOURCES})
+        made_.arrays[static_cast<std::size_t>(array)].source = pool.result_memory();
     const unsigned threads = std::max(1u, std::thread::hardware_concurrency() / Tuning::cores_of_room_thread);
     try {
       make(2 * vertices_);
@@ -41,7 +46,7 @@ class ResultRoom {
           all.push_back(
               {made_.arrays[static_cast<std::size_t>(array)].reuse<unsigned char>(pieces * bytes), pieces * bytes});
       }
-      room_.emplace(all, threads);
+      if (!is_pinned) room_.emplace(all, threads);  // whose pages are there
       numbering_ = std::async(std::launch::async, [this] { number(); });
     } catch (const std::exception&) {
       // There is no memory, or no thread: take() asks again, and reports it.

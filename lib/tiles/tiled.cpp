@@ -4,6 +4,7 @@
 #include "device/parts.hpp"
 #include "device/step.hpp"
 #include "phases/clean.hpp"
+#include "phases/pinned_input.hpp"
 #include "tiles/domain.hpp"
 #include "tiles/tiled_run.hpp"
 
@@ -118,6 +119,17 @@ bool solve_in_tiles(DevicePool& pool, const BatchInput& batch, std::uint32_t pro
   return false;
 }
 
+std::optional<PinnedInput> pinned_input(DevicePool& pool, const BatchInput& batch, const Options& options) {
+  if (batch.problems == 0) return std::nullopt;
+  const auto count = [&](const std::uint64_t* offsets) {
+    return static_cast<std::size_t>(offsets[batch.problems] - offsets[0]);
+  };
+  return std::optional<PinnedInput>(
+      std::in_place, pool.pinned(),
+      part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]), count(batch.vertex_offsets)),
+      Constraints(batch.constraints + batch.constraint_offsets[0], count(batch.constraint_offsets)), options);
+}
+
 }  // namespace
 
 std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_t m) {
@@ -132,6 +144,7 @@ std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_
 }
 
 PoolResult triangulate(DevicePool& pool, const BatchInput& batch, const Options& options) {
+  const std::optional<PinnedInput> pinned = pinned_input(pool, batch, options);
   if (options.tiles <= 1) {
     PoolResult all = pool.triangulate(batch, options);
     if (options.tiles == 1) return all;
