@@ -258,6 +258,7 @@ class Row {
       Sum& phase = sums[std::to_string(span.device_number) + " " + span.phase];
       if (span.on_device) {
         phase.device_ms += ms;
+        if (getenv("DBGK")) { Sum& step = sums[std::to_string(span.device_number) + " " + span.phase + " / k " + span.name]; step.device_ms += ms, ++step.times; }
       } else if (span.name == span.phase) {
         phase.host_ms += ms, ++phase.times;
       } else {

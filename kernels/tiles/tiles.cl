@@ -134,15 +134,56 @@ static inline Reach reach_of_circle(int2 a, int2 b, int2 c, int4 all) {
   return reach;
 }
 
-// One work-item per triangle. Reads the mesh and points. Writes final[t]: whether the box around its circle, cut to
-// `all`, the box of all vertices, is the tile's. Word t has one writer.
+// The plane in GCDT_TILE_ROW x GCDT_TILE_ROW cells of 2^shift grid points a side, which begin at 0. One work-item per
+// word. Writes the bits of 32 cells of a row: whether all points of the cell are the tile's. Word i has one writer.
+kernel void tile_inner(const uint words, const uint shift, const ulong first_code, const ulong last_code,
+                       global uint* inner) {
+  FOR_EACH(i, words) {
+    uint bits = 0;
+    for (uint j = 0; j < 32u; ++j) {
+      const uint cell = 32u * i + j, x = (cell % GCDT_TILE_ROW) << shift, y = (cell / GCDT_TILE_ROW) << shift,
+                 beyond = (1u << shift) - 1u;
+      if (gcdt_morton(x, y) >= first_code && gcdt_morton(x + beyond, y + beyond) <= last_code) bits |= 1u << j;
+    }
+    inner[i] = bits;
+  }
+}
+
+// Whether the square around corner a whose half side is the circle's diameter, which has all of the circle, lies in one
+// cell that is the tile's. The diameter is |ab| |bc| |ca| / |2 area|. Bounds, with e = 2^-24: a squared side is off by 4 e
+// of itself, the area by e, the root of the whole by 16 e at most; REACH_TINY is more. What is not of the grid's size,
+// infinite or no number is not in a cell.
+static inline bool is_within_cell(int2 a, int2 b, int2 c, uint shift, global const uint* inner) {
+  const float bx = (float)((long)b.x - a.x), by = (float)((long)b.y - a.y), cx = (float)((long)c.x - a.x),
+              cy = (float)((long)c.y - a.y), dx = (float)((long)c.x - b.x), dy = (float)((long)c.y - b.y);
+  const float scale = 1.0f / (float)gcdt_orient2d_finite(gcdt_finite_vertex(a.x, a.y), gcdt_finite_vertex(b.x, b.y),
+                                                         gcdt_finite_vertex(c.x, c.y));
+  const float square = (bx * bx + by * by) * scale * ((cx * cx + cy * cy) * scale) * (dx * dx + dy * dy);
+  const float diameter = sqrt(square) * (1.0f + REACH_TINY) + 2.0f;
+  if (!(diameter < 0x1p30f)) return false;
+  const uint away = (uint)diameter;
+  if ((uint)a.x < away || (uint)a.y < away) return false;
+  const uint x = ((uint)a.x - away) >> shift, y = ((uint)a.y - away) >> shift;
+  if (((uint)a.x + away) >> shift != x || ((uint)a.y + away) >> shift != y) return false;
+  const uint cell = y * GCDT_TILE_ROW + x;
+  return x < GCDT_TILE_ROW && y < GCDT_TILE_ROW && (inner[cell / 32u] >> (cell % 32u) & 1u) != 0u;
+}
+
+// One work-item per triangle. Reads the mesh and points, and which cells are the tile's. Writes final[t]: whether the box
+// around its circle, cut to `all`, the box of all vertices, is the tile's. Word t has one writer. For nearly all a cell
+// says so, at a tenth of what the codes take.
 // After this kernel the final triangles are of the whole result, but for those that an open constraint passes (T2).
 kernel void tile_final(const uint triangles, global const uint* corners, global const int2* points, const int4 all,
-                       const ulong first_code, const ulong last_code, global uint* final) {
+                       const ulong first_code, const ulong last_code, const uint shift, global const uint* inner,
+                       global uint* final) {
   FOR_EACH(t, triangles) {
-    const Reach reach =
-        reach_of_circle(points[corners[3u * t]], points[corners[3u * t + 1u]], points[corners[3u * t + 2u]], all);
-    final[t] = code_of_point(reach.least) >= first_code && code_of_point(reach.most) <= last_code ? 1u : 0u;
+    const int2 a = points[corners[3u * t]], b = points[corners[3u * t + 1u]], c = points[corners[3u * t + 2u]];
+    bool is_final = is_within_cell(a, b, c, shift, inner);
+    if (!is_final) {
+      const Reach reach = reach_of_circle(a, b, c, all);
+      is_final = code_of_point(reach.least) >= first_code && code_of_point(reach.most) <= last_code;
+    }
+    final[t] = is_final ? 1u : 0u;
   }
 }
 
@@ -175,43 +216,53 @@ kernel void tile_mark(const uint triangles, const uint own, global const uint* f
   }
 }
 
-// One work-item per triangle. Reads the scan of final, and the mesh. Writes the final triangles' arrays, where
-// neighbours are numbers of final triangles, GCDT_TILE_HULL or GCDT_TILE_BORDER; and sides[r], the number of edges of
-// final triangle r that have no final neighbour. Places differ, by the scan.
-kernel void tile_finals(const uint triangles, global const uint* before, global const uint* corners,
-                        global const int* neighbours, global const uchar* constrained, global uint* out_corners,
-                        global int* out_neighbours, global uchar* out_constrained, global uint* sides) {
+// One work-item per triangle. Reads final, 1 or 0, and the mesh. Writes sides[t], the number of edges of a final triangle
+// that have no final neighbour; 0 for others. Word t has one writer.
+kernel void tile_sides(const uint triangles, global const uint* final, global const int* neighbours,
+                       global uint* sides) {
   FOR_EACH(t, triangles) {
-    const uint r = before[t];
-    if (before[t + 1u] == r) continue;
     uint count = 0;
     for (uint k = 0; k < 3u; ++k) {
       const int u = neighbours[3u * t + k];
-      int other = GCDT_TILE_HULL;
-      if (u >= 0) other = before[u + 1] == before[u] ? GCDT_TILE_BORDER : (int)before[u];
-      if (other < 0) ++count;
-      out_corners[3u * r + k] = corners[3u * t + k];
-      out_neighbours[3u * r + k] = other;
+      if (u < 0 || final[u] == 0u) ++count;
     }
-    out_constrained[r] = constrained[t];
-    sides[r] = count;
+    sides[t] = final[t] ? count : 0u;
   }
 }
 
-// One work-item per final triangle. Reads the scan of sides. Writes its edges without a final neighbour: the triangle,
-// where the edge begins and ends, and k with marks (tiles.h). Places differ, by the scan.
-kernel void tile_border(const uint finals, global const uint* before, global const uint* corners,
-                        global const int* neighbours, global const uchar* constrained, global uint4* border) {
-  FOR_EACH(r, finals) {
-    uint place = before[r];
-    if (before[r + 1u] == place) continue;  // nearly all
+// One work-item per triangle. Reads the scans of sides and of final, and the mesh. Writes the edges of final triangles
+// without a final neighbour: the triangle's number among the final ones, where the edge begins and ends, and k with
+// marks (tiles.h). Places differ, by the scan of sides.
+kernel void tile_border(const uint triangles, global const uint* sides, global const uint* before,
+                        global const uint* corners, global const int* neighbours, global const uchar* constrained,
+                        global uint4* border) {
+  FOR_EACH(t, triangles) {
+    uint place = sides[t];
+    if (sides[t + 1u] == place) continue;  // nearly all
     for (uint k = 0; k < 3u; ++k) {
-      const int u = neighbours[3u * r + k];
-      if (u >= 0) continue;
-      const uint marks =
-          (u == GCDT_TILE_HULL ? GCDT_TILE_ON_HULL : 0u) | ((constrained[r] >> k) & 1u ? GCDT_TILE_CONSTRAINED : 0u);
-      border[place++] = (uint4)(r, corners[3u * r + next_corner(k)], corners[3u * r + previous_corner(k)], k | marks);
+      const int u = neighbours[3u * t + k];
+      if (u >= 0 && before[u + 1] != before[u]) continue;
+      const uint marks = (u < 0 ? GCDT_TILE_ON_HULL : 0u) | ((constrained[t] >> k) & 1u ? GCDT_TILE_CONSTRAINED : 0u);
+      border[place++] =
+          (uint4)(before[t], corners[3u * t + next_corner(k)], corners[3u * t + previous_corner(k)], k | marks);
     }
+  }
+}
+
+// One work-item per triangle. Reads the scan of final, and the mesh. Writes the final triangles' arrays, where
+// neighbours are numbers of final triangles, or -1 where there is none. Places differ, by the scan.
+kernel void tile_finals(const uint triangles, global const uint* before, global const uint* corners,
+                        global const int* neighbours, global const uchar* constrained, global uint* out_corners,
+                        global int* out_neighbours, global uchar* out_constrained) {
+  FOR_EACH(t, triangles) {
+    const uint r = before[t];
+    if (before[t + 1u] == r) continue;
+    for (uint k = 0; k < 3u; ++k) {
+      const int u = neighbours[3u * t + k];
+      out_corners[3u * r + k] = corners[3u * t + k];
+      out_neighbours[3u * r + k] = u < 0 || before[u + 1] == before[u] ? -1 : (int)before[u];
+    }
+    out_constrained[r] = constrained[t];
   }
 }
 
@@ -230,12 +281,13 @@ kernel void tile_input_numbers(const uint count, global const uint* ids, global 
 }
 
 // One work-item per triangle of the seam among those of the tile. Reads its key, the codes of its first two vertices,
-// and the final triangles, which are in the order of theirs. Writes before[i], the number of final ones before it. Word
-// i has one writer. Ends: the range halves.
-kernel void tile_before(const uint count, const uint finals, global const ulong2* keys, global const uint* corners,
-                        global const int2* points, global uint* before) {
+// the tile's triangles, which are in the order of theirs, and the scan of final; not that if all of them are. Writes
+// before[i], the number of final ones before it. Word i has one writer. Ends: the range halves.
+kernel void tile_before(const uint count, const uint triangles, const uint all_final, global const ulong2* keys,
+                        global const uint* corners, global const int2* points, global const uint* finals_before,
+                        global uint* before) {
   FOR_EACH(i, count) {
-    uint low = 0, high = finals;
+    uint low = 0, high = triangles;
     while (low < high) {
       const uint middle = low + (high - low) / 2u;
       if (is_before_key(points, corners[3u * middle], corners[3u * middle + 1u], keys[i]))
@@ -243,37 +295,45 @@ kernel void tile_before(const uint count, const uint finals, global const ulong2
       else
         high = middle;
     }
-    before[i] = low;
+    before[i] = all_final ? low : finals_before[low];
   }
 }
 
-// One work-item per final triangle. Reads `before` of `count` triangles of the seam, which ascend. Writes places[r],
-// its place among all of the tile's: r, and those of the seam that come before it. Word r has one writer. Of many
-// triangles in a row mostly none of the seam's comes between the first and the last.
+// One work-item per triangle. Reads the scan of final, unless all are, and `before` of `count` triangles of the seam,
+// which ascend. Writes places[t], the place of a final triangle among all of the tile's: its number among the final
+// ones, and those of the seam that come before it; GCDT_NONE for others. Word t has one writer. Of many triangles in a
+// row mostly none of the seam's comes between the first and the last.
 #define PLACES_TILE 2048u
-kernel void tile_places(const uint finals, const uint count, global const uint* before, global uint* places) {
-  FOR_EACH_TILE_OF(tile, PLACES_TILE, finals) {
-    const uint end = min(tile + PLACES_TILE, finals), low = count_up_to(before, count, tile),
-               more = count_up_to(before + low, count - low, end - 1u);
-    for (uint r = tile + (uint)get_local_id(0); r < end; r += (uint)get_local_size(0))
-      places[r] = r + low + (more == 0u ? 0u : count_up_to(before + low, more, r));
+kernel void tile_places(const uint triangles, const uint all_final, const uint count,
+                        global const uint* finals_before, global const uint* before, global uint* places) {
+  FOR_EACH_TILE_OF(tile, PLACES_TILE, triangles) {
+    const uint end = min(tile + PLACES_TILE, triangles), first = all_final ? tile : finals_before[tile],
+               low = count_up_to(before, count, first),
+               more = count_up_to(before + low, count - low, all_final ? end : finals_before[end]);
+    for (uint t = tile + (uint)get_local_id(0); t < end; t += (uint)get_local_size(0)) {
+      const uint r = all_final ? t : finals_before[t];
+      const bool is_final = all_final || finals_before[t + 1u] != r;
+      places[t] = is_final ? r + low + (more == 0u ? 0u : count_up_to(before + low, more, r)) : GCDT_NONE;
+    }
   }
 }
 
-// One work-item per final triangle from number `begin` on. Reads places, ids and what tile_finals has written. Writes
-// the triangle's arrays at its place: input numbers, neighbours as places from `first` on, -1 where there is no final
-// one. Places differ. Places of the seam's triangles are not written.
-kernel void tile_write(const uint finals, const uint begin, const uint first, global const uint* places,
+// One work-item per triangle from number `begin` on. Reads places, ids and the mesh. Writes the arrays of a final
+// triangle at its place: input numbers, neighbours as places from `first` on, -1 where there is no final one. Places
+// differ. Places of the seam's triangles are not written.
+kernel void tile_write(const uint count, const uint begin, const uint first, global const uint* places,
                        global const uint* ids, global const uint* corners, global const int* neighbours,
                        global const uchar* constrained, global uint* out_corners, global int* out_neighbours,
                        global uchar* out_constrained) {
-  FOR_EACH(i, finals) {
-    const uint r = begin + i, place = places[r];
+  FOR_EACH(i, count) {
+    const uint t = begin + i, place = places[t];
+    if (place == GCDT_NONE) continue;
     for (uint k = 0; k < 3u; ++k) {
-      const int u = neighbours[3u * r + k];
-      out_corners[3u * place + k] = ids[corners[3u * r + k]];
-      out_neighbours[3u * place + k] = u < 0 ? -1 : (int)(first + places[u]);
+      const int u = neighbours[3u * t + k];
+      const uint other = u < 0 ? GCDT_NONE : places[u];
+      out_corners[3u * place + k] = ids[corners[3u * t + k]];
+      out_neighbours[3u * place + k] = other == GCDT_NONE ? -1 : (int)(first + other);
     }
-    out_constrained[place] = constrained[r];
+    out_constrained[place] = constrained[t];
   }
 }

@@ -6,9 +6,8 @@
 // The last grid point of an axis.
 #define GCDT_TILE_LAST 0x7FFFFFFFu
 
-// In place of the number of a final neighbour: the edge is of the hull of the tile; there is one that is not final.
-#define GCDT_TILE_HULL (-1)
-#define GCDT_TILE_BORDER (-2)
+// Cells of the raster that says where a tile is, along an axis.
+#define GCDT_TILE_ROW 256u
 
 // With the k of an edge of the border.
 #define GCDT_TILE_CONSTRAINED 4u

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "device/crew.hpp"
+
 namespace gcdt {
 
 /// A range of numbers in parts of consecutive ones, one a thread. What is made part by part, in the order of the parts,
@@ -23,7 +25,8 @@ class Parts {
     parts_ = std::max<std::size_t>(1, std::min(threads, count / least));
   }
   std::size_t size() const { return parts_; }
-  /// Calls use(part, first, end) for each part, at once; where the system has no more threads, one after the other.
+  /// Calls use(part, first, end) for each part, at once, by the thread's crew (crew.hpp) or by new threads; where the
+  /// system has no more threads, one after the other.
   /// Throws what the first part throws that does, or before any call.
   template <class Use>
   void run(Use&& use) const {
@@ -35,6 +38,17 @@ class Parts {
         failed[part] = std::current_exception();
       }
     };
+    if (Crew* const crew = parts_ > 1 ? Crew::of_this_thread() : nullptr)
+      crew->run(parts_, one);
+    else
+      in_new_threads(one);
+    for (const std::exception_ptr& error : failed)
+      if (error) std::rethrow_exception(error);
+  }
+
+ private:
+  template <class One>
+  void in_new_threads(One&& one) const {
     std::vector<std::thread> threads;
     threads.reserve(parts_);
     for (std::size_t part = 1; part < parts_; ++part) {
@@ -46,11 +60,8 @@ class Parts {
     }
     one(0);
     for (std::thread& thread : threads) thread.join();
-    for (const std::exception_ptr& error : failed)
-      if (error) std::rethrow_exception(error);
   }
 
- private:
   std::size_t count_, parts_;
 };
 

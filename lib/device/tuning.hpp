@@ -328,6 +328,8 @@ struct Tuning {
   static constexpr std::uint64_t part_of_constraint_block = 2048;
   /// Of so many of the host's cores one makes room for the result of tiles.
   static constexpr unsigned cores_of_room_thread = 4;
+  /// Threads beside the caller's that loops of the host share while a problem is solved in tiles (not measured).
+  static constexpr std::size_t most_of_crew = 15;
   /// Bytes of a problem that are prefetched before it is gathered: as much as a first cache holds (NOTES, "Batches").
   static constexpr std::size_t most_prefetched = std::size_t{1} << 15;
 };

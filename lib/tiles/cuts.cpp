@@ -10,8 +10,8 @@ namespace gcdt::tiles {
 
 namespace {
 
-// A tile's share of n points is off by about sqrt(1 / sample) of n.
-constexpr std::size_t sample_size = 1u << 16;
+// A tile's share of n points is off by about sqrt(1 / sample) of n, half the slack of two tiles.
+constexpr std::size_t sample_size = 1u << 14;
 
 /// Puts the sample's codes at which the tiles between `first` and `end` begin where they are in its order; those of
 /// these two are there already. A sort would order all the others, too. Ends: both halves have fewer tiles.

@@ -13,10 +13,24 @@ using runtime::Runtime;
 std::uint64_t FinalTriangles::device_bytes() const {
   if (!on_device()) return 0;
   return corners.bytes() + neighbours.bytes() + constrained.bytes() + (ids.allocated() ? ids.bytes() : 0) +
-         (points.allocated() ? points.bytes() : 0) + pieces.device_bytes();
+         (points.allocated() ? points.bytes() : 0) + (before.allocated() ? before.bytes() : 0) + pieces.device_bytes();
+}
+
+void FinalTriangles::compact(Runtime& runtime) {
+  if (!before.allocated()) return;
+  auto own_corners = runtime.allocate<cl_uint>("final corners", 3 * std::size_t{count});
+  auto own_neighbours = runtime.allocate<cl_int>("final neighbours", 3 * std::size_t{count});
+  auto own_flags = runtime.allocate<cl_uchar>("final flags", count);
+  if (count > 0)
+    runtime.launch("tiles", "tile_finals", over(triangles), cl_uint{triangles}, before, corners, neighbours,
+                   constrained, own_corners, own_neighbours, own_flags);
+  triangles = count;
+  corners = std::move(own_corners), neighbours = std::move(own_neighbours), constrained = std::move(own_flags);
+  before = {};
 }
 
 std::function<void(Runtime& runtime)> FinalTriangles::begin_spill(Runtime& runtime, const SpillTo& to) {
+  compact(runtime);
   auto made = std::make_shared<Spilled>();
   made->berth = to.in_result;
   if (!to.directory.empty())
@@ -93,7 +107,7 @@ void FinalTriangles::leave_result() {
 }
 
 void FinalTriangles::release() {
-  corners = {}, neighbours = {}, constrained = {}, ids = {}, points = {};
+  corners = {}, neighbours = {}, constrained = {}, before = {}, ids = {}, points = {};
   pieces.leave();
   forget(codes);
   spilled_.reset();
@@ -125,19 +139,22 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
     runtime.read_all(behind);
     return std::vector<std::uint32_t>(seam, 0);
   }
+  const cl_uint triangles = final.triangles, all_final = final.before.allocated() ? 0 : 1;
+  const runtime::Buffer<cl_uint>& finals_before = all_final ? final.corners : final.before;  // any, if all are
   auto before = runtime.allocate<cl_uint>("final triangles before", seam);
   if (seam > 0) {
     const SeamKeys given = places.make_keys();
     auto keys = runtime.allocate<cl_ulong2>("keys of the seam's triangles", seam);
     runtime.write_bytes(keys.handle(), 0, given.data(), seam * sizeof(given[0]));
-    runtime.launch("tiles", "tile_before", over(seam), seam, final.count, keys, final.corners, final.points, before);
+    runtime.launch("tiles", "tile_before", over(seam), seam, triangles, all_final, keys, final.corners, final.points,
+                   finals_before, before);
   }
-  auto at = runtime.allocate<cl_uint>("places of final triangles", final.count);
-  runtime.launch("tiles", "tile_places", over(final.count), final.count, seam, before, at);
+  auto at = runtime.allocate<cl_uint>("places of final triangles", triangles);
+  runtime.launch("tiles", "tile_places", over(triangles), triangles, all_final, seam, finals_before, before, at);
   const auto corners = runtime.allocate<cl_uint>("output corners", 3 * count);
   const auto others = runtime.allocate<cl_int>("output neighbours", 3 * count);
   const auto flags = runtime.allocate<cl_uchar>("output flags", count);
-  const auto write = [&](cl_uint begin, cl_uint end) {
+  const auto write = [&](cl_uint begin, cl_uint end) {  // of the tile's triangles
     runtime.launch("tiles", "tile_write", over(end - begin), end - begin, begin, cl_uint{places.first}, at, final.ids,
                    final.corners, final.neighbours, final.constrained, corners, others, flags);
   };
@@ -150,19 +167,21 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   const Resting resting{lent.side};
   const std::size_t bytes = count * (sizeof(Triangle) + sizeof(Neighbours) + 1);
   const bool in_parts = lent.side && bytes / chunks_worth_parts >= runtime.tuning().least_chunked;
-  // No triangle goes down, so what is before number `first` in the result is among the first ones.
-  const cl_uint first = in_parts ? final.count / part_written_first : 0;
-  if (first > 0) {
-    write(0, first);
+  const cl_uint part = in_parts ? triangles / part_written_first : 0;
+  // So many final ones are in the part. None goes down, so what is before that place in the result is among them.
+  const cl_uint first = part == 0 || all_final ? part : runtime.read_one(final.before, part);
+  if (first > final.count) refuse("a tile's device has counted more than there are");
+  if (part > 0) {
+    write(0, part);
     runtime.finish();
     lent.side->begin([&reads, first](Runtime& any) {
       Step reading(any, "read beside");
-      any.read_all(reads(0, first));
+      if (first > 0) any.read_all(reads(0, first));
       reading.end();
     });
   }
-  write(first, final.count);
-  if (first > 0) lent.side->wait();
+  write(part, triangles);
+  if (part > 0) lent.side->wait();
   std::vector<runtime::HostRead> rest = reads(first, count);
   rest.insert(rest.end(), behind.begin(), behind.end());
   runtime.read_all(rest);

@@ -36,9 +36,12 @@ struct SpillTo {
 class FinalTriangles {
  public:
   std::uint32_t count = 0;
+  // Of the tile's triangles; from compact() on of the final ones, which neighbours are numbers of then.
+  std::uint32_t triangles = 0;
   runtime::Buffer<cl_uint> corners;  ///< the tile's vertices; input numbers from begin_spill() on
   runtime::Buffer<cl_int> neighbours;
   runtime::Buffer<cl_uchar> constrained;
+  runtime::Buffer<cl_uint> before;  ///< how many final ones come before each, and in all; until compact()
   // Until begin_spill().
   runtime::Buffer<cl_uint> ids;     ///< by vertex: input numbers
   runtime::Buffer<cl_int2> points;  ///< by vertex
@@ -51,6 +54,8 @@ class FinalTriangles {
   static constexpr std::uint64_t bytes_that_leave(std::uint64_t vertices) { return 2 * (12 + 12 + 1) * vertices; }
   bool on_device() const { return corners.allocated(); }
   std::uint64_t device_bytes() const;
+  /// Gives back what others than final ones have. A tile that is written soon does without.
+  void compact(runtime::Runtime& runtime);
 
   /// The first step of a spill, on the device's first queue, which is finished afterwards. Returns the second, which
   /// any queue of the device can take, in any thread, while nothing else here is called but on_device().

@@ -14,8 +14,6 @@ namespace {
 constexpr std::size_t constraints_sampled = std::size_t{1} << 12;
 /// Of those, a thread looks at so many: each takes a few misses of the caches.
 constexpr std::size_t count_of_sample_thread = 512;
-/// Threads that look through all ends: few, since the vertices are copied at the same time.
-constexpr std::size_t threads_for_ends = 4;
 
 constexpr std::uint16_t open_constraint = std::numeric_limits<std::uint16_t>::max();
 
@@ -196,10 +194,10 @@ Partition partition(const GridInput& input, const Cuts& cuts, const std::vector<
   return made;
 }
 
-bool has_good_ends(const GridInput& input) {
+bool has_good_ends(const GridInput& input, std::size_t threads) {
   const std::uint64_t n = input.n();
   const Constraints ends = input.constraints.ends;
-  const Parts parts(ends.size(), std::max<std::size_t>(4096, ends.size() / threads_for_ends + 1));
+  const Parts parts(ends.size(), std::max<std::size_t>(4096, ends.size() / threads + 1));
   std::vector<char> good(parts.size(), 1);
   parts.run([&](std::size_t part, std::size_t first, std::size_t end) {
     std::uint32_t most = 0;

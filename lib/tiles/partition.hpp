@@ -61,7 +61,7 @@ Partition partition_open(const GridInput& input, const Cuts& cuts, const std::ve
                          std::vector<OpenConstraint> open, const std::vector<std::uint64_t>& expected);
 
 /// Whether all ends of the process's constraints are vertices.
-bool has_good_ends(const GridInput& input);
+bool has_good_ends(const GridInput& input, std::size_t threads);
 /// The number of the first end that is no vertex, where 2 c + e is end e of constraint c; if there is none, the
 /// greatest number.
 std::uint64_t first_bad_end(const GridInput& input);

@@ -74,6 +74,15 @@ std::optional<GridPoint> place_query(const ChosenGrid& chosen, const std::array<
   return at;
 }
 
+bool some_need_more(const Points& points, int decimals) {
+  constexpr std::size_t few = 16;
+  for (std::size_t i = 0; i < std::min(few, points.size()); ++i)
+    for (int axis = 0; axis < 2; ++axis)
+      if (device::gcdt_decimals_needed(bits_of(points, points.size() / few * i, axis), 0, decimals) > decimals)
+        return true;
+  return false;
+}
+
 Box box_of(const ChosenGrid& chosen, const Survey& surveyed) {
   Box box{};
   for (std::size_t axis = 0; axis < 2; ++axis) {  // what is placed grows with what was given

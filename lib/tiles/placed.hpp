@@ -85,6 +85,10 @@ struct GridInput {
 /// Where a point that is no vertex is on the grid: as locate() has it. None if it is outside.
 std::optional<GridPoint> place_query(const ChosenGrid& chosen, const std::array<double, 2>& point);
 
+/// Whether one of a few vertices has a coordinate that cannot be written with so many decimals: of measured or random
+/// numbers nearly each, and nobody has to look at the others.
+bool some_need_more(const Points& points, int decimals);
+
 /// The box around vertices on a grid, if there are any.
 Box box_of(const ChosenGrid& chosen, const Survey& surveyed);
 

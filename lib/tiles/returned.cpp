@@ -133,6 +133,18 @@ std::uint64_t hull_edges(const Solved& solved) {
 
 }  // namespace
 
+namespace {
+
+using Key = std::array<std::uint64_t, 2>;
+constexpr std::size_t least_blocks = 64;  ///< that are worth a thread
+
+/// One kept triangle of the seam, then the next one. Keys are of tiles: those of one tile ascend.
+void check_order(std::size_t tile, const Key& key, std::size_t next_tile, const Key& next_key) {
+  if (next_tile < tile || (next_tile == tile && next_key < key)) refuse("the seam's triangles are not in their order");
+}
+
+}  // namespace
+
 Order::Order(const Solved& solved)
     : solved_(solved),
       firsts_(1, 0),
@@ -140,20 +152,50 @@ Order::Order(const Solved& solved)
       kept_(solved.between.kept),
       firsts_of_seam_(1, 0),
       first_triangles_(solved.tiles.size(), 0) {
-  kept_before_.reserve(kept_.size() / of_block + 1);
-  std::vector<std::uint32_t> counts(solved.tiles.size(), 0);
+  // Part by part of blocks: what is kept there, tile by tile, and the keys at its ends.
+  struct Part {
+    std::vector<std::uint32_t> counts, firsts;
+    std::size_t first_tile = 0, last_tile = 0;
+    Key first_key{}, last_key{};
+    std::uint32_t kept = 0;
+  };
+  const std::size_t blocks = (kept_.size() + of_block - 1) / of_block;
+  kept_before_.resize(blocks);
+  const Parts parts(blocks, least_blocks);
+  std::vector<Part> all(parts.size());
+  parts.run([&](std::size_t number, std::size_t first_block, std::size_t end_block) {
+    Part& part = all[number];
+    part.counts.assign(solved_.tiles.size(), 0), part.firsts.assign(solved_.tiles.size(), 0);
+    const std::size_t end = std::min(end_block * of_block, kept_.size());
+    for (std::size_t t = first_block * of_block; t < end; ++t) {
+      if (t % of_block == 0) kept_before_[t / of_block] = part.kept;
+      if (!kept_[t]) continue;
+      const auto triangle = static_cast<std::uint32_t>(t);
+      const std::size_t tile = solved_.seam.tile_of(solved_.between.mesh.triangles[t][0]);
+      const Key key = key_of(triangle);
+      if (part.kept++ == 0)
+        part.first_tile = tile, part.first_key = key;
+      else
+        check_order(part.last_tile, part.last_key, tile, key);
+      if (part.counts[tile]++ == 0) part.firsts[tile] = triangle;
+      part.last_tile = tile, part.last_key = key;
+    }
+  });
+  std::vector<std::uint32_t> counts(solved_.tiles.size(), 0);
   std::uint32_t kept = 0;
-  std::size_t last_tile = 0;
-  std::array<std::uint64_t, 2> last_key{};
-  for (std::uint32_t t = 0; t < kept_.size(); ++t) {
-    if (t % of_block == 0) kept_before_.push_back(kept);
-    if (!kept_[t]) continue;
-    ++kept;
-    const std::size_t tile = solved.seam.tile_of(solved.between.mesh.triangles[t][0]);
-    const std::array<std::uint64_t, 2> key = key_of(t);
-    if (tile < last_tile || (counts[tile] > 0 && key < last_key)) refuse("the seam's triangles are not in their order");
-    if (counts[tile]++ == 0) first_triangles_[tile] = t;
-    last_tile = tile, last_key = key;
+  const Part* last = nullptr;
+  for (std::size_t number = 0; number < all.size(); ++number) {
+    const Part& part = all[number];
+    for (std::size_t b = blocks * number / all.size(); b < blocks * (number + 1) / all.size(); ++b)
+      kept_before_[b] += kept;
+    if (part.kept == 0) continue;
+    if (last) check_order(last->last_tile, last->last_key, part.first_tile, part.first_key);
+    last = &part;
+    kept += part.kept;
+    for (std::size_t tile = 0; tile < counts.size(); ++tile) {
+      if (counts[tile] == 0) first_triangles_[tile] = part.firsts[tile];
+      counts[tile] += part.counts[tile];
+    }
   }
   for (std::size_t tile = 0; tile < counts.size(); ++tile) {
     firsts_of_seam_.push_back(firsts_of_seam_.back() + counts[tile]);

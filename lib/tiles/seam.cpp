@@ -63,22 +63,73 @@ TileShare share_of(const std::vector<SolvedTile>& tiles, std::size_t t) {
   return share;
 }
 
-/// The seam's number of a tile's vertex.
+/// The seam's number of a tile's vertex, by a table of hashes a tile: searches in a list would be most of what making
+/// the seam takes.
 class SeamNumbers {
  public:
   SeamNumbers(const std::vector<TileShare>& shares, const std::vector<std::uint32_t>& firsts)
-      : shares_(shares), firsts_(firsts) {}
+      : shares_(shares), firsts_(firsts), tables_(shares.size()) {
+    for_each_in_threads(
+        shares.size(), [&](std::size_t t) { fill(tables_[t], shares[t].vertices); }, 1);
+  }
+  // Ends: a table has twice as many slots as entries.
   std::uint32_t of(std::size_t tile, std::uint32_t v) const {
-    const std::vector<SeamVertex>& vertices = shares_[tile].vertices;
-    const auto found = std::lower_bound(vertices.begin(), vertices.end(), SeamVertex{v, 0, {}}, by_number);
-    if (found == vertices.end() || found->vertex != v)
-      throw Error(Status::check_failed, "tiles: an end of a constraint of the seam is not in the seam");
-    return firsts_[tile] + static_cast<std::uint32_t>(found - vertices.begin());
+    const std::vector<std::uint32_t>& table = tables_[tile];
+    for (std::size_t slot = slot_of(table, v); table[slot] != empty; slot = next(table, slot))
+      if (shares_[tile].vertices[table[slot]].vertex == v) return firsts_[tile] + table[slot];
+    throw Error(Status::check_failed, "tiles: an end of a constraint of the seam is not in the seam");
   }
 
  private:
+  static constexpr std::uint32_t empty = ~std::uint32_t{0};
+
+  static void fill(std::vector<std::uint32_t>& table, const std::vector<SeamVertex>& vertices) {
+    std::size_t size = 2;
+    while (size < 2 * vertices.size()) size *= 2;
+    table.assign(size, empty);
+    for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+      std::size_t slot = slot_of(table, vertices[i].vertex);
+      while (table[slot] != empty) slot = next(table, slot);
+      table[slot] = i;
+    }
+  }
+  // Knuth's multiplicative hash, of which the high bits are the good ones.
+  static std::size_t slot_of(const std::vector<std::uint32_t>& table, std::uint32_t v) {
+    return (std::uint64_t{v * 2654435769u} * table.size()) >> 32;
+  }
+  static std::size_t next(const std::vector<std::uint32_t>& table, std::size_t slot) {
+    return slot + 1 < table.size() ? slot + 1 : 0;
+  }
+
   const std::vector<TileShare>& shares_;
   const std::vector<std::uint32_t>& firsts_;
+  std::vector<std::vector<std::uint32_t>> tables_;  ///< places in a share's vertices
+};
+
+/// The pieces by their first ends, in the order of whose codes they come.
+class PiecesByEnd {
+ public:
+  /// Ends are below `vertices`.
+  PiecesByEnd(Span<Constraint> pieces, std::size_t vertices) : pieces_(pieces), ranges_(vertices, {0, 0}) {
+    for (std::uint32_t i = 0, first = 0; i < pieces.size(); ++i) {
+      if (pieces[i][0] != pieces[first][0]) first = i;
+      ranges_[pieces[i][0]] = {first, i + 1};
+    }
+  }
+  /// The number of the piece between two vertices; `point(v)`: vertex v on the grid. Throws check_failed if there is none.
+  template <class PointOf>
+  std::uint32_t between(std::uint32_t u, std::uint32_t v, PointOf&& point) const {
+    for (const Constraint& ends : {Constraint{u, v}, Constraint{v, u}}) {
+      const auto [first, end] = ranges_[ends[0]];
+      const std::uint32_t found = first + piece_among({pieces_.data() + first, end - first}, point, ends);
+      if (found < end) return found;
+    }
+    throw_no_piece();
+  }
+
+ private:
+  Span<Constraint> pieces_;
+  std::vector<std::array<std::uint32_t, 2>> ranges_;  ///< by vertex: of the pieces that begin there
 };
 
 /// The tile's vertex that stands for an end of an open constraint.
@@ -190,6 +241,7 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh, Neighbours* neighbours,
   SolvedSeam solved;
   const std::size_t count = mesh.triangles.size();
   std::vector<std::uint8_t> outside(count, 0);
+  const PiecesByEnd pieces(mesh.pieces, seam.points.size());
   solved.kept.assign(count, seam.border.empty() ? 1 : 0);
   const auto point = [&](std::uint32_t v) { return seam.points[v]; };
   for_each_in_threads(count, [&](std::size_t t) {
@@ -197,7 +249,7 @@ SolvedSeam take_seam(const Seam& seam, ProblemMesh mesh, Neighbours* neighbours,
     for (std::uint32_t k = 0; k < 3; ++k) {
       if ((constrained[t] >> k & 1) == 0) continue;
       const Constraint edge = edge_of(mesh.triangles[t], k);
-      const std::uint32_t piece = piece_between(mesh.pieces, point, edge[0], edge[1]);
+      const std::uint32_t piece = pieces.between(edge[0], edge[1], point);
       for (std::uint32_t i = mesh.source_offsets[piece]; i < mesh.source_offsets[piece + 1]; ++i) {
         const std::uint32_t source = mesh.sources[i];
         const bool is_border = source < seam.first_part();

@@ -20,20 +20,31 @@ struct ProblemMesh {
   Span<std::uint32_t> source_offsets, sources;
 };
 
-/// The number of the piece between two vertices; pieces are in the order of their ends' codes. `point(v)`: vertex v on
-/// the grid. Throws check_failed if there is none.
+[[noreturn]] inline void throw_no_piece() {
+  throw Error(Status::check_failed, "tiles: a constrained edge is no piece");
+}
+
+/// The number of a piece among some, which are in the order of their ends' codes; their number if it is not among them.
+/// `point(v)`: vertex v on the grid.
 template <class PointOf>
-std::uint32_t piece_between(Span<Constraint> pieces, PointOf&& point, std::uint32_t u, std::uint32_t v) {
+std::uint32_t piece_among(Span<Constraint> pieces, PointOf&& point, const Constraint& wanted) {
   const auto key = [&](const Constraint& ends) {
     return std::make_pair(code_of(point(ends[0])), code_of(point(ends[1])));
   };
-  const Constraint wanted = code_of(point(u)) < code_of(point(v)) ? Constraint{u, v} : Constraint{v, u};
   const auto wanted_key = key(wanted);
   const auto found = std::lower_bound(pieces.begin(), pieces.end(), wanted,
                                       [&](const Constraint& a, const Constraint&) { return key(a) < wanted_key; });
-  if (found == pieces.end() || *found != wanted)
-    throw Error(Status::check_failed, "tiles: a constrained edge is no piece");
-  return static_cast<std::uint32_t>(found - pieces.begin());
+  return static_cast<std::uint32_t>((found == pieces.end() || *found != wanted ? pieces.end() : found) -
+                                    pieces.begin());
+}
+
+/// The number of the piece between two vertices. Throws check_failed if there is none.
+template <class PointOf>
+std::uint32_t piece_between(Span<Constraint> pieces, PointOf&& point, std::uint32_t u, std::uint32_t v) {
+  const bool in_order = code_of(point(u)) < code_of(point(v));
+  const std::uint32_t found = piece_among(pieces, point, in_order ? Constraint{u, v} : Constraint{v, u});
+  if (found == pieces.size()) throw_no_piece();
+  return found;
 }
 
 /// The problem of the seam. Its vertices come tile by tile. Its constraints are, in this order: the border, each edge

@@ -39,6 +39,7 @@ void Spiller::add(DevicePool::Lent& lent, std::size_t tile, FinalTriangles& fina
   OfDevice& own = devices_[lent.device];
   own.there.push_back({tile, &final});
   const std::size_t left = left_;
+  if (left > 0) final.compact(lent.runtime);  // it stays beside the next one
   if (!lent.side || left == 0) return;
   settle(lent);
   if (fits(lent, forest_bytes(1, n, m) + (left > 1 ? final.device_bytes() : 0))) return;

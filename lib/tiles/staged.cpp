@@ -7,6 +7,7 @@
 #include "device/parts.hpp"
 #include "device/step.hpp"
 #include "phases/triangulation.hpp"
+#include "tiles/placed.hpp"
 
 namespace gcdt::tiles {
 
@@ -159,6 +160,7 @@ ChosenGrid Staged::choose(const std::optional<FixedGrid>& fixed, Survey& surveye
   const GridChoice choice = choose_grid(surveyed);
   const int limit = choice.decimals_limit;
   if (limit < 0) return choice.grid;
+  if (team.sum(some_need_more(points_, limit) ? 1 : 0) > 0) return choice.with_decimals(limit + 1);
   using Digits = std::array<cl_ulong, 1>;
   const Digits digits =
       look<Digits>(team, {}, [limit](runtime::Runtime& runtime, const InputPoints& points, std::size_t) {

@@ -173,9 +173,20 @@ class TileRun {
     const cl_int4 box = {{static_cast<cl_int>(all.least[0]), static_cast<cl_int>(all.least[1]),
                           static_cast<cl_int>(all.most[0]), static_cast<cl_int>(all.most[1])}};
     const auto [first, last] = task_.cuts.codes_of(tile_);
+    const cl_uint shift = shift_of_cells(all), words = GCDT_TILE_ROW * GCDT_TILE_ROW / 32;
+    const auto inner = runtime_.allocate<cl_uint>("cells of a tile", words);
+    runtime_.launch("tiles", "tile_inner", over(words), words, shift, cl_ulong{first}, cl_ulong{last}, inner);
     runtime_.launch("tiles", "tile_final", over(triangles()), triangles(), made_.mesh.corners, points(), box,
-                    cl_ulong{first}, cl_ulong{last}, final_);
+                    cl_ulong{first}, cl_ulong{last}, shift, inner, final_);
     pass();
+  }
+
+  /// Of cells so small that a row of them has what is in the box, but for half of it.
+  static cl_uint shift_of_cells(const Box& box) {
+    cl_uint shift = 0;
+    // Ends: a coordinate has 31 bits.
+    while (std::max(box.most[0], box.most[1]) >> shift >= GCDT_TILE_ROW) ++shift;
+    return shift;
   }
 
   /// Triangles that are passed are not final.
@@ -275,20 +286,19 @@ class TileRun {
 
   void keep_final() {
     FinalTriangles& final = solved_.final;
-    final.count = scan(final_, triangles());
-    OrderedMesh mesh = std::move(made_.mesh);
+    const cl_uint all = final.triangles = triangles();
+    final.corners = std::move(made_.mesh.corners);
+    final.neighbours = std::move(made_.mesh.neighbours);
+    final.constrained = std::move(made_.mesh.constrained);
+    final.before = std::move(final_);
     made_ = {};
-    final.corners = runtime_.allocate<cl_uint>("final corners", 3 * std::size_t{final.count});
-    final.neighbours = runtime_.allocate<cl_int>("final neighbours", 3 * std::size_t{final.count});
-    final.constrained = runtime_.allocate<cl_uchar>("final flags", final.count);
+    const auto sides = runtime_.allocate<cl_uint>("border edges before", std::size_t{all} + 1);
+    if (all > 0) runtime_.launch("tiles", "tile_sides", over(all), all, final.before, final.neighbours, sides);
+    final.count = scan(final.before, all);
     if (final.count == 0) return;
-    auto sides = runtime_.allocate<cl_uint>("border edges before", std::size_t{final.count} + 1);
-    runtime_.launch("tiles", "tile_finals", over(mesh.triangles), mesh.triangles, final_, mesh.corners, mesh.neighbours,
-                    mesh.constrained, final.corners, final.neighbours, final.constrained, sides);
-    mesh = {};
-    const cl_uint count = scan(sides, final.count, 3);
+    const cl_uint count = scan(sides, all, 3);
     const auto border = runtime_.allocate<cl_uint4>("border", count);
-    runtime_.launch("tiles", "tile_border", over(final.count), final.count, sides, final.corners, final.neighbours,
+    runtime_.launch("tiles", "tile_border", over(all), all, sides, final.before, final.corners, final.neighbours,
                     final.constrained, border);
     solved_.border = read_all_of<BorderEdge>(runtime_, border, count);
     check_each(count, "an edge of the border is of no final triangle", [&](std::size_t i) {

@@ -46,8 +46,7 @@ void is_refused(const std::string& reason, const std::function<void()>& use) {
   }
 }
 
-constexpr char border[] =
-    "border[place++] = (uint4)(r, corners[3u * r + next_corner(k)], corners[3u * r + previous_corner(k)], k | marks);";
+constexpr char border[] = "(uint4)(before[t], corners[3u * t + next_corner(k)], corners[3u * t + previous_corner(k)], k | marks);";
 
 }  // namespace
 
@@ -59,13 +58,13 @@ TEST_CASE("numbers of a tile that are none end its device, with or without the c
       {"merged[before[v]] = (uint2)(ids[v], ids[representatives[v]]);",
        "merged[before[v]] = (uint2)(ids[v], ids[representatives[v]] | 0x40000000u);",
        "a merged vertex is none of the input"},
-      {border, "border[place++] = (uint4)(r | 0x40000000u, 0u, 0u, k | marks);",
+      {border, "(uint4)(before[t] | 0x40000000u, 0u, 0u, k | marks);",
        "an edge of the border is of no final triangle"},
-      {border, "border[place++] = (uint4)(r, corners[3u * r] | 0x40000000u, corners[3u * r], k | marks);",
+      {border, "(uint4)(before[t], corners[3u * t] | 0x40000000u, corners[3u * t], k | marks);",
        "an edge of the border is of no final triangle"},
-      {border, "border[place++] = (uint4)(r, corners[3u * r], corners[3u * r + 1u] | 0x40000000u, k | marks);",
+      {border, "(uint4)(before[t], corners[3u * t], corners[3u * t + 1u] | 0x40000000u, k | marks);",
        "an edge of the border is of no final triangle"},
-      {border, "border[place++] = (uint4)(r, corners[3u * r], corners[3u * r + 1u], 3u | marks);",
+      {border, "(uint4)(before[t], corners[3u * t], corners[3u * t + 1u], 3u | marks);",
        "an edge of the border is of no final triangle"},
       {"out_corners[3u * place + k] = used_before[corners[3u * t + k]];",
        "out_corners[3u * place + k] = used_before[corners[3u * t + k]] | 0x40000000u;",
@@ -86,9 +85,9 @@ TEST_CASE("numbers of a tile that are none end its device, with or without the c
        "a source of a piece is no constraint of the input"},
       {"numbers[place] = first + c;", "numbers[place] = first + c + 0x40000000u;",
        "an open constraint is none of the input"},
-      {"before[i] = low;", "before[i] = low + finals + 1u;",
+      {"before[i] = all_final ? low : finals_before[low];", "before[i] = low + triangles + 1u;",
        "a triangle of the seam has no place among the final ones"},
-      {"before[i] = low;", "before[i] = i % 2u == 0u ? finals : low;",
+      {"before[i] = all_final ? low : finals_before[low];", "before[i] = i % 2u == 0u ? triangles : low;",
        "a triangle of the seam has no place among the final ones"},
   };
   const Workload work = with_everything();
@@ -113,13 +112,12 @@ TEST_CASE("numbers of a tile that are none end its device, with or without the c
 
 TEST_CASE("corners and neighbours that were written where none are, join and domain refuse") {
   const Garbled all[] = {
-      {"out_corners[3u * place + k] = ids[corners[3u * r + k]];",
-       "out_corners[3u * place + k] = ids[corners[3u * r + k]] | 0x40000000u;", ""},
-      {"out_neighbours[3u * place + k] = u < 0 ? -1 : (int)(first + places[u]);",
-       "out_neighbours[3u * place + k] = u < 0 ? -1 : (int)(first + places[u]) | 0x40000000;",
+      {"out_corners[3u * place + k] = ids[corners[3u * t + k]];",
+       "out_corners[3u * place + k] = ids[corners[3u * t + k]] | 0x40000000u;", ""},
+      {"other == GCDT_NONE ? -1 : (int)(first + other);",
+       "other == GCDT_NONE ? -1 : (int)(first + other) | 0x40000000;",
        "a triangle has a corner or a neighbour that is not there"},
-      {"out_neighbours[3u * place + k] = u < 0 ? -1 : (int)(first + places[u]);",
-       "out_neighbours[3u * place + k] = u < 0 ? -1 : -7;", "a triangle has a corner or a neighbour that is not there"},
+      {"other == GCDT_NONE ? -1 : (int)(first + other);", "other == GCDT_NONE ? -1 : -7;", "a triangle has a corner or a neighbour that is not there"},
   };
   const RaggedBatch batch({with_everything()});
   for (const bool check : {false, true})
@@ -249,7 +247,7 @@ namespace {
 struct SpilledTile {
   std::vector<std::array<double, 2>> points{{0, 0}, {4, 0}, {0, 4}, {5, 5}, {1, 9}};
   std::vector<cl_uint> corners{0, 1, 2, 1, 3, 2, 2, 3, 4};
-  std::vector<cl_int> neighbours{1, GCDT_TILE_BORDER, GCDT_TILE_HULL, 2, 0, -1, -1, -1, 1};
+  std::vector<cl_int> neighbours{1, -1, -1, 2, 0, -1, -1, -1, 1};
   std::vector<std::array<std::uint64_t, 2>> keys{{1, 1}};
 
   void write() const {
