@@ -19,8 +19,8 @@ class PinnedCaller {
   Points points() const;
   Constraints constraints() const;
   /// Triangulates that input, and copies triangles, neighbours, flags and representatives to pinned memory; `all`: and
-  /// pieces with their sources. Returns the milliseconds of the whole call, without building; but of the first one after
-  /// take(), which pins the results' memory.
+  /// pieces with their sources. Returns the milliseconds of the whole call, without building; but of the first one
+  /// after take(), which pins the results' memory.
   double call(const Options& options, bool all = false);
   /// `runs` such calls after one that does not count.
   std::vector<double> time(Points points, Constraints constraints, const Options& options, int runs);

@@ -193,8 +193,12 @@ class Devices {
     return made;
   }
   std::size_t size() const { return devices_.size(); }
-  /// The first one.
-  DeviceInfo info() const { return runtime::describe(devices_[0], {}); }
+  /// The first GPU, whose driver pins memory; else the first one.
+  DeviceInfo that_pins() const {
+    for (const cl::Device& device : devices_)
+      if (const DeviceInfo info = runtime::describe(device, {}); info.is_gpu) return info;
+    return runtime::describe(devices_[0], {});
+  }
 
   std::unique_ptr<Solver> solver;
   std::unique_ptr<DevicePool> pool;
@@ -215,7 +219,7 @@ class Row {
           return devices.solver->triangulate(points).triangles;
         })) {
     if (!arguments.pinned) return;
-    pinned_.emplace(devices.info());
+    pinned_.emplace(devices.that_pins());
     pinned_->take(work_.points, work_.constraints);
   }
 
@@ -258,7 +262,10 @@ class Row {
       Sum& phase = sums[std::to_string(span.device_number) + " " + span.phase];
       if (span.on_device) {
         phase.device_ms += ms;
-        if (getenv("DBGK")) { Sum& step = sums[std::to_string(span.device_number) + " " + span.phase + " / k " + span.name]; step.device_ms += ms, ++step.times; }
+        if (getenv("DBGK")) {
+          Sum& step = sums[std::to_string(span.device_number) + " " + span.phase + " / k " + span.name];
+          step.device_ms += ms, ++step.times;
+        }
       } else if (span.name == span.phase) {
         phase.host_ms += ms, ++phase.times;
       } else {
@@ -305,15 +312,15 @@ class Row {
     return differing.empty() ? "" : "other bytes:" + differing;
   }
 
-  void print(double one, double one_pinned, double all, const std::array<double, 5>& steps, const std::string& fault) const {
+  void print(double one, double one_pinned, double all, const std::array<double, 5>& steps,
+             const std::string& fault) const {
     std::printf("{\"name\": \"%s\", \"n\": %zu, \"m\": %zu, \"devices\": %zu, \"tiles\": %u, \"call_ms\": %.1f",
                 input_.name.c_str(), work_.points.size(), work_.constraints.size(), devices_.size(), report_.tiles,
                 all);
     if (arguments_.alone)
       std::printf(", \"one_ms\": %.1f, \"speedup\": %.3f, \"same_bytes\": %s", one, one / all,
                   fault.empty() ? "true" : "false");
-    if (pinned_)
-      std::printf(", \"one_pinned_ms\": %.1f, \"pinned_speedup\": %.3f", one_pinned, one_pinned / all);
+    if (pinned_) std::printf(", \"one_pinned_ms\": %.1f, \"pinned_speedup\": %.3f", one_pinned, one_pinned / all);
     const char* const names[] = {"share", "tiles", "seam", "write", "join"};
     for (std::size_t i = 0; i < steps.size(); ++i) std::printf(", \"%s_ms\": %.1f", names[i], steps[i]);
     std::printf(", \"seam_vertices\": %llu, \"seam_constraints\": %llu, \"seam_fraction\": %.5f",

@@ -319,9 +319,9 @@ typedef struct gcdt_options {
    * gcdt_triangulate, gcdt_pool_triangulate and theirs of gcdt_cl.h, and to verify what they made
    * (gcdt_verify_refined); others refuse it. Of a result that is there: gcdt_result_refine. */
   const gcdt_refinement* refine;
-  /* 1: the arrays of gcdt_input or gcdt_batch_input lie in memory that the devices' drivers have pinned (a mapped buffer
-   * of CL_MEM_ALLOC_HOST_PTR, or what cudaHostAlloc returns): gcdt_triangulate and gcdt_pool_triangulate have GPUs read
-   * it there, where other memory is copied first. Only time depends on it. */
+  /* 1: the arrays of gcdt_input or gcdt_batch_input lie in memory that the devices' drivers have pinned (a mapped
+   * buffer of CL_MEM_ALLOC_HOST_PTR, or what cudaHostAlloc returns): gcdt_triangulate and gcdt_pool_triangulate have
+   * GPUs read it there, where other memory is copied first. Only time depends on it. */
   int32_t pinned;
 } gcdt_options;
 #define GCDT_OPTIONS_INIT                                                                                          \

@@ -35,9 +35,9 @@ typedef struct gcdt_pool_options {
    * however the process ends. Null or empty: to where the result is to be, in the host's memory. Errors of files:
    * GCDT_ERROR_SPILL_FAILED, of the problem. */
   const char* spill_directory;
-  /* 1: results of problems in tiles lie in memory that a GPU's driver has pinned, to which GPUs write by themselves. The
-   * pool keeps that memory when a batch is released, for the next results, until it is released itself: pinning takes
-   * far longer than writing. Where there is no GPU nothing changes. */
+  /* 1: results of problems in tiles lie in memory that a GPU's driver has pinned, to which GPUs write by themselves.
+   * The pool keeps that memory when a batch is released, for the next results, until it is released itself: pinning
+   * takes far longer than writing. Where there is no GPU nothing changes. */
   int32_t pinned_results;
 } gcdt_pool_options;
 #define GCDT_POOL_OPTIONS_INIT \

@@ -184,8 +184,8 @@ inline gcdt_pool_options pool_options(LogFunction* log, Trace* trace) {
 /// Triangulates batches on any set of devices. One object by one thread at a time. Move-only.
 class Pool {
  public:
-  /// `devices`, `memory_bytes`, `spill_directory`, `pinned_results`: see gcdt_pool_options. Log and trace are called by the pool's
-  /// threads, one at a time. Throws no_device, or what all devices failed with.
+  /// `devices`, `memory_bytes`, `spill_directory`, `pinned_results`: see gcdt_pool_options. Log and trace are called by
+  /// the pool's threads, one at a time. Throws no_device, or what all devices failed with.
   explicit Pool(const std::string& devices = {}, Log log = {}, Trace trace = {}, std::uint64_t memory_bytes = 0,
                 const std::string& spill_directory = {}, bool pinned_results = false)
       : log_(detail::boxed(std::move(log))), trace_(detail::boxed(std::move(trace))) {

@@ -150,9 +150,9 @@ kernel void tile_inner(const uint words, const uint shift, const ulong first_cod
 }
 
 // Whether the square around corner a whose half side is the circle's diameter, which has all of the circle, lies in one
-// cell that is the tile's. The diameter is |ab| |bc| |ca| / |2 area|. Bounds, with e = 2^-24: a squared side is off by 4 e
-// of itself, the area by e, the root of the whole by 16 e at most; REACH_TINY is more. What is not of the grid's size,
-// infinite or no number is not in a cell.
+// cell that is the tile's. The diameter is |ab| |bc| |ca| / |2 area|. Bounds, with e = 2^-24: a squared side is off by
+// 4 e of itself, the area by e, the root of the whole by 16 e at most; REACH_TINY is more. What is not of the grid's
+// size, infinite or no number is not in a cell.
 static inline bool is_within_cell(int2 a, int2 b, int2 c, uint shift, global const uint* inner) {
   const float bx = (float)((long)b.x - a.x), by = (float)((long)b.y - a.y), cx = (float)((long)c.x - a.x),
               cy = (float)((long)c.y - a.y), dx = (float)((long)c.x - b.x), dy = (float)((long)c.y - b.y);
@@ -169,10 +169,10 @@ static inline bool is_within_cell(int2 a, int2 b, int2 c, uint shift, global con
   return x < GCDT_TILE_ROW && y < GCDT_TILE_ROW && (inner[cell / 32u] >> (cell % 32u) & 1u) != 0u;
 }
 
-// One work-item per triangle. Reads the mesh and points, and which cells are the tile's. Writes final[t]: whether the box
-// around its circle, cut to `all`, the box of all vertices, is the tile's. Word t has one writer. For nearly all a cell
-// says so, at a tenth of what the codes take.
-// After this kernel the final triangles are of the whole result, but for those that an open constraint passes (T2).
+// One work-item per triangle. Reads the mesh and points, and which cells are the tile's. Writes final[t]: whether the
+// box around its circle, cut to `all`, the box of all vertices, is the tile's. Word t has one writer. For nearly all a
+// cell says so, at a tenth of what the codes take. After this kernel the final triangles are of the whole result, but
+// for those that an open constraint passes (T2).
 kernel void tile_final(const uint triangles, global const uint* corners, global const int2* points, const int4 all,
                        const ulong first_code, const ulong last_code, const uint shift, global const uint* inner,
                        global uint* final) {
@@ -216,8 +216,8 @@ kernel void tile_mark(const uint triangles, const uint own, global const uint* f
   }
 }
 
-// One work-item per triangle. Reads final, 1 or 0, and the mesh. Writes sides[t], the number of edges of a final triangle
-// that have no final neighbour; 0 for others. Word t has one writer.
+// One work-item per triangle. Reads final, 1 or 0, and the mesh. Writes sides[t], the number of edges of a final
+// triangle that have no final neighbour; 0 for others. Word t has one writer.
 kernel void tile_sides(const uint triangles, global const uint* final, global const int* neighbours,
                        global uint* sides) {
   FOR_EACH(t, triangles) {
@@ -304,8 +304,8 @@ kernel void tile_before(const uint count, const uint triangles, const uint all_f
 // ones, and those of the seam that come before it; GCDT_NONE for others. Word t has one writer. Of many triangles in a
 // row mostly none of the seam's comes between the first and the last.
 #define PLACES_TILE 2048u
-kernel void tile_places(const uint triangles, const uint all_final, const uint count,
-                        global const uint* finals_before, global const uint* before, global uint* places) {
+kernel void tile_places(const uint triangles, const uint all_final, const uint count, global const uint* finals_before,
+                        global const uint* before, global uint* places) {
   FOR_EACH_TILE_OF(tile, PLACES_TILE, triangles) {
     const uint end = min(tile + PLACES_TILE, triangles), first = all_final ? tile : finals_before[tile],
                low = count_up_to(before, count, first),

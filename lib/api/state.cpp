@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "device/host_room.hpp"
-#include "phases/pinned_input.hpp"
 #include "device/transfer_chunks.hpp"
 #include "phases/order.hpp"
+#include "phases/pinned_input.hpp"
 #include "solve/refine_result.hpp"
 
 using namespace gcdt;

@@ -63,8 +63,9 @@ class DevicePool {
     runtime::SideQueue* side;  ///< null: transfers beside other work would gain nothing
   };
   using MakeOne = std::function<ForestResult(Lent& lent, std::uint32_t problem)>;
-  /// `gpus`: if there are some that are not lost; else all.
-  enum class Who { all, gpus };
+  /// `gpus`: if there are some that are not lost; else all. `first`: of these the first one, which then has the memory
+  /// for it the next time.
+  enum class Who { all, gpus, first };
   /// As triangulate(), but each problem is made by `make`, by itself, on one worker a device; of the batch only the
   /// sizes are read, and of the options only the progress. An Error of a problem (is_of_problem()) is the problem's;
   /// others take the device out of the pool. A problem may be made on several devices at once. When it returns, or
@@ -153,7 +154,7 @@ class DevicePool {
   void rest_sides() const;
   [[noreturn]] void throw_reasons() const;
   bool all_lost() const;
-  /// Whether the worker is the first of a device that is one of these.
+  /// Whether the worker is the first of a device that is one of these, and not lost.
   bool is_first_of(const Worker& worker, Who who) const;
 
   std::mutex mutex_;  ///< held during callbacks, and while a device is reported as lost

@@ -33,14 +33,16 @@ class Alone {
 
 bool DevicePool::is_first_of(const Worker& worker, Who who) const {
   const auto is_gpu = [](const Worker& other) { return other.runtime && other.runtime->kind() == DeviceKind::gpu; };
-  return worker.number == 0 &&
-         (who == Who::all || is_gpu(worker) || std::none_of(workers_.begin(), workers_.end(), is_gpu));
+  const auto is_one = [&](const Worker& other) {
+    return other.number == 0 && !reports_[other.device].lost &&
+           (who == Who::all || is_gpu(other) || std::none_of(workers_.begin(), workers_.end(), is_gpu));
+  };
+  return is_one(worker) && (who != Who::first || &worker == &*std::find_if(workers_.begin(), workers_.end(), is_one));
 }
 
 std::size_t DevicePool::count_of(Who who) const {
-  return static_cast<std::size_t>(std::count_if(workers_.begin(), workers_.end(), [&](const Worker& worker) {
-    return !reports_[worker.device].lost && is_first_of(worker, who);
-  }));
+  return static_cast<std::size_t>(
+      std::count_if(workers_.begin(), workers_.end(), [&](const Worker& worker) { return is_first_of(worker, who); }));
 }
 
 PoolResult DevicePool::make_each(const BatchInput& sizes, const Options& options, Who who, const MakeOne& make) {
@@ -53,7 +55,7 @@ bool DevicePool::on_each(Who who, const std::function<void(Lent& lent)>& use) {
   std::atomic<bool> all{true};
   std::optional<Error> spill_failed;  // no fault of a device; under mutex_
   for (std::size_t i = 0; i < workers_.size(); ++i) {
-    if (reports_[workers_[i].device].lost || !is_first_of(workers_[i], who)) continue;
+    if (!is_first_of(workers_[i], who)) continue;
     threads.emplace_back([&, i] {
       Worker& worker = workers_[i];
       Lent lent = {worker.device, *worker.runtime, *worker.primitives, plans[worker.device].capacity,

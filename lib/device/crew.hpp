@@ -12,8 +12,8 @@
 namespace gcdt {
 
 /// As long as it lives, the loops of parts.hpp that its thread makes are shared out to threads that are there already:
-/// to begin one takes 40 microseconds, as much as a hundred elements of a loop whose loads miss the caches (bench/NOTES.md,
-/// "Tiles"). Loops of other threads begin their own, as without it.
+/// to begin one takes 40 microseconds, as much as a hundred elements of a loop whose loads miss the caches
+/// (bench/NOTES.md, "Tiles"). Loops of other threads begin their own, as without it.
 class Crew {
  public:
   /// Threads begin behind its back; so many beside the caller's at most. Fewer, or none, if the system has no more.

@@ -21,9 +21,8 @@ class PinnedRanges {
   /// Takes back one add() of these bytes.
   void remove(const void* first, std::size_t bytes) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const auto found = std::find_if(ranges_.begin(), ranges_.end(), [&](const Range& range) {
-      return range.first == first && range.bytes == bytes;
-    });
+    const auto found = std::find_if(ranges_.begin(), ranges_.end(),
+                                    [&](const Range& range) { return range.first == first && range.bytes == bytes; });
     if (found != ranges_.end()) ranges_.erase(found);
   }
   /// Whether all of the bytes lie in one range.

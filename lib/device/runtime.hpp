@@ -16,10 +16,10 @@
 
 #include <gcdt/types.hpp>
 
-#include "device/pinned_ranges.hpp"
 #include "device/buffer_pool.hpp"
 #include "device/built_programs.hpp"
 #include "device/geometry.hpp"
+#include "device/pinned_ranges.hpp"
 #include "device/trace.hpp"
 #include "device/tuning.hpp"
 
@@ -360,7 +360,7 @@ class Runtime {
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;                                         ///< the device's own is wrong
   bool shares_context_ = false, wants_chunks_ = false, alone_ = false;  ///< shared: it asks, and does not wait
-  std::shared_ptr<const PinnedRanges> pinned_;  ///< may be null
+  std::shared_ptr<const PinnedRanges> pinned_;                          ///< may be null
   std::unique_ptr<TransferChunks> shared_chunks_, chunks_;  ///< if the context is; if a large transfer has been made
 };
 

@@ -116,7 +116,8 @@ class PiecesByEnd {
       ranges_[pieces[i][0]] = {first, i + 1};
     }
   }
-  /// The number of the piece between two vertices; `point(v)`: vertex v on the grid. Throws check_failed if there is none.
+  /// The number of the piece between two vertices; `point(v)`: vertex v on the grid. Throws check_failed if there is
+  /// none.
   template <class PointOf>
   std::uint32_t between(std::uint32_t u, std::uint32_t v, PointOf&& point) const {
     for (const Constraint& ends : {Constraint{u, v}, Constraint{v, u}}) {

@@ -22,7 +22,8 @@ constexpr std::size_t most_tiles_for_room = 2;
 
 namespace {
 
-/// Threads that look through all ends of constraints while the vertices are sent: few, if the host copies these at the same time.
+/// Threads that look through all ends of constraints while the vertices are sent: few, if the host copies these at the
+/// same time.
 constexpr std::size_t threads_for_ends = 4, threads_for_ends_alone = 16;
 
 /// Waits for what is under way, whatever happens.
@@ -60,7 +61,7 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
                                    static_cast<std::size_t>(batch.m(0))};
   check_vertex_count(points.size());
-  const Crew crew(std::min<std::size_t>(Tuning::most_of_crew, std::max(1u, std::thread::hardware_concurrency()) - 1));
+  Crew crew(std::min<std::size_t>(Tuning::most_of_crew, std::max(1u, std::thread::hardware_concurrency()) - 1));
   Team alone;
   TiledReport report;
   GridInput input{{points, 0, {}, points.size()}, {}, {}, {constraints, 0, {}, constraints.size(), {}}, {}};
@@ -131,7 +132,8 @@ std::optional<PinnedInput> pinned_input(DevicePool& pool, const BatchInput& batc
   };
   return std::optional<PinnedInput>(
       std::in_place, pool.pinned(),
-      part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]), count(batch.vertex_offsets)),
+      part_of(batch.type, batch.vertices, static_cast<std::size_t>(batch.vertex_offsets[0]),
+              count(batch.vertex_offsets)),
       Constraints(batch.constraints + batch.constraint_offsets[0], count(batch.constraint_offsets)), options);
 }
 

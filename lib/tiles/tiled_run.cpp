@@ -231,7 +231,7 @@ void TiledRun::solve_tiles(const std::vector<Role>& roles, Partition& all) {
     std::mutex mutex;
     std::vector<bool> is_solved(tiles_.size(), false);
     spiller.expect(wanted.size());
-    run("tiles", 0, tiles_share, sizes, [&](DevicePool::Lent& lent, std::uint32_t problem) {
+    run("tiles", DevicePool::Who::gpus, 0, tiles_share, sizes, [&](DevicePool::Lent& lent, std::uint32_t problem) {
       const std::uint32_t t = wanted[problem];
       std::shared_ptr<const Share> share;  // as long as it is needed here
       {
@@ -266,7 +266,7 @@ std::vector<Constraint> TiledRun::solve_seam() {
     const auto solve = [&](DevicePool::Lent& lent, std::uint32_t) {
       return triangulate_single(lent.runtime, lent.primitives, problem, 0, own_);
     };
-    PoolResult made = run("seam", tiles_share, seam_share, problem, solve);
+    PoolResult made = run("seam", DevicePool::Who::first, tiles_share, seam_share, problem, solve);
     const auto [result, place] = made.places.at(0);
     made_seam_ = std::move(made.results.at(result).singles.at(place));
   } catch (const Error& error) {
@@ -304,12 +304,12 @@ void TiledRun::spill_seam() {
 /// By GPUs if there are some: a CPU beside them takes longer for one problem than they do for all, and takes cores from
 /// the threads that feed them. By all if that fails for want of memory, or because GPUs are lost. Throws the error of
 /// the first problem that has one.
-PoolResult TiledRun::run(const char* phase, double from, double to, const BatchInput& sizes,
+PoolResult TiledRun::run(const char* phase, DevicePool::Who who, double from, double to, const BatchInput& sizes,
                          const DevicePool::MakeOne& make) {
   Options options;
   options.progress = [&](const char*, double done) { return tell(phase, from + (to - from) * done); };
-  const auto by = [&](DevicePool::Who who) {
-    PoolResult made = pool_.make_each(sizes, options, who, make);
+  const auto by = [&](DevicePool::Who these) {
+    PoolResult made = pool_.make_each(sizes, options, these, make);
     if (!made.errors.empty()) throw made.errors.begin()->second;
     return made;
   };
@@ -320,7 +320,7 @@ PoolResult TiledRun::run(const char* phase, double from, double to, const BatchI
   };
   const std::size_t before = lost();
   try {
-    return by(DevicePool::Who::gpus);
+    return by(who);
   } catch (const Error& error) {
     if (error.status() == Status::cancelled) throw;
     const bool for_memory = error.status() == Status::out_of_memory;

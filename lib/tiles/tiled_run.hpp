@@ -61,7 +61,8 @@ class TiledRun {
   void write_representatives(ForestResult& result) const;
   void count(const OwnPlaces& places, ForestResult& result);
 
-  PoolResult run(const char* phase, double from, double to, const BatchInput& sizes, const DevicePool::MakeOne& make);
+  PoolResult run(const char* phase, DevicePool::Who who, double from, double to, const BatchInput& sizes,
+                 const DevicePool::MakeOne& make);
   bool tell(const char* phase, double done) const { return !options_.progress || options_.progress(phase, done); }
   std::vector<Constraint> pairs_of(const std::vector<std::uint64_t>& indices) const;
   Error crossings_of(const std::vector<Constraint>& pairs);

@@ -46,7 +46,8 @@ void is_refused(const std::string& reason, const std::function<void()>& use) {
   }
 }
 
-constexpr char border[] = "(uint4)(before[t], corners[3u * t + next_corner(k)], corners[3u * t + previous_corner(k)], k | marks);";
+constexpr char border[] =
+    "(uint4)(before[t], corners[3u * t + next_corner(k)], corners[3u * t + previous_corner(k)], k | marks);";
 
 }  // namespace
 
@@ -58,8 +59,7 @@ TEST_CASE("numbers of a tile that are none end its device, with or without the c
       {"merged[before[v]] = (uint2)(ids[v], ids[representatives[v]]);",
        "merged[before[v]] = (uint2)(ids[v], ids[representatives[v]] | 0x40000000u);",
        "a merged vertex is none of the input"},
-      {border, "(uint4)(before[t] | 0x40000000u, 0u, 0u, k | marks);",
-       "an edge of the border is of no final triangle"},
+      {border, "(uint4)(before[t] | 0x40000000u, 0u, 0u, k | marks);", "an edge of the border is of no final triangle"},
       {border, "(uint4)(before[t], corners[3u * t] | 0x40000000u, corners[3u * t], k | marks);",
        "an edge of the border is of no final triangle"},
       {border, "(uint4)(before[t], corners[3u * t], corners[3u * t + 1u] | 0x40000000u, k | marks);",
@@ -117,7 +117,8 @@ TEST_CASE("corners and neighbours that were written where none are, join and dom
       {"other == GCDT_NONE ? -1 : (int)(first + other);",
        "other == GCDT_NONE ? -1 : (int)(first + other) | 0x40000000;",
        "a triangle has a corner or a neighbour that is not there"},
-      {"other == GCDT_NONE ? -1 : (int)(first + other);", "other == GCDT_NONE ? -1 : -7;", "a triangle has a corner or a neighbour that is not there"},
+      {"other == GCDT_NONE ? -1 : (int)(first + other);", "other == GCDT_NONE ? -1 : -7;",
+       "a triangle has a corner or a neighbour that is not there"},
   };
   const RaggedBatch batch({with_everything()});
   for (const bool check : {false, true})

@@ -362,3 +362,27 @@ TEST_CASE("a device that is lent reads as often as a solver does, and as a pool'
   });
   CHECK(runtime->tuning().rounds_per_read == Tuning::gpu_rounds_per_read);
 }
+
+TEST_CASE("the first device makes what is for one, every time, and the next one when it is lost") {
+  const auto fails = std::make_shared<std::atomic<bool>>(false);
+  runtime::CallHook weak = healthy();
+  weak.before = [fails](const char*, const char*) -> cl_int { return *fails ? CL_DEVICE_NOT_AVAILABLE : CL_SUCCESS; };
+  DevicePool pool({{cl::Context(), app_device(), weak}, {cl::Context(), app_device(), healthy()}}, {}, {});
+  const RaggedBatch batch({uniform(10), uniform(10), uniform(10)});
+  std::vector<std::size_t> devices;
+  const DevicePool::MakeOne note = [&](DevicePool::Lent& lent, std::uint32_t) {
+    devices.push_back(lent.device);
+    lent.runtime.finish();
+    return ForestResult();
+  };
+  CHECK(pool.count_of(DevicePool::Who::all) == 2);
+  CHECK(pool.count_of(DevicePool::Who::first) == 1);
+  for (int call = 0; call < 3; ++call) pool.make_each(batch.view(), {}, DevicePool::Who::first, note);
+  CHECK(devices == std::vector<std::size_t>(9, 0));
+  *fails = true;
+  CHECK_THROWS(pool.make_each(batch.view(), {}, DevicePool::Who::first, note));
+  devices.clear();
+  pool.make_each(batch.view(), {}, DevicePool::Who::first, note);
+  CHECK(devices == std::vector<std::size_t>(3, 1));
+  CHECK(pool.count_of(DevicePool::Who::all) == 1);
+}
