@@ -20,6 +20,7 @@ GCDT_INLINE void gcdt_make_scale(GCDT_GLOBAL Scale* scale, const u64* origin, u6
   scale->cell_high = gcdt_limb(units_low, units_high, -w - 64);
   scale->power_of_two = scale->cell_low == 0 && scale->cell_high == (u64)1 << (GCDT_UNIT_BITS - 64);
   scale->offset = -k - w;
+  scale->whole = five == 1 && units_low == 1 && units_high == 0 && k == 0 && origin[0] == 0 && origin[1] == 0;
   for (i32 axis = 0; axis < 2; ++axis) {
     u64 window[GCDT_WINDOW_LIMBS] = {0, 0, 0, 0}, low = 0, high = 0;
     scale->origin[axis] = origin[axis];

@@ -159,6 +159,8 @@ typedef struct Scale {
   u32 origin_fits[2];
   u32 power_of_two;        // T = 2^108
   u32 fixed_point[2];      // of each axis: origin_fixed can be used
+  u32 whole;               // the origin is 0, 0 and the cell 1, so that whole numbers stay as they are
+  u32 unused;              // so that devices and host lay it out alike
   u64 origin_fixed[2][2];  // of each axis, low and high word, see gcdt_quantise_fixed
 } Scale;
 
@@ -206,13 +208,19 @@ GCDT_INLINE u64 gcdt_move_key(u64 low, u64 high) {
 GCDT_INLINE u32 gcdt_fixed(u64 bits, i32 offset, u64* low, u64* high) {
   const i32 shift = gcdt_exponent(bits) + offset - (GCDT_UNIT_BITS - GCDT_FIXED_BITS);
   const u64 m = gcdt_mantissa(bits);
+  if (shift > 0 && shift < 64) {  // nearly all
+    *low = m << shift;
+    *high = m >> (64 - shift);
+    return 1;
+  }
   *low = gcdt_limb(m, 0, shift);
   *high = gcdt_limb(m, 0, shift - 64);
   return shift <= 73 && !gcdt_loses_bits(m, 0, shift);
 }
 
-// The same as gcdt_quantise if both numbers are such: |D| = 2^64 X + remainder, which is 2^44 times that of the window.
-GCDT_INLINE Quantised gcdt_quantise_fixed(u64 low, u64 high, u32 minus, u64 origin_low, u64 origin_high) {
+// The same as gcdt_quantise_rest if both numbers are such: |D| = 2^64 X + remainder, which is 2^44 times that of the
+// window.
+GCDT_INLINE Quantised gcdt_quantise_fixed(u64 low, u64 high, u32 minus, u64 origin_low, u64 origin_high, u64* rest) {
   Quantised result;
   result.value = 0;
   result.outside = 1;
@@ -237,8 +245,13 @@ GCDT_INLINE Quantised gcdt_quantise_fixed(u64 low, u64 high, u32 minus, u64 orig
   }
   result.value = x;
   result.outside = x > GCDT_GRID_LAST || (negative && x != 0);
-  result.move = gcdt_move_key(low << (GCDT_UNIT_BITS - GCDT_FIXED_BITS), low >> (2 * GCDT_FIXED_BITS - GCDT_UNIT_BITS));
+  *rest = low;
   return result;
+}
+
+// The key of a move of so many units of 2^-64 cells. It grows with them.
+GCDT_INLINE u64 gcdt_rest_key(u64 rest) {
+  return gcdt_move_key(rest << (GCDT_UNIT_BITS - GCDT_FIXED_BITS), rest >> (2 * GCDT_FIXED_BITS - GCDT_UNIT_BITS));
 }
 
 GCDT_INLINE void gcdt_negate_window(u64* d) {
@@ -249,8 +262,11 @@ GCDT_INLINE void gcdt_negate_window(u64* d) {
   }
 }
 
-GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i32 axis) {
+// As gcdt_quantise, but that the move of nearly all is in *rest, in units of 2^-64 cells, and result.move 0 then. Of
+// the others *rest is 0.
+GCDT_INLINE Quantised gcdt_quantise_rest(u64 bits, GCDT_GLOBAL const Scale* scale, i32 axis, u64* rest) {
   Quantised result;
+  *rest = 0;
   result.value = 0;
   result.outside = 0;
   result.move = 0;
@@ -258,7 +274,7 @@ GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i3
   u64 fixed_low, fixed_high;
   if (scale->fixed_point[axis] && gcdt_fixed(bits, scale->offset, &fixed_low, &fixed_high))
     return gcdt_quantise_fixed(fixed_low, fixed_high, (bits & GCDT_SIGN_BIT) != 0, scale->origin_fixed[axis][0],
-                               scale->origin_fixed[axis][1]);
+                               scale->origin_fixed[axis][1], rest);
   u64 d[GCDT_WINDOW_LIMBS];
   result.outside = 1;
   if (!scale->origin_fits[axis] || !gcdt_place(bits, scale->five, scale->offset, d)) return result;
@@ -305,8 +321,15 @@ GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i3
   result.move = gcdt_move_key(low, high);
   return result;
 }
+
+GCDT_INLINE Quantised gcdt_quantise(u64 bits, GCDT_GLOBAL const Scale* scale, i32 axis) {
+  u64 rest;
+  Quantised result = gcdt_quantise_rest(bits, scale, axis, &rest);
+  if (rest != 0) result.move = gcdt_rest_key(rest);
+  return result;
+}
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Scale) == 17 * sizeof(u64) + 6 * sizeof(u32), "Scale has the same layout on host and device");
+static_assert(sizeof(Scale) == 17 * sizeof(u64) + 8 * sizeof(u32), "Scale has the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

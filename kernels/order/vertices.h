@@ -59,15 +59,29 @@ static inline void quantise_items(Items items, uint first, uint type, global con
                                   global const Scale* scale, global ulong* keys, global uint* values,
                                   global ulong* out) {
   ulong move = 0, outside = 0;
+  if (type == GCDT_COORDINATES_INT32 && scale->whole) {
+    FOR_ITEMS(v, items) {
+      const int2 p = ((global const int2*)coordinates)[v];
+      if (p.x < 0 || p.y < 0) outside = max(outside, ~(ulong)(2 * (v - first) + (p.x < 0 ? 0 : 1)));
+      keys[v] = gcdt_morton((uint)p.x, (uint)p.y);
+      values[v] = v;
+    }
+    out[GCDT_QUANTISE_MOVE] = 0;
+    out[GCDT_QUANTISE_OUTSIDE] = outside;
+    return;
+  }
+  u64 most_rest = 0;
   FOR_ITEMS(v, items) {
-    const Quantised x = gcdt_quantise(gcdt_coordinate(coordinates, type, 2 * v), scale, 0);
-    const Quantised y = gcdt_quantise(gcdt_coordinate(coordinates, type, 2 * v + 1), scale, 1);
+    u64 rest_x, rest_y;
+    const Quantised x = gcdt_quantise_rest(gcdt_coordinate(coordinates, type, 2 * v), scale, 0, &rest_x);
+    const Quantised y = gcdt_quantise_rest(gcdt_coordinate(coordinates, type, 2 * v + 1), scale, 1, &rest_y);
     move = max(move, max(x.move, y.move));
+    most_rest = max(most_rest, max(rest_x, rest_y));
     if (x.outside || y.outside) outside = max(outside, ~(ulong)(2 * (v - first) + (x.outside ? 0 : 1)));
     keys[v] = gcdt_morton(x.value, y.value);
     values[v] = v;
   }
-  out[GCDT_QUANTISE_MOVE] = move;
+  out[GCDT_QUANTISE_MOVE] = max(move, gcdt_rest_key(most_rest));
   out[GCDT_QUANTISE_OUTSIDE] = outside;
 }
 

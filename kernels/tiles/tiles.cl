@@ -149,24 +149,31 @@ kernel void tile_inner(const uint words, const uint shift, const ulong first_cod
   }
 }
 
-// Whether the square around corner a whose half side is the circle's diameter, which has all of the circle, lies in one
-// cell that is the tile's. The diameter is |ab| |bc| |ca| / |2 area|. Bounds, with e = 2^-24: a squared side is off by
-// 4 e of itself, the area by e, the root of the whole by 16 e at most; REACH_TINY is more. What is not of the grid's
-// size, infinite or no number is not in a cell.
-static inline bool is_within_cell(int2 a, int2 b, int2 c, uint shift, global const uint* inner) {
-  const float bx = (float)((long)b.x - a.x), by = (float)((long)b.y - a.y), cx = (float)((long)c.x - a.x),
-              cy = (float)((long)c.y - a.y), dx = (float)((long)c.x - b.x), dy = (float)((long)c.y - b.y);
-  const float scale = 1.0f / (float)gcdt_orient2d_finite(gcdt_finite_vertex(a.x, a.y), gcdt_finite_vertex(b.x, b.y),
-                                                         gcdt_finite_vertex(c.x, c.y));
-  const float square = (bx * bx + by * by) * scale * ((cx * cx + cy * cy) * scale) * (dx * dx + dy * dy);
-  const float diameter = sqrt(square) * (1.0f + REACH_TINY) + 2.0f;
-  if (!(diameter < 0x1p30f)) return false;
-  const uint away = (uint)diameter;
-  if ((uint)a.x < away || (uint)a.y < away) return false;
-  const uint x = ((uint)a.x - away) >> shift, y = ((uint)a.y - away) >> shift;
-  if (((uint)a.x + away) >> shift != x || ((uint)a.y + away) >> shift != y) return false;
+static inline bool is_inner(global const uint* inner, uint x, uint y) {
   const uint cell = y * GCDT_TILE_ROW + x;
-  return x < GCDT_TILE_ROW && y < GCDT_TILE_ROW && (inner[cell / 32u] >> (cell % 32u) & 1u) != 0u;
+  return (inner[cell / 32u] >> (cell % 32u) & 1u) != 0u;
+}
+
+// Whether the circle is no wider than half a cell, and the square of a cell's size around corner a, which then has all
+// of it, lies in cells that are the tile's: one, two or four. The diameter is |ab| |bc| |ca| / |2 area|; here in units
+// of a cell. Bounds, with e = 2^-24: a squared side is off by 4 e of itself, their product by 15 e, the area's square
+// by 4 e, and REACH_TINY is more than all of that. A product of sides that is less than 2^-126, of which nothing may be
+// left, is less than what stands on the right: twice the area is 2^-54 at least, since a cell has at most 2^27 points a
+// side.
+static inline bool is_within_cells(int2 a, int2 b, int2 c, uint shift, global const uint* inner) {
+  const float cell = (float)(1u << shift), unit = 1.0f / cell;
+  const int2 ab = b - a, ac = c - a, bc = c - b;
+  const float bx = (float)ab.x * unit, by = (float)ab.y * unit, cx = (float)ac.x * unit, cy = (float)ac.y * unit,
+              dx = (float)bc.x * unit, dy = (float)bc.y * unit;
+  const float area = (float)((long)ab.x * ac.y - (long)ab.y * ac.x) * unit * unit;
+  const float sides = (bx * bx + by * by) * (cx * cx + cy * cy) * (dx * dx + dy * dy);
+  if (!(sides < 0.25f * (1.0f - REACH_TINY) * area * area) || shift == 0u) return false;
+  const uint away = 1u << (shift - 1u), px = (uint)a.x, py = (uint)a.y;
+  if (px < away || py < away) return false;
+  const uint x = (px - away) >> shift, y = (py - away) >> shift, last_x = (px + away) >> shift,
+             last_y = (py + away) >> shift;
+  return last_x < GCDT_TILE_ROW && last_y < GCDT_TILE_ROW && is_inner(inner, x, y) && is_inner(inner, last_x, last_y) &&
+         is_inner(inner, last_x, y) && is_inner(inner, x, last_y);
 }
 
 // One work-item per triangle. Reads the mesh and points, and which cells are the tile's. Writes final[t]: whether the
@@ -178,7 +185,7 @@ kernel void tile_final(const uint triangles, global const uint* corners, global 
                        global uint* final) {
   FOR_EACH(t, triangles) {
     const int2 a = points[corners[3u * t]], b = points[corners[3u * t + 1u]], c = points[corners[3u * t + 2u]];
-    bool is_final = is_within_cell(a, b, c, shift, inner);
+    bool is_final = is_within_cells(a, b, c, shift, inner);
     if (!is_final) {
       const Reach reach = reach_of_circle(a, b, c, all);
       is_final = code_of_point(reach.least) >= first_code && code_of_point(reach.most) <= last_code;

@@ -63,10 +63,11 @@ double checked_move(runtime::Runtime& runtime, const InputPoints& points, const 
 }
 
 // In the order of docs/contract.md, 1: binary, decimal, rounded. A given grid is read first, as an error in it is the
-// caller's; the survey is made for it, too, since it finds what is not finite.
+// caller's; the survey is made for it, too, since it finds what is not finite, unless that cannot be.
 ChosenGrid choose_grid(runtime::Runtime& runtime, const InputPoints& staged, const std::optional<FixedGrid>& fixed) {
   std::optional<ChosenGrid> given;
   if (fixed) given = fixed_grid(*fixed);
+  if (given && staged.type == GCDT_COORDINATES_INT32) return *given;
   const Survey found = checked_survey(staged.type, survey_maxima(runtime, staged).data());
   if (given) return *given;
   const GridChoice choice = gcdt::choose_grid(found);

@@ -173,7 +173,7 @@ class TileRun {
     const cl_int4 box = {{static_cast<cl_int>(all.least[0]), static_cast<cl_int>(all.least[1]),
                           static_cast<cl_int>(all.most[0]), static_cast<cl_int>(all.most[1])}};
     const auto [first, last] = task_.cuts.codes_of(tile_);
-    const cl_uint shift = shift_of_cells(all), words = GCDT_TILE_ROW * GCDT_TILE_ROW / 32;
+    const cl_uint shift = shift_of_cells(all, solved_.own), words = GCDT_TILE_ROW * GCDT_TILE_ROW / 32;
     const auto inner = runtime_.allocate<cl_uint>("cells of a tile", words);
     runtime_.launch("tiles", "tile_inner", over(words), words, shift, cl_ulong{first}, cl_ulong{last}, inner);
     runtime_.launch("tiles", "tile_final", over(triangles()), triangles(), made_.mesh.corners, points(), box,
@@ -181,11 +181,14 @@ class TileRun {
     pass();
   }
 
-  /// Of cells so small that a row of them has what is in the box, but for half of it.
-  static cl_uint shift_of_cells(const Box& box) {
+  /// Of cells such that a row of them, 16 or more, has what is in the box, and where it can be several triangles of
+  /// evenly spread vertices fit into one: the circles of nearly all are smaller then.
+  static cl_uint shift_of_cells(const Box& box, std::size_t vertices) {
+    std::size_t row = GCDT_TILE_ROW;
+    while (row > 16 && 16 * row * row > vertices) row /= 2;
     cl_uint shift = 0;
     // Ends: a coordinate has 31 bits.
-    while (std::max(box.most[0], box.most[1]) >> shift >= GCDT_TILE_ROW) ++shift;
+    while (std::max(box.most[0], box.most[1]) >> shift >= static_cast<std::int64_t>(row)) ++shift;
     return shift;
   }
 
