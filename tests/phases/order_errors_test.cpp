@@ -36,6 +36,42 @@ TEST_CASE("a point outside a fixed grid is an error that names the least such ve
   }
 }
 
+TEST_CASE("whole numbers on the grid of whole numbers stay as they are, and those below 0 are outside") {
+  for (auto& device : devices_under_test()) {
+    Engine e(19);
+    std::vector<std::array<std::int32_t, 2>> points(3000);
+    for (auto& p : points)
+      for (std::int32_t& c : p) c = static_cast<std::int32_t>(e() >> 33);
+    points[7] = {0, 2147483647}, points[8] = {2147483647, 0};
+    Doubles same;
+    for (const auto& p : points) same.push_back({double(p[0]), double(p[1])});
+    const FixedGrid whole{0, 0, "1"};
+    check_same(run(*device, points, whole), run(*device, same, whole));
+    // Other grids are not those of whole numbers.
+    for (const FixedGrid& other : {FixedGrid{0, 0, "2"}, FixedGrid{-3, 0, "1"}, FixedGrid{0, -1, "1"}}) {
+      points[7] = points[8] = {1, 1};
+      same[7] = same[8] = {1, 1};
+      for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t axis = 0; axis < 2; ++axis) same[i][axis] = points[i][axis] /= 2;
+      check_same(run(*device, points, other), run(*device, same, other));
+    }
+    for (const auto& [outside, axis] : {std::pair<std::array<std::int32_t, 2>, std::uint64_t>{{5, -1}, 1},
+                                        {{-1, 5}, 0},
+                                        {{-2147483647 - 1, -1}, 0}}) {
+      points[2000] = {-1, -1};
+      points[1000] = outside;
+      try {
+        run(*device, points, whole);
+        FAIL("no error");
+      } catch (const Error& error) {
+        CHECK(error.status() == Status::coordinate_outside_grid);
+        CHECK(error.indices() == std::vector<std::uint64_t>{1000, axis});
+      }
+      points[2000] = points[1000] = {1, 1};
+    }
+  }
+}
+
 TEST_CASE("the least vertex that is not finite is named, x before y") {
   const double infinite = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   for (auto& device : devices_under_test())
