@@ -155,11 +155,11 @@ static inline bool is_inner(global const uint* inner, uint x, uint y) {
 }
 
 // Whether the circle is no wider than half a cell, and the square of a cell's size around corner a, which then has all
-// of it, lies in cells that are the tile's: one, two or four. The diameter is |ab| |bc| |ca| / |2 area|; here in units
-// of a cell. Bounds, with e = 2^-24: a squared side is off by 4 e of itself, their product by 15 e, the area's square
-// by 4 e, and REACH_TINY is more than all of that. A product of sides that is less than 2^-126, of which nothing may be
-// left, is less than what stands on the right: twice the area is 2^-54 at least, since a cell has at most 2^27 points a
-// side.
+// of it, is the tile's: the cells of its least and its greatest corner are (T1 of docs/scale.md). The diameter is |ab|
+// |bc| |ca| / |2 area|; here in units of a cell. Bounds, with e = 2^-24: a squared side is off by 4 e of itself, their
+// product by 15 e, the area's square by 4 e, and REACH_TINY is more than all of that. A product of sides that is less
+// than 2^-126, of which nothing may be left, is less than what stands on the right: twice the area is 2^-54 at least,
+// since a cell has at most 2^27 points a side.
 static inline bool is_within_cells(int2 a, int2 b, int2 c, uint shift, global const uint* inner) {
   const float cell = (float)(1u << shift), unit = 1.0f / cell;
   const int2 ab = b - a, ac = c - a, bc = c - b;
@@ -172,8 +172,7 @@ static inline bool is_within_cells(int2 a, int2 b, int2 c, uint shift, global co
   if (px < away || py < away) return false;
   const uint x = (px - away) >> shift, y = (py - away) >> shift, last_x = (px + away) >> shift,
              last_y = (py + away) >> shift;
-  return last_x < GCDT_TILE_ROW && last_y < GCDT_TILE_ROW && is_inner(inner, x, y) && is_inner(inner, last_x, last_y) &&
-         is_inner(inner, last_x, y) && is_inner(inner, x, last_y);
+  return last_x < GCDT_TILE_ROW && last_y < GCDT_TILE_ROW && is_inner(inner, x, y) && is_inner(inner, last_x, last_y);
 }
 
 // One work-item per triangle. Reads the mesh and points, and which cells are the tile's. Writes final[t]: whether the
