@@ -167,16 +167,17 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   const Resting resting{lent.side};
   const std::size_t bytes = count * (sizeof(Triangle) + sizeof(Neighbours) + 1);
   const bool in_parts = lent.side && bytes / chunks_worth_parts >= runtime.tuning().least_chunked;
-  const cl_uint part = in_parts ? triangles / part_written_first : 0;
+  cl_uint part = in_parts ? triangles / part_written_first : 0;
   // So many final ones are in the part. None goes down, so what is before that place in the result is among them.
-  const cl_uint first = part == 0 || all_final ? part : runtime.read_one(final.before, part);
+  cl_uint first = part == 0 || all_final ? part : runtime.read_one(final.before, part);
   if (first > final.count) refuse("a tile's device has counted more than there are");
+  if (first == 0 || first == count) part = first = 0;  // one of the two reads would be empty
   if (part > 0) {
     write(0, part);
     runtime.finish();
     lent.side->begin([&reads, first](Runtime& any) {
       Step reading(any, "read beside");
-      if (first > 0) any.read_all(reads(0, first));
+      any.read_all(reads(0, first));
       reading.end();
     });
   }

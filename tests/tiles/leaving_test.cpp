@@ -100,6 +100,50 @@ TEST_CASE("a large tile is written in two parts, of which the first is read besi
   }
 }
 
+TEST_CASE("a large tile is written whose final triangles are all before, or all behind, the end of the first part") {
+  runtime::CallHook hook = healthy();
+  hook.tuning.workers = 2;
+  hook.tuning.shares_context = hook.tuning.prepares_host_memory = true;
+  hook.tuning.least_chunked = 0;
+  std::atomic<int> reads_beside{0};
+  DevicePool pool({{cl::Context(), app_device(), hook}}, {},
+                  [&](const TraceSpan& span) { reads_beside += span.name == "read beside"; });
+  constexpr cl_uint count = 16, part = count / 8;
+  for (const bool before : {false, true}) {
+    CAPTURE(before);
+    bool right = false;
+    CHECK(pool.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
+      const cl_uint finals = before ? part : count - part, begin = before ? 0 : part;
+      std::vector<cl_uint> corners, ids, scan{0};
+      for (cl_uint t = 0; t < count; ++t) {
+        corners.insert(corners.end(), {t, t + 1, t + 2});
+        scan.push_back(scan.back() + (t >= begin && t < begin + finals ? 1 : 0));
+      }
+      for (cl_uint v = 0; v < count + 2; ++v) ids.push_back(100 + v);
+      tiles::FinalTriangles final;
+      final.count = finals, final.triangles = count;
+      final.corners = lent.runtime.upload("corners", corners);
+      final.neighbours = lent.runtime.filled<cl_int>("neighbours", 3 * count, -1);
+      final.constrained = lent.runtime.filled<cl_uchar>("flags", count, 5);
+      final.before = lent.runtime.upload("finals before", scan);
+      final.ids = lent.runtime.upload("ids", ids);
+      final.points = lent.runtime.filled<cl_int2>("points", count + 2, {{0, 0}});
+      std::vector<tiles::Triangle> triangles(finals);
+      std::vector<tiles::Neighbours> neighbours(finals);
+      std::vector<std::uint8_t> constrained(finals);
+      tiles::write_tile(lent, final, {}, {triangles.data(), neighbours.data(), constrained.data()}, {});
+      right = true;
+      for (cl_uint r = 0; r < finals; ++r) {
+        const cl_uint v = 100 + begin + r;
+        right = right && triangles[r] == tiles::Triangle{v, v + 1, v + 2} && constrained[r] == 5 &&
+                neighbours[r] == tiles::Neighbours{-1, -1, -1};
+      }
+    }));
+    CHECK(right);
+    CHECK(reads_beside == 0);  // one of two reads would be of nothing, which is an error in OpenCL
+  }
+}
+
 TEST_CASE("tiles leave a device treated as a GPU") {
   const Workload work = uniform(60000);
   const RaggedBatch batch({work});
