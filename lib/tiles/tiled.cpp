@@ -24,7 +24,7 @@ namespace {
 
 /// Threads that look through all ends of constraints while the vertices are sent: few, if the host copies these at the
 /// same time.
-constexpr std::size_t threads_for_ends = 4, threads_for_ends_alone = 16;
+constexpr std::size_t threads_for_ends = 4, threads_for_ends_of_pinned = 16;
 
 /// Waits for what is under way, whatever happens.
 struct Resting {
@@ -35,7 +35,7 @@ struct Resting {
 }  // namespace
 
 void check_ends(const GridInput& input, Team& team) {
-  if (team.sum(has_good_ends(input, threads_for_ends_alone) ? 0 : 1) == 0) return;
+  if (team.sum(has_good_ends(input, threads_for_ends) ? 0 : 1) == 0) return;
   check_outside(team.greatest(outside_of(input)));
   const std::uint64_t bad = ~team.greatest(~first_bad_end(input));
   throw index_error(bad / 2, bad % 2, input.n());
@@ -61,7 +61,9 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   const Constraints constraints = {batch.constraints + batch.constraint_offsets[0],
                                    static_cast<std::size_t>(batch.m(0))};
   check_vertex_count(points.size());
-  Crew crew(std::min<std::size_t>(Tuning::most_of_crew, std::max(1u, std::thread::hardware_concurrency()) - 1));
+  std::optional<Crew> crew;
+  if (points.size() >= Tuning::least_prepared_vertices)  // what is less is not worth the threads
+    crew.emplace(std::min<std::size_t>(Tuning::most_of_crew, std::max(1u, std::thread::hardware_concurrency()) - 1));
   Team alone;
   TiledReport report;
   GridInput input{{points, 0, {}, points.size()}, {}, {}, {constraints, 0, {}, constraints.size(), {}}, {}};
@@ -72,7 +74,7 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   const Resting resting{staged};  // who sends uses them
   {
     const Timed timed(report.ms_share);
-    const std::size_t threads = options.pinned ? threads_for_ends_alone : threads_for_ends;
+    const std::size_t threads = options.pinned ? threads_for_ends_of_pinned : threads_for_ends;
     bool good_ends = true;  // looked for beside the transfers of the vertices
     std::future<void> looking = begin_in_thread([&] { good_ends = has_good_ends(input, threads); });
     Survey surveyed;
