@@ -149,8 +149,8 @@ std::string difference(const ForestResult& made, const Triangulation& expected) 
 
 std::int64_t result_bytes(const ForestResult& made) {
   std::uint64_t bytes = 0;
-#define GCDT_ARRAY(number, name, ...) \
-  if (!made.begins[number].empty())   \
+#define GCDT_ARRAY(number, name, ...)                                                  \
+  if (!made.begins[number].empty() && !made.arrays[number].bytes.get_deleter().source) \
     bytes += made.begins[number].back() * sizeof(decltype(Triangulation::name)::value_type);
 #include <gcdt/arrays.def>
   return static_cast<std::int64_t>(bytes);
@@ -262,10 +262,6 @@ class Row {
       Sum& phase = sums[std::to_string(span.device_number) + " " + span.phase];
       if (span.on_device) {
         phase.device_ms += ms;
-        if (getenv("DBGK")) {
-          Sum& step = sums[std::to_string(span.device_number) + " " + span.phase + " / k " + span.name];
-          step.device_ms += ms, ++step.times;
-        }
       } else if (span.name == span.phase) {
         phase.host_ms += ms, ++phase.times;
       } else {
