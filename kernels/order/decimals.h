@@ -98,6 +98,12 @@ GCDT_INLINE i64 gcdt_decimal_numerator(u64 bits, i32 digits) {
   return (bits & GCDT_SIGN_BIT) ? -value : value;
 }
 
+// Where a vertex is placed on one axis of a decimal grid. It has at most so many decimals.
+GCDT_INLINE u32 gcdt_place_decimal(u64 bits, u32 axis, GCDT_GLOBAL const Decimals* decimals) {
+  const i64 numerator = gcdt_decimal_numerator(bits, decimals->digits);
+  return (u32)(((u64)numerator - (u64)decimals->least[axis]) * decimals->step);
+}
+
 // The grid coordinate on one axis of a point that is no vertex. Where the grid was chosen for decimals, a double that
 // is one is taken for it, as for vertices; all others are rounded by `scale`.
 GCDT_INLINE Quantised gcdt_place_query(u64 bits, u32 by_decimals, GCDT_GLOBAL const Scale* scale,

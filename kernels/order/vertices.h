@@ -89,10 +89,8 @@ static inline void quantise_items(Items items, uint first, uint type, global con
 static inline void quantise_decimal(uint v, uint type, global const ulong* coordinates, global const Decimals* decimals,
                                     global ulong* keys, global uint* values) {
   uint grid[2];
-  for (uint axis = 0; axis < 2; ++axis) {
-    const long numerator = gcdt_decimal_numerator(gcdt_coordinate(coordinates, type, 2 * v + axis), decimals->digits);
-    grid[axis] = (uint)(((ulong)numerator - (ulong)decimals->least[axis]) * decimals->step);
-  }
+  for (uint axis = 0; axis < 2; ++axis)
+    grid[axis] = gcdt_place_decimal(gcdt_coordinate(coordinates, type, 2 * v + axis), axis, decimals);
   keys[v] = gcdt_morton(grid[0], grid[1]);
   values[v] = v;
 }

@@ -11,24 +11,6 @@
 
 // ---- Its input --------------------------------------------------------------------------------------
 
-// One work-item per point. Reads codes. Writes flags[i]: whether point i is the tile's own. Word i has one writer.
-kernel void tile_own(const uint count, const ulong first_code, const ulong last_code, global const ulong* codes,
-                     global uint* flags) {
-  FOR_EACH(i, count) flags[i] = codes[i] >= first_code && codes[i] <= last_code ? 1u : 0u;
-}
-
-// One work-item per point. Reads codes, and the scan of tile_own's flags. Writes coordinates and ids from `at` on:
-// places differ, by the scan. `first_id`: the input number of point 0.
-kernel void tile_take(const uint count, const uint first_id, const uint at, global const ulong* codes,
-                      global const uint* before, global ulong* coordinates, global uint* ids) {
-  FOR_EACH(i, count) {
-    if (before[i + 1u] == before[i]) continue;
-    const uint place = at + before[i];
-    coordinates[place] = (ulong)gcdt_gather_bits(codes[i]) | ((ulong)gcdt_gather_bits(codes[i] >> 1) << 32);
-    ids[place] = first_id + i;
-  }
-}
-
 // One work-item per number. Reads ids: those of own vertices ascend, and so do the others. Writes vertices[i], the
 // tile's vertex of input number wanted[i]; `all` if it is not there. Word i has one writer.
 kernel void tile_numbers(const uint count, const uint own, const uint all, global const uint* ids,

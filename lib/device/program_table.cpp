@@ -60,6 +60,7 @@ const ProgramInfo programs[] = {
     {"split", "split", true},
     {"stitch", "stitch", true},
     {"tail", "tail", true},
+    {"take", "take", false},
     {"tiles", "tiles", false},
 };
 

@@ -8,6 +8,7 @@
 #include "mesh/grid.hpp"
 #include "mesh/phase.hpp"
 #include "phases/levels.hpp"
+#include "phases/maxima.hpp"
 
 namespace gcdt {
 
@@ -19,34 +20,6 @@ struct Keys {
   std::optional<device::Decimals> decimals;
   runtime::Buffer<cl_ulong> codes;
   runtime::Buffer<cl_uint> numbers;
-};
-
-/// A table of maxima, one row for each work-item that the device runs at once.
-struct Maxima {
-  cl_uint rows, columns;
-  runtime::Buffer<cl_ulong> table;
-
-  Maxima(runtime::Runtime& runtime, std::size_t n, cl_uint column_count) : columns(column_count) {
-    rows = static_cast<cl_uint>(runtime.rows_of(n));
-    table = runtime.allocate<cl_ulong>("maxima", std::size_t{rows} * columns);
-  }
-
-  /// The maximum of each column. Blocks.
-  std::vector<cl_ulong> read(runtime::Runtime& runtime) {
-    // Ends: each pass leaves a `rows_folded`-th of the rows.
-    while (rows > Tuning::rows_read) {
-      const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_folded);
-      auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
-      runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
-                     folded_rows, folded);
-      table = std::move(folded);
-      rows = folded_rows;
-    }
-    std::vector<cl_ulong> values(std::size_t{rows} * columns), most(columns, 0);
-    runtime.read(table, values.data(), values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) most[i % columns] = std::max(most[i % columns], values[i]);
-    return most;
-  }
 };
 
 /// Of the maxima of kernel `survey`.

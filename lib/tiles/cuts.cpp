@@ -70,6 +70,28 @@ std::array<std::uint64_t, 2> Cuts::codes_of(std::size_t tile) const {
   return {first, first_codes_[tile] - 1};
 }
 
+// Codes of the same leading bits are a box. Ends: the blocks, of which the range is made, grow until none twice as
+// large begins where one ends, then shrink.
+std::optional<Box> Cuts::box_of(std::size_t tile) const {
+  constexpr std::uint64_t last_code = (std::uint64_t{1} << GCDT_MORTON_BITS) - 1;
+  const auto [first, last_of_tile] = codes_of(tile);
+  const std::uint64_t last = std::min(last_of_tile, last_code);
+  std::optional<Box> box;
+  for (std::uint64_t begin = first; begin <= last;) {
+    std::uint64_t beyond = 0;  // the block's codes begin .. begin + beyond
+    // Ends: `beyond` gets a bit more each time, up to that of `last`.
+    while ((begin & (beyond << 1 | 1)) == 0 && (beyond << 1 | 1) <= last - begin) beyond = beyond << 1 | 1;
+    const GridPoint least = point_of(begin), most = point_of(begin + beyond);
+    if (!box) box = Box{{least[0], least[1]}, {most[0], most[1]}};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      box->least[axis] = std::min<std::int64_t>(box->least[axis], least[axis]);
+      box->most[axis] = std::max<std::int64_t>(box->most[axis], most[axis]);
+    }
+    begin += beyond + 1;
+  }
+  return box;
+}
+
 Cuts even_cuts(const GridInput& input, std::size_t tiles, Team& team) {
   const std::size_t n = input.given.count, count = std::min(n, std::max(sample_size, 256 * tiles));
   // Vertex n i / count is the sample's number i, and a rank has those from `first` on.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tiles/placed.hpp"
@@ -24,6 +25,8 @@ class Cuts {
   std::size_t tile_of(std::uint64_t code) const;
   /// The first and the last code of a tile. A tile without points may have none in between.
   std::array<std::uint64_t, 2> codes_of(std::size_t tile) const;
+  /// The least box that has the tile's grid points; none if it has none.
+  std::optional<Box> box_of(std::size_t tile) const;
   /// The first and the last tile that points of the box may be of.
   std::array<std::size_t, 2> tiles_of(const Box& box) const;
 

@@ -2,9 +2,11 @@
 #include "tiles/placed.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 #include "device/parts.hpp"
+#include "exact/doubles.hpp"
 #include "phases/given.hpp"
 #include "phases/order.hpp"
 
@@ -35,9 +37,44 @@ std::uint64_t bits_of(const Points& points, std::size_t vertex, int axis) {
 /// A coordinate on the grid.
 std::int32_t placed(const ChosenGrid& chosen, std::uint64_t bits, int axis) {
   if (!chosen.decimals) return static_cast<std::int32_t>(device::gcdt_quantise(bits, &chosen.scale, axis).value);
-  const auto numerator = static_cast<std::uint64_t>(device::gcdt_decimal_numerator(bits, chosen.decimals->digits));
-  return static_cast<std::int32_t>((numerator - static_cast<std::uint64_t>(chosen.decimals->least[axis])) *
-                                   chosen.decimals->step);
+  return static_cast<std::int32_t>(
+      device::gcdt_place_decimal(bits, static_cast<std::uint32_t>(axis), &*chosen.decimals));
+}
+
+/// Keys of the least double and of the greatest one that are finite.
+constexpr std::uint64_t least_key = ~(GCDT_SIGN_BIT | (GCDT_INFINITE_BITS - 1)),
+                        most_key = GCDT_SIGN_BIT | (GCDT_INFINITE_BITS - 1);
+
+/// The least key of a double that is placed at `at` or beyond; most_key + 1 if there is none. Ends: the range halves.
+std::uint64_t first_key_at(const device::Scale& scale, std::int64_t at, std::size_t axis) {
+  std::uint64_t low = least_key, high = most_key + 1;
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    const std::uint64_t bits = device::gcdt_without_negative_zero(device::gcdt_from_ordered(middle));
+    const device::Quantised found = device::gcdt_quantise(bits, &scale, static_cast<int>(axis));
+    const bool is_before = found.outside ? middle < device::gcdt_ordered(scale.origin[axis]) : found.value < at;
+    if (is_before)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/// Keys of the doubles that the first and the last decimal placed from `first` to `last` read as: reading is monotone.
+std::array<std::uint64_t, 2> decimal_keys(const device::Decimals& decimals, std::int64_t first, std::int64_t last,
+                                          std::size_t axis) {
+  const auto step = static_cast<std::int64_t>(decimals.step);
+  const auto key_of = [&](std::int64_t steps) {
+    const std::int64_t numerator = decimals.least[axis] + steps;
+    const auto magnitude = static_cast<std::uint64_t>(std::abs(numerator));
+    const double read = exact::nearest_double(exact::Natural(magnitude), -decimals.digits,
+                                              device::gcdt_powers_of_five[decimals.digits]);
+    std::uint64_t bits;
+    std::memcpy(&bits, &read, sizeof bits);
+    return device::gcdt_ordered(numerator < 0 ? bits | GCDT_SIGN_BIT : bits);
+  };
+  return {key_of((first + step - 1) / step), key_of(last / step)};
 }
 
 }  // namespace
@@ -80,6 +117,26 @@ bool some_need_more(const Points& points, int decimals) {
     for (int axis = 0; axis < 2; ++axis)
       if (device::gcdt_decimals_needed(bits_of(points, points.size() / few * i, axis), 0, decimals) > decimals)
         return true;
+  return false;
+}
+
+KeyBox keys_of(const ChosenGrid& chosen, const Box& box) {
+  KeyBox keys{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const std::array<std::uint64_t, 2> range =
+        chosen.decimals ? decimal_keys(*chosen.decimals, box.least[axis], box.most[axis], axis)
+                        : std::array<std::uint64_t, 2>{first_key_at(chosen.scale, box.least[axis], axis),
+                                                       first_key_at(chosen.scale, box.most[axis] + 1, axis) - 1};
+    keys.least[axis] = range[0], keys.most[axis] = range[1];
+  }
+  return keys;
+}
+
+bool some_outside(const ChosenGrid& chosen, const Survey& surveyed) {
+  if (chosen.decimals) return false;
+  for (std::size_t axis = 0; axis < 2; ++axis)  // what is placed grows with what was given
+    for (const std::uint64_t bits : {surveyed.least[axis], surveyed.most[axis]})
+      if (device::gcdt_quantise(bits, &chosen.scale, static_cast<int>(axis)).outside) return true;
   return false;
 }
 

@@ -25,6 +25,11 @@ inline std::uint64_t code_of(const GridPoint& p) {
   return device::gcdt_morton(static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1]));
 }
 
+inline GridPoint point_of(std::uint64_t code) {
+  return {static_cast<std::int32_t>(device::gcdt_gather_bits(code)),
+          static_cast<std::int32_t>(device::gcdt_gather_bits(code >> 1))};
+}
+
 inline device::Vertex vertex_at(const GridPoint& p) { return device::gcdt_finite_vertex(p[0], p[1]); }
 /// Twice the signed area of (a, b, c): > 0 counter-clockwise.
 inline std::int64_t orient2d(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
@@ -67,8 +72,7 @@ struct GridInput {
 
   /// Of all processes.
   std::uint64_t n() const { return given.count + added.size(); }
-  /// A vertex that the process has, by its number; throws check_failed if it has none such. Anything if it is outside
-  /// the grid, which the tiles find out.
+  /// A vertex that the process has, by its number; throws check_failed if it has none such.
   GridPoint at(std::uint64_t vertex) const {
     if (vertex < given.count) return at_place(given.place_of(vertex));
     if (vertex >= n()) GivenVertices::throw_absent();
@@ -82,6 +86,13 @@ struct GridInput {
   }
 };
 
+/// A box of coordinates as they are given: of the bits of doubles, gcdt_ordered().
+struct KeyBox {
+  std::array<std::uint64_t, 2> least, most;
+};
+/// Has all coordinates that are placed in the box, and on a grid that is not decimal no others.
+KeyBox keys_of(const ChosenGrid& chosen, const Box& box);
+
 /// Where a point that is no vertex is on the grid: as locate() has it. None if it is outside.
 std::optional<GridPoint> place_query(const ChosenGrid& chosen, const std::array<double, 2>& point);
 
@@ -92,6 +103,8 @@ bool some_need_more(const Points& points, int decimals);
 /// The box around vertices on a grid, if there are any.
 Box box_of(const ChosenGrid& chosen, const Survey& surveyed);
 
+/// Whether a vertex of all that were surveyed is outside the grid.
+bool some_outside(const ChosenGrid& chosen, const Survey& surveyed);
 /// What check_outside() takes: 0, or for the least coordinate outside the grid the complement of its number.
 std::uint64_t outside_of(const GridInput& input);
 

@@ -64,9 +64,8 @@ RankResult triangulate_rank(DevicePool& pool, Team& team, InputBlock block, cons
       Survey surveyed;
       Staged staged(pool, input.given.points, tiles / team.size());
       input.chosen = staged.choose(options.grid, surveyed, first, team);
-      if (block.all_vertices > 0) input.box = box_of(input.chosen, surveyed);
+      if (block.all_vertices > 0) take_survey(input, surveyed, team);
     }
-    if (options.grid) check_outside(team.greatest(outside_of(input)));
     made.cuts = cut(input);
     check_ends(input, team);
     const Timed exchanging(made.ms_exchange);

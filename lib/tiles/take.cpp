@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/take.hpp"
 
+#include "phases/maxima.hpp"
 #include "tiles/indices.hpp"
 
 namespace gcdt::tiles {
@@ -20,7 +21,8 @@ class Taker {
         staged_(task.staged),
         constraints_(task.constraints),
         share_(share),
-        codes_(task.cuts.codes_of(tile)) {
+        codes_(task.cuts.codes_of(tile)),
+        box_(task.cuts.box_of(tile)) {
     const std::size_t n = input_.n(), expected = n / task.cuts.tiles();
     taken_.points.coordinates = runtime_.allocate<cl_ulong>("coordinates of a tile", 0);
     taken_.ids = runtime_.allocate<cl_uint>("input numbers of a tile", 0);
@@ -28,17 +30,12 @@ class Taker {
   }
 
   Taken take() {
-    staged_.for_chunks(lent_, [&](const InputPoints& points, std::size_t first) {
-      const Codes codes = codes_on(runtime_, points, input_.chosen);
-      taken_.move_key = std::max<std::uint64_t>(taken_.move_key, codes.maxima[GCDT_QUANTISE_MOVE]);
-      note_outside(codes.maxima[GCDT_QUANTISE_OUTSIDE], first);
-      take_chunk(points.n, codes, first);
-    });
-    check_outside(outside_);
+    staged_.for_chunks(lent_,
+                       [&](const InputPoints& points, std::size_t first) { take_chunk(points, input_.chosen, first); });
     number();
     if (!input_.added.empty()) {
-      const InputPoints added = stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size()));
-      take_chunk(added.n, codes_on(runtime_, added, fixed_grid(FixedGrid{0, 0, "1"})), input_.given.count);
+      take_chunk(stage(runtime_, Points::pairs(input_.added[0].data(), input_.added.size())),
+                 fixed_grid(FixedGrid{0, 0, "1"}), input_.given.count);
     }
     taken_.own = taken_.all;
     if (constraints_ && taken_.own > 0) take_constraints();
@@ -51,16 +48,36 @@ class Taker {
   }
 
  private:
-  void take_chunk(cl_uint count, const Codes& codes, std::size_t first_id) {
+  void take_chunk(const InputPoints& points, const ChosenGrid& chosen, std::size_t first_id) {
+    const cl_uint count = points.n;
     const auto before = runtime_.allocate<cl_uint>("own vertices before", std::size_t{count} + 1);
-    runtime_.launch("tiles", "tile_own", over(count), count, cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, codes.codes,
-                    before);
-    const cl_uint found = primitives_.scan_total(before, count);
+    const auto codes = runtime_.allocate<cl_ulong>("codes of own vertices", count);
+    if (box_) code_own(points, chosen, before, codes);
+    const cl_uint found = box_ ? primitives_.scan_total(before, count) : 0;
+    if (found > count) refuse("a device has counted more vertices of a tile than there are");
+    if (found == 0) return;
     const std::size_t needed = std::size_t{taken_.all} + found;
     if (needed > taken_.ids.size()) reserve(std::min<std::size_t>(input_.n(), std::max(needed, 2 * taken_.ids.size())));
-    runtime_.launch("tiles", "tile_take", over(count), count, static_cast<cl_uint>(first_id), taken_.all, codes.codes,
-                    before, taken_.points.coordinates, taken_.ids);
+    runtime_.launch("take", "take_own", over(count), count, static_cast<cl_uint>(first_id), taken_.all, codes, before,
+                    taken_.points.coordinates, taken_.ids);
     taken_.all += found;
+  }
+
+  /// Flags of the tile's own among the points, and their codes.
+  void code_own(const InputPoints& points, const ChosenGrid& chosen, const runtime::Buffer<cl_uint>& flags,
+                const runtime::Buffer<cl_ulong>& codes) {
+    const KeyBox keys = keys_of(chosen, *box_);
+    const cl_ulong4 near = {{keys.least[0], keys.most[0], keys.least[1], keys.most[1]}};
+    if (chosen.decimals) {
+      const auto decimals = runtime_.upload_one("decimals", *chosen.decimals);
+      return runtime_.launch("take", "take_decimals", over(points.n), points.n, points.type, points.coordinates,
+                             decimals, near, cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, flags, codes);
+    }
+    const auto scale = runtime_.upload_one("scale", chosen.scale);
+    Maxima moves(runtime_, points.n, 1);
+    runtime_.launch("take", "take_codes", runtime::over_large(moves.rows), points.n, points.type, points.coordinates,
+                    scale, near, cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, moves.rows, flags, codes, moves.table);
+    taken_.move_key = std::max<std::uint64_t>(taken_.move_key, moves.read(runtime_)[0]);
   }
 
   /// Vertices have their places among those that the process has as numbers, and get those of the input.
@@ -106,11 +123,6 @@ class Taker {
     taken_.constraint_places = std::move(places);
   }
 
-  /// The column of a chunk counts in it; it holds the complement of the least such coordinate.
-  void note_outside(cl_ulong of_chunk, std::size_t first_id) {
-    if (of_chunk != 0) outside_ = std::max<cl_ulong>(outside_, of_chunk - 2 * first_id);
-  }
-
   /// Room for so many of its own vertices, and all foreign ones; what is there stays.
   void reserve(std::size_t own) {
     const std::size_t room = own + share_.foreign.size();
@@ -144,8 +156,8 @@ class Taker {
   StagedConstraints* const constraints_;
   const Share& share_;
   const std::array<std::uint64_t, 2> codes_;
+  const std::optional<Box> box_;  ///< around all that may be the tile's
   Taken taken_;
-  cl_ulong outside_ = 0;
 };
 
 }  // namespace

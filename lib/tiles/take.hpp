@@ -15,7 +15,7 @@ struct Taken {
   runtime::Buffer<cl_uint2> constraints;
   runtime::Buffer<cl_uint> constraint_places;
   cl_uint constraint_count = 0;
-  std::uint64_t move_key = 0;  ///< of all vertices that were given (gcdt_move_key)
+  std::uint64_t move_key = 0;  ///< the greatest of its own vertices (gcdt_move_key)
 };
 
 /// Of what has these places, the numbers, of which so many at once go to the device; anything above all for a place
@@ -23,8 +23,8 @@ struct Taken {
 runtime::Buffer<cl_uint> numbers_at(runtime::Runtime& runtime, const runtime::Buffer<cl_uint>& places,
                                     Span<std::uint32_t> numbers, std::size_t at_once);
 
-/// On the device; the whole input goes there chunk by chunk, which keeps what is the tile's. Throws
-/// coordinate_outside_grid. A tile without vertices of its own gets no foreign ones.
+/// On the device; the whole input goes there chunk by chunk, which keeps what is the tile's. A tile without vertices of
+/// its own gets no foreign ones.
 Taken take(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile);
 
 }  // namespace gcdt::tiles

@@ -45,7 +45,7 @@ struct SolvedTile {
   std::vector<Dropped> dropped;                  ///< by ascending number
   std::vector<Constraint> merged;                ///< input numbers: vertices, and what stands for them
   std::vector<std::uint32_t> ends, stand_ins;    ///< open ends by input number, ascending; the tile's vertices
-  std::uint64_t move_key = 0;                    ///< of all vertices that the process has
+  std::uint64_t move_key = 0;                    ///< the greatest of its own vertices
   FinalTriangles final;                          ///< with the other pieces
   std::size_t device = 0;                        ///< of the pool: who has `final`, unless it is spilled
 
@@ -67,7 +67,7 @@ struct TileTask {
 };
 
 /// Takes the tile's vertices from the input, triangulates them with its constraints, dropping what crosses, and finds
-/// out what is final. Throws coordinate_outside_grid, and Error as triangulate() does.
+/// out what is final. Throws Error as triangulate() does.
 SolvedTile solve_tile(DevicePool::Lent& lent, const TileTask& task, const Share& share, std::size_t tile);
 
 }  // namespace gcdt::tiles

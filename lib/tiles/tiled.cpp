@@ -34,9 +34,13 @@ struct Resting {
 
 }  // namespace
 
+void take_survey(GridInput& input, const Survey& surveyed, Team& team) {
+  if (some_outside(input.chosen, surveyed)) check_outside(team.greatest(outside_of(input)));
+  input.box = box_of(input.chosen, surveyed);
+}
+
 void check_ends(const GridInput& input, Team& team) {
   if (team.sum(has_good_ends(input, threads_for_ends) ? 0 : 1) == 0) return;
-  check_outside(team.greatest(outside_of(input)));
   const std::uint64_t bad = ~team.greatest(~first_bad_end(input));
   throw index_error(bad / 2, bad % 2, input.n());
 }
@@ -80,7 +84,7 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
     Survey surveyed;
     input.chosen = staged.choose(options.grid, surveyed, 0, alone,
                                  [&](DevicePool::Lent& lent, auto& taker) { constraints_sent->send(lent, taker); });
-    if (points.size() > 0) input.box = box_of(input.chosen, surveyed);
+    if (points.size() > 0) take_survey(input, surveyed, alone);
     cuts = cut(input);
     looking.get();
     staged.settle();

@@ -25,7 +25,9 @@ std::size_t tiles_that_fit(const DevicePool& pool, std::uint64_t n, std::uint64_
 
 class TiledRun;
 
-/// Throws index_out_of_range as cleaning does; before that, as order() does, coordinate_outside_grid. All ranks do.
+/// The box around all vertices, of which there are some. Throws coordinate_outside_grid as order() does. All ranks do.
+void take_survey(GridInput& input, const Survey& surveyed, Team& team);
+/// Throws index_out_of_range as cleaning does. All ranks do.
 void check_ends(const GridInput& input, Team& team);
 
 /// Adds to a result what is said of its grid. Throws vertices_coincide.

@@ -364,7 +364,9 @@ Error TiledRun::crossings_of(const std::vector<Constraint>& pairs) {
 }
 
 double TiledRun::largest_move() {
-  const std::uint64_t key = team_.greatest(tiles_.empty() ? 0 : tiles_[range_.first].move_key);
+  std::uint64_t key = 0;
+  for (const SolvedTile& tile : tiles_) key = std::max(key, tile.move_key);
+  key = team_.greatest(key);
   const double own = move_of(task_.input, key);
   std::uint64_t bits;  // of doubles that are not negative: in their order
   std::memcpy(&bits, &own, sizeof bits);
