@@ -309,6 +309,12 @@ TEST_CASE("a device treated as a GPU gives the same bytes") {
   }
 }
 
+cl::Device some_cpu() {
+  for (const cl::Device& device : all_of_them)
+    if (device.getInfo<CL_DEVICE_TYPE>() == CL_DEVICE_TYPE_CPU) return device;
+  throw std::runtime_error("there is no CPU among the devices");
+}
+
 TEST_CASE("a CPU beside a GPU gets no tile, unless that is lost or has no room") {
   const Workload work = workload("letters", 3000);
   const OneProblem problem(work);
@@ -325,7 +331,7 @@ TEST_CASE("a CPU beside a GPU gets no tile, unless that is lost or has no room")
     const Trace trace = [&](const TraceSpan& span) {
       if (span.name == "take" && span.device_number == 1) is_solved_by_cpu = true;
     };
-    DevicePool pool({{cl::Context(), app_device(), gpu}, {cl::Context(), app_device(), {}}}, {}, trace);
+    DevicePool pool({{cl::Context(), app_device(), gpu}, {cl::Context(), some_cpu(), {}}}, {}, trace);
     Options options;
     options.progress = [&](const char* phase, double) {
       if (std::string(phase) == "tiles") *calls = never;  // from now on it fails
