@@ -35,6 +35,9 @@ static inline uint face_corner(Mesh mesh, uint t, uint k) {
 static inline uint face_side(Mesh mesh, uint t, uint k) {
   return ((global const uint*)(mesh.face_data + GCDT_SIDES(t)))[k];
 }
+static inline void set_side(global uint4* face_data, uint t, uint k, uint code) {
+  ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
+}
 
 // The faces and edges that vertex v brings: two and three.
 static inline uint new_face(Mesh mesh, uint v, uint i) { return gcdt_forest_faces(v, mesh.roots) + i; }

@@ -3,10 +3,11 @@
 //
 // Two walks over the same parts, whose first faces first.cl finds: constrain_near finds the nearest piece at
 // each end of every crossed edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the
-// farthest cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl and stitch.cl. Claim
-// words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed, claim + 1 + h =
-// crossed, hexagon h.
+// farthest cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl, holes.cl and stitch.cl.
+// Claim words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed,
+// claim + 1 + h = crossed, hexagon h.
 #include "common/append.h"
+#include "constrain/chains.h"
 #include "constrain/chunks.h"
 #include "constrain/near.h"
 
@@ -236,13 +237,6 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
   if (get_local_id(0) == 0 && all_right > 0u) atomic_add(&counters->owned_right, all_right);
 }
 
-// Where a part of piece c begins in the chains. The scan of both counts has all left ones before the right ones, and
-// each piece before c has two places for its ends on each side.
-static inline uint left_begin(global const uint* starts, uint part, uint c) { return starts[part] + 2u * c; }
-static inline uint right_begin(global const uint* starts, uint capacity, uint pieces, uint part, uint c) {
-  return starts[capacity + part] + 2u * (pieces + c);
-}
-
 typedef struct Chains {
   global uint* vertex;
   global ulong* distance;
@@ -298,57 +292,5 @@ kernel void constrain_chain(uint pieces, uint taken, uint capacity, uint n, glob
     write_chain(chains, left_begin(starts, last, c) + 1u, e.y, c, 0u, sides.x);
     write_chain(chains, right_begin(starts, capacity, pieces, first, c), e.x, c, 0u, GCDT_NONE);
     write_chain(chains, right_begin(starts, capacity, pieces, last, c) + 1u, e.y, c, 0u, sides.y);
-  }
-}
-
-// The part of piece c that crosses the edge from `right` to `left`: the first that does not end before it
-// (come_to_edge). Ends: the range halves.
-static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint left, uint parts) {
-  const Vertex r = load_vertex(mesh.points, mesh.n, right), l = load_vertex(mesh.points, mesh.n, left);
-  uint low = 0, high = parts - 1u;
-  while (low < high) {
-    const uint middle = low + (high - low) / 2u;
-    if (gcdt_orient2d_division(r, l, a, b, middle + 1u, parts) > 0)
-      low = middle + 1u;
-    else
-      high = middle;
-  }
-  return low;
-}
-
-// One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
-// just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
-// left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
-kernel void constrain_holes(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
-                            global const uint2* ends, global const uint* begins, global const int4* lines,
-                            global const uint* part_face, global const uint* starts, global const uint* far,
-                            global const uint* hexagon_face, global uint* hole_place,
-                            volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH(i, 3u * hexagons) {
-    const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
-    hole_place[i] = 0u;
-    if (c == GCDT_NONE) {
-      atomic_or(&counters->failed, GCDT_FAILED_WALK);
-      continue;
-    }
-    const uint4 corners = mesh.face_data[GCDT_CORNERS(t)];
-    const Vertex a = line_begin(lines[c]), b = line_end(lines[c]);
-    const bool cut_right = gcdt_orient2d(a, b, load_vertex(mesh.points, mesh.n, element(corners, k))) < 0;
-    const uint third = cut_right ? previous_corner(k) : next_corner(k), parts = begins[c + 1u] - begins[c];
-    const uint part = part_that_crosses(mesh, a, b, element(corners, next_corner(third)),
-                                        element(corners, previous_corner(third)), parts);
-    uint left = left_begin(starts, begins[c] + part, c) + 1u;
-    uint right = right_begin(starts, capacity, pieces, begins[c] + part, c) + 1u;
-    Walk w;
-    uint event = walk_begin(&w, mesh, part_face[begins[c] + part], walk_ends(ends[c]), lines[c], part, parts);
-    // Ends: every edge crossed lies further along the piece.
-    while (event == WALK_CROSS && w.face != t) {
-      left += owns_left(&w, near, c) ? 1u : 0u;
-      right += owns_right(&w, near, c) ? 1u : 0u;
-      event = walk_cross(&w, mesh, look_behind(&w, mesh));
-    }
-    if (event != WALK_CROSS) atomic_or(&counters->failed, GCDT_FAILED_WALK);
-    hole_place[i] = cut_right ? left - 1u : right;
   }
 }

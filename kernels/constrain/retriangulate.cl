@@ -111,10 +111,6 @@ static inline uint triangle_number(Chains chains, uint i) {
 static inline uint corner_of_p(Chains chains, uint i) { return i < chains.right_begin ? 0u : 1u; }
 static inline uint corner_of_q(Chains chains, uint i) { return i < chains.right_begin ? 1u : 0u; }
 
-static inline void set_side(global uint4* face_data, uint t, uint k, uint code) {
-  ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
-}
-
 static inline void join(global uint4* face_data, global uint* edge_faces, uint t, uint k, uint code) {
   set_side(face_data, t, k, code);
   edge_faces[code] = GCDT_FACE_REF(t, k);
@@ -195,17 +191,5 @@ kernel void retriangulate_pieces(uint pieces, global const uint2* roots, uint fr
     piece_edge[c] = e;
     join(face_data, edge_faces, root.x, 2u, GCDT_SIDE(e, 0u));
     join(face_data, edge_faces, root.y, 2u, GCDT_SIDE(e, 1u));
-  }
-}
-
-// One work-item per hexagon. Writes the hole triangle into its own slot, after the chains' triangles. Its links
-// are left to stitch.cl.
-kernel void retriangulate_holes(uint hexagons, uint first, global const uint* hole_place,
-                                global const uint* chain_vertex, global const uint* crossed, global uint4* face_data) {
-  FOR_EACH(h, hexagons) {
-    const uint t = crossed[first + h];
-    face_data[GCDT_CORNERS(t)] = (uint4)(chain_vertex[hole_place[3u * h]], chain_vertex[hole_place[3u * h + 1u]],
-                                         chain_vertex[hole_place[3u * h + 2u]], 0u);
-    for (uint k = 0; k < 3u; ++k) set_side(face_data, t, k, GCDT_NONE);
   }
 }

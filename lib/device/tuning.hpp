@@ -104,9 +104,9 @@ struct Tuning {
   /// sees what is written beside it, and what is read that nobody wrote (docs/testing.md).
   bool fresh_buffers = false;
   /// Programs that threads build at once (built_programs.hpp); none: on GPUs, if their drivers compile a program when
-  /// it is built, four, after which NVIDIA's compiler is no faster (NOTES, "First call"); elsewhere one.
+  /// it is built, five, after which NVIDIA's compiler is no faster (NOTES, "First call"); elsewhere one.
   std::optional<std::uint32_t> builds_at_once;
-  static constexpr std::uint32_t builds_of_gpu = 4;
+  static constexpr std::uint32_t builds_of_gpu = 5;
   /// Workers of a pool on a device, each with one run at a time; none: by the kind of device (pool_plan.cpp).
   std::optional<std::uint32_t> workers;
   /// Milliseconds that a run of a pool takes whatever is in it; none: by the kind of device.

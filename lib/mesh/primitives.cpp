@@ -171,8 +171,8 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
 
 void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,
                                const Buffer<cl_uint>& first, std::size_t segments) {
-  runtime_.launch("sort_finish", "sort_segments", runtime_.over_groups(segments), static_cast<cl_uint>(segments), first,
-                  keys, values);
+  runtime_.launch("sort_segments", "sort_segments", runtime_.over_groups(segments), static_cast<cl_uint>(segments),
+                  first, keys, values);
 }
 
 void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {

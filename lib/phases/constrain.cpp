@@ -125,7 +125,7 @@ class Constraining {
     right_begin_ = left_total_ + 2 * pieces_.count;
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
     if (hexagons_ > 0)
-      runtime_.launch("constrain", "constrain_holes", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
+      runtime_.launch("holes", "hole_corners", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
                       parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
                       pieces_.ends, parts_.begins, begins_.lines, begins_.faces, starts_, far_, hexagon_face_,
                       hole_place_, counters_.buffer());
@@ -186,8 +186,8 @@ class Constraining {
                     crossed_edges_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, piece_edge_,
                     counters_.buffer());
     if (hexagons_ > 0)
-      runtime_.launch("retriangulate", "retriangulate_holes", over(hexagons_), hexagons_,
-                      cl_uint(left_total_ + right_total_), hole_place_, chain_vertex_, crossed_, mesh_.face_data);
+      runtime_.launch("holes", "hole_triangles", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_),
+                      hole_place_, chain_vertex_, crossed_, mesh_.face_data);
   }
 
   void stitch() {

@@ -22,6 +22,7 @@ constexpr Needed needed[] = {
     {"forest", false, Meshes::many},
     {"sort64_group", false, Meshes::one},
     {"sort_finish"},
+    {"sort_segments", false, Meshes::many},
     {"first", true},
     {"insert"},
     {"primitives_group"},
@@ -39,10 +40,11 @@ constexpr Needed needed[] = {
 
 }  // namespace
 
-std::vector<const char*> programs_of_call(Meshes meshes, bool constrained) {
+std::vector<const char*> programs_of_call(Meshes meshes, bool constrained, bool patched) {
   std::vector<const char*> programs;
   for (const Needed& n : needed)
     if ((constrained || !n.by_constraints) && n.of.value_or(meshes) == meshes) programs.push_back(n.program);
+  if (patched) programs.push_back("patches");
   return programs;
 }
 

@@ -143,7 +143,8 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
                                 const Options& options) {
   if (options.refine) check_refinement(*options.refine, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
-  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::one, source.m > 0));
+  const bool patched = 3 * std::uint64_t{source.n} >= runtime.tuning().least_patched;
+  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::one, source.m > 0, patched));
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);
