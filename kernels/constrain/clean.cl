@@ -80,7 +80,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
   const uint parts = begins[pieces];
-  uint steps = 0, hit = 0;
+  uint steps = 0, hit = 0, edges_already = 0;
   u64 pairs = 0;  // parts are shared out by their sum, which is no less than those of all constraints
   FOR_EACH(part, capacity) {
     uint found = 0, edges = 0;
@@ -111,6 +111,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
           atomic_add(crossed + list[c], edges);
           pairs += edges;
         }
+        edges_already += edges == 0u && found == 0u && begins[c + 1u] - begins[c] == 1u ? 1u : 0u;
       } else if (task == GCDT_CLEAN_ALL) {
         part_face[part] = GCDT_NONE;
         lose_patience(&walked);
@@ -129,6 +130,9 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
   add_lengths(&sum, &counters->pairs_low, pairs);
   hit = sum_of_group(&sum, hit);
   if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
+  edges_already = sum_of_group(&sum, edges_already);
+  if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && edges_already > 0u)
+    atomic_add(&counters->existing_edges, edges_already);
 }
 
 static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,

@@ -11,6 +11,32 @@
 #include "constrain/chunks.h"
 #include "constrain/near.h"
 
+// The edge a-b of the face, which has it; GCDT_NONE if it does not.
+static inline uint edge_of_face(Mesh mesh, uint face, uint a, uint b) {
+  const uint4 c = mesh.face_data[GCDT_CORNERS(face)], sides = mesh.face_data[GCDT_SIDES(face)];
+  const uint k = c.x == a ? 0u : c.y == a ? 1u : c.z == a ? 2u : GCDT_NONE;
+  if (k == GCDT_NONE) return GCDT_NONE;
+  if (element(c, next_corner(k)) == b) return GCDT_SIDE_EDGE(element(sides, previous_corner(k)));
+  if (element(c, previous_corner(k)) == b) return GCDT_SIDE_EDGE(element(sides, next_corner(k)));
+  return GCDT_NONE;
+}
+
+// One work-item per piece, after cleaning, in a mesh that has not changed since. A piece that is a whole constraint and
+// crosses no face is an edge of the face in which its walk began, whose closure holds points of it next to its end.
+// Marks that edge, by atomic_or, and writes whether the piece is none: its own word.
+kernel void constrain_existing(uint pieces, GCDT_MESH_PARAMETERS, volatile global uint* edge_marks,
+                               global const uint2* ends, global const uint* weights, global const uint2* walked,
+                               global const uint* walked_face, global uint* others) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(c, pieces) {
+    const uint2 e = ends[c], parts = walked[c];
+    const uint face = weights[c] == 0u && parts.y > 0u ? walked_face[parts.x] : GCDT_NONE,
+               edge = face == GCDT_NONE ? GCDT_NONE : edge_of_face(mesh, face, e.x, e.y);
+    if (edge != GCDT_NONE) atomic_or(edge_marks + edge, GCDT_MARK_CONSTRAINED);
+    others[c] = edge == GCDT_NONE ? 1u : 0u;
+  }
+}
+
 // One work-item per part. Writes near words by compare-and-exchange (reduce_near: order cannot
 // matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
 // an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by

@@ -21,6 +21,18 @@ kernel void parts_choose(uint count, uint step, global const uint2* ends, global
   }
 }
 
+// One work-item per piece in the list. Copies what cleaning knows of it. No race: its own words.
+kernel void parts_pick(uint count, global const uint* list, global const uint2* ends, global const uint* weights,
+                       global const uint2* walked, global uint2* to_ends, global uint* to_weights,
+                       global uint2* to_walked) {
+  FOR_EACH(i, count) {
+    const uint c = list[i];
+    to_ends[i] = ends[c];
+    to_weights[i] = weights[c];
+    to_walked[i] = walked[c];
+  }
+}
+
 // One work-item per piece. Takes its weight to be so many times smaller. No race: its own word.
 kernel void parts_lighten(uint pieces, uint times, global uint* weights) { FOR_EACH(c, pieces) weights[c] /= times; }
 

@@ -72,6 +72,9 @@ struct Tuning {
   std::uint32_t crossings_per_part = 8;
   /// Crossed faces a constraint from which on they are cleaned in the order of the curve; none: by the device, below.
   std::optional<std::uint32_t> curve_crossings;
+  /// Constraints that are edges already from which on they are left out of what is enforced, if they are a quarter of
+  /// all; none: by the device, below.
+  std::optional<std::uint32_t> least_existing;
   /// Crossed faces, as many times as the mesh has faces, from which on some pieces are enforced ahead of the others;
   /// none: by the device, below.
   std::optional<std::uint32_t> crossings_ahead;
@@ -251,6 +254,9 @@ struct Tuning {
   /// "Constraints in turn").
   static constexpr std::uint32_t gpu_crossings_ahead = 40, gpu_step_ahead = 16, cpu_crossings_ahead = 8,
                                  cpu_step_ahead = 8;
+  /// Constraints that are edges already from which on it pays to leave them out: a few launches and a read (NOTES,
+  /// "Edges already").
+  static constexpr std::uint32_t gpu_least_existing = 1u << 18, cpu_least_existing = 1u << 11;
   /// Crossed faces of a part on threads, about: where a part begins takes as long to find as some to hundreds of faces
   /// to cross (NOTES, "Threads: parts": a closed comb of 1000 vertices cleaned in 0.7 ms instead of 4.9).
   static constexpr std::uint32_t cpu_crossings_per_part = 128;

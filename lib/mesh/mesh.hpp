@@ -51,6 +51,7 @@ struct WalkedPieces {
   runtime::Buffer<cl_uint> faces;  ///< where parts begin
   std::uint64_t crossed = 0;       ///< at least the sum of the weights
   std::uint32_t pool = 0;          ///< the pieces have so many parts at most beyond one each
+  std::uint32_t existing = 0;      ///< so many constraints are an edge of the mesh each
 };
 
 /// The constraints after cleaning: distinct pieces, none with a vertex inside.

@@ -72,7 +72,8 @@ struct Plan {
   /// Crossed faces, as many times as there are faces, from which on every `step_ahead`-th piece is enforced ahead of
   /// the others.
   std::uint32_t crossings_ahead = 0, step_ahead = 0;
-  std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
+  std::uint32_t least_existing = 0;  ///< pieces that are edges already from which on these are left out
+  std::uint32_t all_pairs = 0;       ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.
   By output = By::all;        ///< triangles in canonical order: all, one, or each, who does the domain, too

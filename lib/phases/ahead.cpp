@@ -57,11 +57,12 @@ void add_ahead(const ConstrainResult& ahead, ConstrainResult& all) {
 ConstrainResult constrain_in_turn(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                                   const Vertices& vertices, Mesh& mesh, History& history, Pieces& pieces,
                                   PhaseCounters& counters) {
-  const auto enforce = [&](const Pieces& some) {
+  const auto enforce = [&](Pieces& some) {
     return constrain(runtime, primitives, plan, vertices, mesh, history, some, counters);
   };
   if (!pays(plan, vertices, mesh, pieces)) return enforce(pieces);
-  const ConstrainResult ahead = enforce(chosen_of(runtime, pieces, plan.step_ahead));
+  Pieces chosen = chosen_of(runtime, pieces, plan.step_ahead);
+  const ConstrainResult ahead = enforce(chosen);
   if (ahead.failed) return ahead;
   history = freeze_all(runtime, vertices, mesh);
   history.fans = make_fans(runtime, primitives, vertices, mesh, counters);

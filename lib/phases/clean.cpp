@@ -189,6 +189,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   result.pieces.walked.faces = std::move(found.begins.faces);
   result.pieces.walked.crossed = wide(counters.last().pairs_low, counters.last().pairs_high);
   result.pieces.walked.pool = parts.pool;
+  result.pieces.walked.existing = counters.last().existing_edges;
   return result;
 }
 

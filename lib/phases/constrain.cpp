@@ -223,13 +223,52 @@ class Constraining {
   cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;
 };
 
+bool pays_to_leave_out(const Plan& plan, const Pieces& pieces) {
+  const WalkedPieces& walked = pieces.walked;
+  return walked.located && walked.existing >= plan.least_existing && walked.existing >= pieces.count / 4;
+}
+
+/// Marks the edges that pieces are already, as far as cleaning knows. The other pieces, without their sources; the
+/// faces in which their parts begin are those of `pieces`, lent.
+Pieces other_than_edges(runtime::Runtime& runtime, Primitives& primitives, const Vertices& vertices, const Mesh& mesh,
+                        Pieces& pieces) {
+  const WalkedPieces& walked = pieces.walked;
+  const auto others = runtime.allocate<cl_uint>("pieces that are no edges", std::size_t{pieces.count} + 1);
+  runtime.launch("constrain", "constrain_existing", over(pieces.count), pieces.count, mesh.n, vertices.points,
+                 mesh.face_data, mesh.edge_faces, mesh.edge_marks, pieces.ends, walked.weights, walked.parts,
+                 walked.faces, others);
+  Pieces rest;
+  rest.count = primitives.scan_total(others, pieces.count);
+  const auto list = runtime.allocate<cl_uint>("list of other pieces", rest.count);
+  primitives.compact_indices(others, list, pieces.count);
+  rest.ends = runtime.allocate<cl_uint2>("other pieces", rest.count);
+  rest.walked.weights = runtime.allocate<cl_uint>("weights of other pieces", rest.count);
+  rest.walked.parts = runtime.allocate<cl_uint2>("parts of other pieces", rest.count);
+  runtime.launch("parts", "parts_pick", over(rest.count), rest.count, list, pieces.ends, walked.weights, walked.parts,
+                 rest.ends, rest.walked.weights, rest.walked.parts);
+  rest.walked.crossed = walked.crossed;
+  rest.walked.pool = walked.pool;
+  rest.walked.faces = std::move(pieces.walked.faces);
+  return rest;
+}
+
 }  // namespace
 
 ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Vertices& vertices,
-                          Mesh& mesh, History& history, const Pieces& pieces, PhaseCounters& counters) {
+                          Mesh& mesh, History& history, Pieces& pieces, PhaseCounters& counters) {
   counters.zero();
   if (pieces.count == 0) return {};
-  return Constraining(runtime, primitives, plan, vertices, mesh, history, pieces, counters).run();
+  const auto enforce = [&](const Pieces& some) {
+    return Constraining(runtime, primitives, plan, vertices, mesh, history, some, counters).run();
+  };
+  if (!pays_to_leave_out(plan, pieces)) return enforce(pieces);
+  Pieces rest = other_than_edges(runtime, primitives, vertices, mesh, pieces);
+  ConstrainResult result;
+  if (rest.count > 0) result = enforce(rest);
+  pieces.walked.faces = std::move(rest.walked.faces);
+  result.left_out = pieces.count - rest.count;
+  result.existing_edges += result.left_out;
+  return result;
 }
 
 }  // namespace gcdt

@@ -9,7 +9,7 @@ using namespace fixture;
 namespace {
 
 struct Totals {
-  std::uint64_t hits = 0, existing = 0, walked = 0, chains = 0, holes = 0, symbolic = 0;
+  std::uint64_t hits = 0, existing = 0, walked = 0, chains = 0, holes = 0, symbolic = 0, left_out = 0;
   std::array<std::uint64_t, 4> pairs = {};
 };
 
@@ -44,7 +44,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   made.counters.zero();
   const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
   Cleaner cleaner(runtime, primitives, made.vertices, staged, n);
-  const CleanResult clean = cleaner.clean(made.walked(), {}, made.counters);
+  CleanResult clean = cleaner.clean(made.walked(), {}, made.counters);
   const std::set<Constraint> expected = expected_pieces(made.points, constraints);
   std::vector<cl_uint2> ends(clean.pieces.count);
   runtime.read(clean.pieces.ends, ends.data(), ends.size());
@@ -53,10 +53,18 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   CHECK(pieces == expected);
 
   const Met met = met_by(made.now(), expected);
+  const std::uint64_t already = static_cast<std::uint64_t>(
+      std::count_if(expected.begin(), expected.end(),
+                    [edges = edges_of(made.now())](const Constraint& piece) { return edges.count(piece) == 1; }));
+  made.plan.least_existing = seed / 2 % 2 == 0 ? 0 : UINT32_MAX;  // and then none is left out
   if (seed % 3 == 0) use_up_claims(runtime, made.mesh);
   const ConstrainResult result =
       constrain(runtime, primitives, made.plan, made.vertices, made.mesh, made.history, clean.pieces, made.counters);
   REQUIRE(result.failed == 0);
+  CHECK(result.existing_edges == already);
+  CHECK(result.existing_edges + result.walked == expected.size());
+  CHECK(result.left_out <= (made.plan.least_existing == 0 ? already : 0));
+  totals.left_out += result.left_out;
   if (flipped_before) {
     CHECK(result.crossed_pairs == met.pairs);
     for (std::size_t i = 0; i < met.of_two.size(); ++i) CHECK(result.pairs_of_two[i] == met.of_two[i]);
@@ -95,6 +103,7 @@ TEST_CASE("constraints become edges, the mesh stays valid, and every case of the
     CHECK(totals.chains > 0);
     CHECK(totals.holes > 0);
     CHECK(totals.symbolic > 0);
+    CHECK(totals.left_out > 0);
     for (const std::uint64_t pairs : totals.pairs) CHECK(pairs > 0);
     MESSAGE("hits " << totals.hits << " existing " << totals.existing << " walked " << totals.walked << " chains "
                     << totals.chains << " holes " << totals.holes << " symbolic " << totals.symbolic);

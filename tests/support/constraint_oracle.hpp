@@ -29,6 +29,12 @@ inline std::vector<Constraint> random_constraints(const std::vector<Point>& poin
 }
 
 /// The edges of the mesh that are marked, as pairs of vertices.
+inline std::set<Constraint> edges_of(const HostMesh& m) {
+  std::set<Constraint> all;
+  for (std::uint32_t e = 0; e < m.edges; ++e) all.insert(ends_of_edge(m, e));
+  return all;
+}
+
 inline std::set<Constraint> marked_edges(const HostMesh& m) {
   std::set<Constraint> all;
   for (std::uint32_t e = 0; e < m.edges; ++e)

@@ -65,6 +65,7 @@ inline Tuning small_thresholds() {
   tuning.rounds_of_group = 2;
   tuning.most_ranked_by_count = tuning.most_by_teams = 16;
   tuning.curve_crossings = tuning.crossings_ahead = 0;
+  tuning.least_existing = 0;
   return tuning;
 }
 
