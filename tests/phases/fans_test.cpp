@@ -160,7 +160,7 @@ TEST_CASE("fans are the faces around vertices with many, in their order, from a 
 TEST_CASE("constraints that begin at a vertex with many faces, or pass through it, are split where vertices are") {
   on_all([](runtime::Runtime& runtime, const Input& input, bool flipped, Walked& walked) {
     Primitives primitives(runtime);
-    const CleanResult clean = walked.clean(primitives);
+    CleanResult clean = walked.clean(primitives);
     if (flipped) CHECK(walked.history.fans.made);  // else the hub may be a late vertex, with few faces
     const std::set<Constraint> expected = expected_pieces(walked.points, walked.constraints);
     CHECK(read_pieces(runtime, clean.pieces) == expected);
