@@ -73,7 +73,7 @@ struct Tuning {
   /// Crossed faces a constraint from which on they are cleaned in the order of the curve; none: by the device, below.
   std::optional<std::uint32_t> curve_crossings;
   /// Constraints that are edges already from which on they are left out of what is enforced, if they are a quarter of
-  /// all; none: by the device, below.
+  /// all; 0: always; none: by the device, below.
   std::optional<std::uint32_t> least_existing;
   /// Crossed faces, as many times as the mesh has faces, from which on some pieces are enforced ahead of the others;
   /// none: by the device, below.

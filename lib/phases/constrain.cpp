@@ -225,7 +225,8 @@ class Constraining {
 
 bool pays_to_leave_out(const Plan& plan, const Pieces& pieces) {
   const WalkedPieces& walked = pieces.walked;
-  return walked.located && walked.existing >= plan.least_existing && walked.existing >= pieces.count / 4;
+  const std::uint32_t least = plan.least_existing == 0 ? 0 : std::max(plan.least_existing, pieces.count / 4);
+  return walked.located && walked.existing >= least;
 }
 
 /// Marks the edges that pieces are already, as far as cleaning knows. The other pieces, without their sources; the
