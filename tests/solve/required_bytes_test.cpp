@@ -95,6 +95,13 @@ std::uint64_t constant() { return required_bytes(0, 0, 0); }
 /// What PoCL has of such buffers.
 constexpr std::uint64_t own_constant = std::uint64_t{1} << 19;
 
+/// Whether what is said is at most half as much again as is used; if a quarter of the pieces and more are edges
+/// already, of which enforcement has no record and nobody knows before, at most twice as much.
+bool is_close(std::uint64_t said, const Statistics& s) {
+  const bool edges = s.constraints_pieces > 0 && 4 * s.cases.existing_edges >= s.constraints_pieces;
+  return edges ? said <= 2 * s.peak_device_bytes : 2 * said <= 3 * s.peak_device_bytes;
+}
+
 Statistics statistics_of(const Family& family) {
   solver().trim();
   return solver().solve(family.work.points, family.work.constraints, family.options).statistics();
@@ -103,7 +110,8 @@ Statistics statistics_of(const Family& family) {
 }  // namespace
 
 TEST_CASE(
-    "what grows with the input covers what is used, without the share for gaps, and is at most half as much again") {
+    "what grows with the input covers what is used, without the share for gaps, and is at most half as much again, or "
+    "twice as much if many constraints are edges") {
   for (const Family& family : families(100000)) {
     CAPTURE(family.name);
     const Statistics s = statistics_of(family);
@@ -113,7 +121,7 @@ TEST_CASE(
     CAPTURE(growing);
     if (s.vertices_added == 0) CHECK(s.peak_device_bytes <= growing * 8 / 9 + own_constant);
     CHECK(s.peak_device_bytes <= needed(s));  // splitting by itself is not in what grows
-    CHECK(2 * at_least <= 3 * s.peak_device_bytes);
+    CHECK(is_close(at_least, s));
     CHECK(needed(s) <= required_bytes(s.n + s.vertices_added, parts_of(s)));
   }
   // Constraints that cross the same triangles again and again: pairs say too little of how many these are.
@@ -126,13 +134,15 @@ TEST_CASE(
   CHECK(10 * (needed(few) - constant()) < 9 * (required_bytes(few.n, few.m) - constant()));
 }
 
-TEST_CASE("all that is said for a million vertices is at most half as much again as is used") {
+TEST_CASE(
+    "all that is said for a million vertices is at most half as much again as is used, or twice as much if many "
+    "constraints are edges") {
   for (const Family& family : {Family{"uniform", uniform(1000000), {}}, Family{"letters", letters(600000), {}}}) {
     CAPTURE(family.name);
     const Statistics s = statistics_of(family);
     CAPTURE(s.peak_device_bytes);
     CHECK(s.peak_device_bytes <= needed(s));
-    CHECK(2 * needed(s) <= 3 * s.peak_device_bytes);
+    CHECK(is_close(needed(s), s));
   }
   solver().trim();
 }
