@@ -302,6 +302,10 @@ TEST_CASE("a device treated as a GPU gives the same bytes") {
     CAPTURE(name);
     check_same(workload(name, 1500), evenly(3), with(Crossing::reject), pool);
   }
+  Workload decimals = workload("uniform", 1500);
+  for (auto& point : decimals.points)
+    for (double& x : point) x = std::round(1000 * x) / 1000;
+  check_same(decimals, evenly(3), with(Crossing::reject), pool);
   for (unsigned i = 0; i < 6; ++i) {  // with vertices that are one, and constraints that pass and cross
     CAPTURE(i);
     const Crossing crossing = std::array{Crossing::drop, Crossing::split}[i % 2];
