@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One problem in tiles: the same arrays as from one device, wherever it is cut.
+#include <cmath>
+
 #include "corpus.hpp"
 #include "device_list.hpp"
 #include "kinds.hpp"
