@@ -278,25 +278,6 @@ void DevicePool::settle(Worker& worker) {
   worker.primitives->release();
 }
 
-namespace {
-
-/// While it lives, few constraints take the way of many that are edges already.
-class FewAsMany {
- public:
-  explicit FewAsMany(Tuning& tuning) : least_existing_(tuning.least_existing), before_(least_existing_) {
-    least_existing_ = 0;
-  }
-  ~FewAsMany() { least_existing_ = before_; }
-  FewAsMany(const FewAsMany&) = delete;
-  FewAsMany& operator=(const FewAsMany&) = delete;
-
- private:
-  std::optional<std::uint32_t>& least_existing_;
-  const std::optional<std::uint32_t> before_;
-};
-
-}  // namespace
-
 // Launches all kernels that the worker may need, while other workers do the work. Too little memory is no error here,
 // because a job that needs it will report it.
 void DevicePool::warm_up(std::size_t number, Schedule& schedule, const Options& options) {

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "batch/problems.hpp"
+#include "device/tuning.hpp"
 
 namespace gcdt {
 
@@ -27,6 +29,21 @@ class WarmupBatch {
 
 /// How many vertices the problems of each run of a warm-up have, on a device of so many compute units.
 std::vector<std::vector<std::uint32_t>> warmup_runs(std::uint32_t compute_units, Crossing crossing);
+
+/// While it lives, few constraints take the way of many that are edges already.
+class FewAsMany {
+ public:
+  explicit FewAsMany(Tuning& tuning) : least_existing_(tuning.least_existing), before_(least_existing_) {
+    least_existing_ = 0;
+  }
+  ~FewAsMany() { least_existing_ = before_; }
+  FewAsMany(const FewAsMany&) = delete;
+  FewAsMany& operator=(const FewAsMany&) = delete;
+
+ private:
+  std::optional<std::uint32_t>& least_existing_;
+  const std::optional<std::uint32_t> before_;
+};
 
 /// The options that decide which kernels a warm-up launches.
 using WarmupKey = std::array<int, 3>;

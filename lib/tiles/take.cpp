@@ -49,11 +49,12 @@ class Taker {
 
  private:
   void take_chunk(const InputPoints& points, const ChosenGrid& chosen, std::size_t first_id) {
+    if (!box_) return;
     const cl_uint count = points.n;
     const auto before = runtime_.allocate<cl_uint>("own vertices before", std::size_t{count} + 1);
     const auto codes = runtime_.allocate<cl_ulong>("codes of own vertices", count);
-    if (box_) code_own(points, chosen, before, codes);
-    const cl_uint found = box_ ? primitives_.scan_total(before, count) : 0;
+    code_own(points, chosen, before, codes);
+    const cl_uint found = primitives_.scan_total(before, count);
     if (found > count) refuse("a device has counted more vertices of a tile than there are");
     if (found == 0) return;
     const std::size_t needed = std::size_t{taken_.all} + found;
@@ -63,7 +64,7 @@ class Taker {
     taken_.all += found;
   }
 
-  /// Flags of the tile's own among the points, and their codes.
+  /// Flags of the tile's own among the points, and their codes; the tile has a box.
   void code_own(const InputPoints& points, const ChosenGrid& chosen, const runtime::Buffer<cl_uint>& flags,
                 const runtime::Buffer<cl_ulong>& codes) {
     const KeyBox keys = keys_of(chosen, *box_);
