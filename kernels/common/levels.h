@@ -2,10 +2,12 @@
 // Coarse-to-fine levels (paper, section 8, "Upsampling", made geometric). OpenCL C and C++17.
 //
 // The distinct vertices sorted along the Z-order curve have ranks 0 .. n-1. Level j of K holds the
-// ranks that are multiples of R^(K-1-j) and not of R^(K-j): every R-th vertex along the curve is
-// coarser, so each level is spread evenly and every new vertex has a coarser one close by on the
-// curve. Vertices are numbered level by level, along the curve inside each: numbers below begin[j]
-// are coarser than level j, and number <-> rank is arithmetic.
+// ranks that are multiples of its stride and not of the next coarser one: 1 for the finest, then 4, 64, 1024 and so on.
+// So every R-th vertex along the curve is coarser, R = 4 for the finest level and 16 for others: each level is spread
+// evenly and every new vertex has a coarser one close by on the curve. (Sixteen takes half of the levels that four
+// does, for a few more flips; in the finest level, which has most of the vertices, flips are dearer.)
+// Vertices are numbered level by level, along the curve inside each: numbers below begin[j] are coarser than level j,
+// and number <-> rank is arithmetic.
 //
 // Where isolated vertices come earlier than their rank says (isolation.h), a table stands for the arithmetic. Level j
 // then has more than the ranks above, but never misses one of them: whoever looks for coarser vertices at multiples of
@@ -19,13 +21,17 @@
 namespace gcdt::device {
 #endif
 
-#define GCDT_LEVEL_RATIO 4u
-#define GCDT_MAX_LEVELS 16
+#define GCDT_FINEST_RATIO 4u
+#define GCDT_COARSER_RATIO 16u
+// With 2^31 vertices the coarsest of so many has two.
+#define GCDT_MAX_LEVELS 9
+// The stride of the level so many above the finest: 2 to this power, twice its depth in the quadtree.
+#define GCDT_STRIDE_BITS(above) ((above) == 0u ? 0u : 4u * (above)-2u)
 
 typedef struct Levels {
   u32 n;                           // distinct finite vertices
   u32 count;                       // K >= 1
-  u32 stride[GCDT_MAX_LEVELS];     // R^(K-1-j)
+  u32 stride[GCDT_MAX_LEVELS];     // 2^GCDT_STRIDE_BITS(K-1-j)
   u32 begin[GCDT_MAX_LEVELS + 1];  // first vertex of level j; begin[K] = n
   u32 tabled;                      // nonzero: behind the struct stand n ranks by vertex, then n vertices by rank
 } Levels;
@@ -49,8 +55,9 @@ GCDT_INLINE u32 gcdt_rank_of_vertex(GCDT_LEVELS_POINTER levels, u32 v) {
   u32 j = levels->count - 1u;
   while (v < levels->begin[j]) --j;
   if (j == 0) return v * levels->stride[0];
-  const u32 i = v - levels->begin[j];
-  return (i + i / (GCDT_LEVEL_RATIO - 1u) + 1u) * levels->stride[j];
+  const u32 i = v - levels->begin[j], finest = j + 1u == levels->count;
+  const u32 coarser = finest ? i / (GCDT_FINEST_RATIO - 1u) : i / (GCDT_COARSER_RATIO - 1u);
+  return (i + coarser + 1u) * levels->stride[j];
 }
 
 // The finite vertex with that rank, looking at levels 0 .. last only: rank counts in units of
@@ -58,17 +65,23 @@ GCDT_INLINE u32 gcdt_rank_of_vertex(GCDT_LEVELS_POINTER levels, u32 v) {
 GCDT_INLINE u32 gcdt_vertex_of_rank(GCDT_LEVELS_POINTER levels, u32 last, u32 rank) {
   if (levels->tabled) return GCDT_LEVELS_TABLE(levels)[levels->n + rank * levels->stride[last]];
   u32 j = last, r = rank;
-  while (j > 0 && r % GCDT_LEVEL_RATIO == 0) {
-    r /= GCDT_LEVEL_RATIO;
+  if (j > 0 && j + 1u == levels->count) {
+    if (r % GCDT_FINEST_RATIO != 0) return levels->begin[j] + r - r / GCDT_FINEST_RATIO - 1u;
+    r /= GCDT_FINEST_RATIO;
     --j;
   }
-  return j == 0 ? r : levels->begin[j] + r - r / GCDT_LEVEL_RATIO - 1u;
+  while (j > 0 && r % GCDT_COARSER_RATIO == 0) {
+    r /= GCDT_COARSER_RATIO;
+    --j;
+  }
+  return j == 0 ? r : levels->begin[j] + r - r / GCDT_COARSER_RATIO - 1u;
 }
 
 // How many vertices of `level` come before rank `unit` of the curve, which counts in units of stride[level]: of these
 // ranks, every R-th is coarser.
-GCDT_INLINE u32 gcdt_vertices_before(u32 level, u32 unit) {
-  return level == 0 ? unit : unit - (unit + GCDT_LEVEL_RATIO - 1u) / GCDT_LEVEL_RATIO;
+GCDT_INLINE u32 gcdt_vertices_before(GCDT_LEVELS_POINTER levels, u32 level, u32 unit) {
+  const u32 ratio = level + 1u == levels->count ? GCDT_FINEST_RATIO : GCDT_COARSER_RATIO;
+  return level == 0 ? unit : unit - (unit + ratio - 1u) / ratio;
 }
 
 // Morton code of a grid point: bit 2i is bit i of x, bit 2i+1 is bit i of y.
@@ -99,14 +112,12 @@ GCDT_INLINE Levels make_levels(u32 n, u32 coarsest) {
   levels.tabled = 0;
   for (u32 j = 0; j < GCDT_MAX_LEVELS; ++j) levels.stride[j] = levels.begin[j] = 0;
   levels.begin[GCDT_MAX_LEVELS] = 0;
-  for (u64 stride = 1; levels.count < GCDT_MAX_LEVELS && (n + stride - 1) / stride > coarsest;
-       stride *= GCDT_LEVEL_RATIO)
-    ++levels.count;
-  u32 stride = 1;
+  while (levels.count < GCDT_MAX_LEVELS && n > (u64)coarsest << GCDT_STRIDE_BITS(levels.count - 1u)) ++levels.count;
   levels.begin[levels.count] = n;
-  for (u32 j = levels.count; j-- > 0; stride *= GCDT_LEVEL_RATIO) {
-    const u64 coarser = (u64)stride * GCDT_LEVEL_RATIO;
-    levels.stride[j] = stride;
+  for (u32 j = levels.count; j-- > 0;) {
+    const u32 above = levels.count - 1u - j;
+    const u64 coarser = (u64)1 << GCDT_STRIDE_BITS(above + 1u);
+    levels.stride[j] = 1u << GCDT_STRIDE_BITS(above);
     levels.begin[j] = j == 0 ? 0 : (u32)((n + coarser - 1) / coarser);
   }
   return levels;

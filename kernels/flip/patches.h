@@ -47,7 +47,7 @@ static inline uint first_of_rank(GCDT_LEVELS_POINTER levels, uint j, uint rank) 
   uint low = levels->begin[j], high = levels->begin[j + 1u];
   if (!levels->tabled) {
     const uint stride = levels->stride[j];
-    return min(low + gcdt_vertices_before(j, rank / stride + (rank % stride != 0u ? 1u : 0u)), high);
+    return min(low + gcdt_vertices_before(levels, j, rank / stride + (rank % stride != 0u ? 1u : 0u)), high);
   }
   while (low < high) {
     const uint middle = low + (high - low) / 2u;

@@ -214,6 +214,9 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
 }
 
 #ifdef GCDT_FOREST
+
+#define PROBLEM_RATIO 4u
+
 // One work-item per problem. Makes its root, and inserts the problem's vertices coarse to fine, every 4^k-th along the
 // curve, then every 4^(k-1)-th and so on, each found by a walk from the one before, split off, and settled. No face of
 // a problem is reached from another, so none is anybody else's. Writes words of faces and edges of its problem. A
@@ -229,10 +232,10 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
     const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
     uint last = p, stride = 1u;
     plant(mesh, o, p);
-    while (stride < count) stride *= GCDT_LEVEL_RATIO;
-    for (; stride > 0u; stride /= GCDT_LEVEL_RATIO)
+    while (stride < count) stride *= PROBLEM_RATIO;
+    for (; stride > 0u; stride /= PROBLEM_RATIO)
       for (uint i = 0; i < count && last != GCDT_NONE; i += stride) {
-        if (i % (stride * GCDT_LEVEL_RATIO) == 0u && stride < count) continue;
+        if (i % (stride * PROBLEM_RATIO) == 0u && stride < count) continue;
         last = insert_vertex(mesh, o, gcdt_vertex_of_rank(levels, levels->count - 1u, begin + i), last, limit, &grown);
       }
     if (last == GCDT_NONE) atomic_inc(&counters->list_insert[0]);

@@ -355,7 +355,8 @@ kernel void insert_problems(uint begin_problem, uint end_problem, uint level, ui
   uint steps = 0, on_edges = 0, last = 0;
   FOR_EACH_OF_GROUPS(p, begin_problem, end_problem) {
     const uint2 units = units_of_problem(levels, level, points, n, p);
-    const uint first = gcdt_vertices_before(level, units.x), count = gcdt_vertices_before(level, units.y) - first;
+    const uint first = gcdt_vertices_before(levels, level, units.x),
+               count = gcdt_vertices_before(levels, level, units.y) - first;
     const Round r = make_round(number, number, bits, begin + first);
     volatile global uint* own = lengths + 2u * p;
     if (number == 1u) {

@@ -19,10 +19,10 @@ namespace gcdt::device {
 #define GCDT_DEPTH_COUNT(depth, strides) ((depth)*GCDT_MAX_LEVELS + (strides))
 #define GCDT_DEPTH_COUNTS GCDT_DEPTH_COUNT(GCDT_DEPTHS, 0u)
 
-// The column of a rank: how often the ratio divides it.
+// The column of a rank: how many levels above the finest it is, if there are so many. Ends: strides grow to 2^30.
 GCDT_INLINE u32 gcdt_strides_of_rank(u32 rank) {
   u32 strides = 0;
-  while (strides + 1u < GCDT_MAX_LEVELS && (rank & ((GCDT_LEVEL_RATIO << 2u * strides) - 1u)) == 0u) ++strides;
+  while (strides + 1u < GCDT_MAX_LEVELS && (rank & ((1u << GCDT_STRIDE_BITS(strides + 1u)) - 1u)) == 0u) ++strides;
   return strides;
 }
 

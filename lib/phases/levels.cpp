@@ -25,9 +25,9 @@ int median_depth(const Depths& of_depth, cl_uint n) {
 // Whether many vertices are deeper than evenly spread ones, of which one in 4^k is k deeper than log4(n).
 bool has_rows(const Depths& of_depth, cl_uint n, const Tuning& tuning) {
   std::size_t depth = 0;
-  for (std::uint64_t cells = 1; cells < n; cells *= GCDT_LEVEL_RATIO) ++depth;
+  for (std::uint64_t cells = 1; cells < n; cells *= 4) ++depth;
   std::uint64_t deeper = std::accumulate(of_depth.begin() + depth, of_depth.end(), std::uint64_t{0}), evenly = n;
-  for (; depth < of_depth.size(); deeper -= of_depth[depth++], evenly /= GCDT_LEVEL_RATIO)
+  for (; depth < of_depth.size(); deeper -= of_depth[depth++], evenly /= 4)
     if (deeper > tuning.times_evenly * evenly + tuning.least_row) return true;
   return false;
 }
@@ -49,7 +49,7 @@ ChosenLevels choose_levels(const std::vector<cl_uint>& counts, std::uint32_t coa
   const int median = median_depth(of_depth, n);
   cl_uint isolated = 0;
   for (unsigned j = 0; j + 1 < levels.count; ++j) {
-    const int above = static_cast<int>(levels.count - 1 - j);
+    const int above = GCDT_STRIDE_BITS(levels.count - 1 - j) / 2;  // depths of the quadtree
     const int most = std::min(median + 1 - above - tuning.isolation_margin, static_cast<int>(GCDT_DEPTHS));
     cl_uint& below = chosen.by_depth.below[j];
     for (cl_uint taken = 0; static_cast<int>(below) < most; ++below) {

@@ -23,7 +23,7 @@ void check_levels(u32 n, u32 coarsest, u32 step) {
   if (levels.count < GCDT_MAX_LEVELS) REQUIRE(levels.begin[1] <= coarsest);
   for (u32 j = 0; j + 1 < levels.count; ++j) {
     REQUIRE(levels.begin[j] <= levels.begin[j + 1]);
-    REQUIRE(levels.stride[j] == GCDT_LEVEL_RATIO * levels.stride[j + 1]);
+    REQUIRE(levels.stride[j] == (j + 2 == levels.count ? 4 : 16) * levels.stride[j + 1]);
   }
   for (u64 v = 0; v < n; v += step) {
     const u32 rank = gcdt_rank_of_vertex(&levels, u32(v));
@@ -35,7 +35,7 @@ void check_levels(u32 n, u32 coarsest, u32 step) {
     REQUIRE(rank % levels.stride[j] == 0);
     if (j > 0) REQUIRE(rank % levels.stride[j - 1] != 0);
     REQUIRE(gcdt_vertex_of_rank(&levels, j, rank / levels.stride[j]) == v);
-    REQUIRE(gcdt_vertices_before(j, rank / levels.stride[j]) == v - levels.begin[j]);
+    REQUIRE(gcdt_vertices_before(&levels, j, rank / levels.stride[j]) == v - levels.begin[j]);
     // Along the curve inside a level.
     if (v + 1 < levels.begin[j + 1]) REQUIRE(gcdt_rank_of_vertex(&levels, u32(v + 1)) > rank);
   }

@@ -85,7 +85,7 @@ TEST_CASE("so it is where many sequences meet, however often their stamps run ou
 }
 
 TEST_CASE("it ends with any level, and then has the vertices of the levels up to it") {
-  MeshOnDevice made(threads(), make_points("uniform", 20000, 3), 64);
+  MeshOnDevice made(threads(), make_points("uniform", 20000, 3), 8);
   REQUIRE(made.levels() > 4);
   for (unsigned level = made.levels(); level-- > 0;) {
     CAPTURE(level);
