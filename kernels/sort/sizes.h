@@ -8,6 +8,10 @@
 #define GCDT_SERIAL_DIGIT_BITS 8u
 #define GCDT_GROUP_DIGIT_BITS 4u
 
+// Bits up to which groups sort by digits however few keys there are, but for a block's: three digits take less time
+// than blocks and their merging (bench/NOTES.md, "Scans and folds").
+#define GCDT_MOST_BITS_BY_DIGIT 12u
+
 // Work-items of a group that take part, and the keys of each in a tile.
 #define GCDT_SORT_LANES 128u
 #define GCDT_SORT_WIDTH 8u

@@ -12,6 +12,7 @@ struct Range {
   std::size_t items = 1;
   bool one_group = false;    ///< exactly one work-group, for kernels that loop with barriers
   bool large_items = false;  ///< each is worth a work-item of its own, even where these are contiguous shares
+  bool wide_groups = false;  ///< for kernels whose groups share much local memory
 };
 inline Range over(std::size_t items) { return {items, false}; }
 inline Range over_large(std::size_t items) { return {items, false, true}; }
@@ -25,6 +26,8 @@ struct Geometry {
   std::size_t share = 0;       ///< items that are worth a work-item; 0: one (Range::large_items)
   /// Items of a work-item at most, of large ones one, however many groups that takes; 0: any number.
   std::size_t most_items = 0;
+  std::size_t wide = 0;        ///< work-items of a wide group (Range::wide_groups); 0: as `local`
+  std::size_t row_groups = 0;  ///< groups of which each work-item keeps a row of a table; 0: as `max_groups`
 };
 
 /// An argument of a kernel: local memory of each work-group.

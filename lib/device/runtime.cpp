@@ -92,6 +92,8 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
   switch (kind_) {
     case DeviceKind::gpu:
       geometry_ = {Tuning::gpu_group, units * Tuning::gpu_groups_per_unit, Tuning::gpu_single_group};
+      geometry_.wide = std::min<std::size_t>(Tuning::gpu_wide_group, info_.largest_work_group);
+      geometry_.row_groups = units * Tuning::gpu_row_groups_per_unit;
       break;
     case DeviceKind::threads: geometry_ = {1, units * Tuning::shares_per_unit, 1, Tuning::least_share}; break;
     case DeviceKind::lanes:
@@ -342,7 +344,9 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   if (arguments != kernel.arguments)
     throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
                                            std::to_string(arguments));
-  const std::size_t group = range.one_group && geometry_.single > 0 ? geometry_.single : geometry_.local;
+  const std::size_t group = range.wide_groups                         ? wide_group()
+                            : range.one_group && geometry_.single > 0 ? geometry_.single
+                                                                      : geometry_.local;
   const std::size_t local = std::min(group, kernel.largest_group);
   const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
   const std::size_t wanted = (range.items + each - 1) / each;
@@ -365,7 +369,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
 }
 
 std::size_t Runtime::rows_of(std::size_t items) const {
-  const std::size_t usual = geometry_.local * geometry_.max_groups,
+  const std::size_t groups = geometry_.row_groups > 0 ? geometry_.row_groups : geometry_.max_groups;
+  const std::size_t usual = geometry_.local * groups,
                     least = geometry_.most_items > 0 ? items / geometry_.most_items : 0;
   return std::clamp<std::size_t>(std::max(usual, least), 1, std::max<std::size_t>(items, 1));
 }

@@ -252,6 +252,10 @@ class Runtime {
   const Geometry& geometry() const { return geometry_; }
   /// So many work-groups, for kernels of which each takes an item.
   Range over_groups(std::size_t items) const { return over_large(std::max<std::size_t>(items, 1) * geometry_.local); }
+  /// The same for kernels whose groups are wide.
+  Range over_wide_groups(std::size_t items) const {
+    return {std::max<std::size_t>(items, 1) * wide_group(), false, true, true};
+  }
   /// Work-items among which `items` are shared out, for kernels of which each keeps a row of a table.
   std::size_t rows_of(std::size_t items) const;
   /// Work-items of a launch at most, whatever it wants.
@@ -322,6 +326,7 @@ class Runtime {
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
   void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
+  std::size_t wide_group() const { return geometry_.wide > 0 ? geometry_.wide : geometry_.local; }
   void enqueue(Kernel& kernel, Range range, cl_uint arguments);
 
   template <class T>

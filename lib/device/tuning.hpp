@@ -24,8 +24,8 @@ struct Tuning {
   /// As what the device is to be treated; none: as what it is.
   std::optional<DeviceKind> kind;
   /// Vertices of the coarsest level at most, which goes into the symbolic triangle at once. Small enough for one
-  /// work-group, large enough that the levels below it would cost more launches than they save flips. (Four levels of
-  /// a million vertices are 7 % faster where they are random, and 45 % slower on a grid.)
+  /// work-group, large enough that the levels below it would cost more launches than they save flips. (With 16,384 a
+  /// grid of a million takes a fifth longer: NOTES, "Fewer levels, larger patches".)
   std::uint32_t coarsest_level = 256;
   /// How much less deep than evenly spread vertices of a level those have to be that come early because they are
   /// isolated, in depths of the quadtree (phases/levels.hpp): with less, islands of a map come too early; with more,
@@ -55,15 +55,15 @@ struct Tuning {
   std::uint32_t most_tail_aims = 256, rounds_of_tail = 16;
   /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
   /// microsecond, two launches cost ten times that.
-  std::uint32_t one_group_vertices = 1024;
+  std::uint32_t one_group_vertices = 2048;
   /// The same of edges that are tested: the tail of small rounds needs no launch and no read.
   std::uint32_t one_group_edges = 2048;
   /// From so many edges on flips begin within patches, each by a work-group while it is in its caches; vertices of a
-  /// patch, which trade room in the cache for borders; and rounds of a patch at most (NOTES, "Patches").
-  std::uint32_t least_patched = 1u << 22, patch_vertices = 256, rounds_of_patch = 64;
+  /// patch, which trade room in caches for borders (NOTES, "Fewer levels, larger patches"); rounds of a patch at most.
+  std::uint32_t least_patched = 1u << 21, patch_vertices = 1024, rounds_of_patch = 64;
   /// From so many edges on, rounds of flips sweep over the marks of all edges, for as long as a round has at least one
   /// in `sweep_share` of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
-  std::uint32_t least_sweep = 1u << 17, sweep_share = 128;
+  std::uint32_t least_sweep = 1u << 17, sweep_share = 32;
   /// Stamps of tickets that are given out at most before the claim words are cleared, at least 2; no more than fit.
   std::uint32_t most_stamps = 0xFFFFFFFFu;
   /// Parts of constraints beyond one each, at most; none: by the device (walk.cpp). 0: one work-item a constraint.
@@ -154,9 +154,15 @@ struct Tuning {
   /// Work-items of the group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels'
   /// registers (not measured).
   static constexpr std::size_t gpu_single_group = 512;
+  /// Work-items of a group that flips within a patch, or sorts a block: few such groups at a time fill a unit, whose
+  /// caches have room for them (NOTES, "Fewer levels, larger patches" and "Scans and folds": 512 are no faster).
+  static constexpr std::size_t gpu_wide_group = 256;
   /// Groups per compute unit: enough to fill a GPU's schedulers (NOTES, "Single problems": 6 to 4096 tried); on CPUs
   /// enough to even out the load (not measured).
   static constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
+  /// The same of groups whose work-items keep rows of tables: enough to read at the memory's speed, as few rows as that
+  /// takes (NOTES, "Scans and folds").
+  static constexpr std::size_t gpu_row_groups_per_unit = 8;
   /// Where a group is one work-item that loops over its share by itself: items of a share at least, which amortise its
   /// start, and shares per compute unit, which let threads end together (not measured).
   static constexpr std::size_t least_share = 64, shares_per_unit = 16;
@@ -192,8 +198,9 @@ struct Tuning {
   /// Parts per compute unit: as many groups as a GPU unit holds at once; on CPUs enough to even out the load, and few,
   /// because each sort part brings 256 counters (not measured).
   static constexpr std::size_t gpu_scan_parts_per_unit = 16, cpu_scan_parts_per_unit = 4;
-  /// Elements that are worth a part of their own (not measured).
-  static constexpr std::size_t scan_span = 4096, sort_span_serial = 4096;
+  /// Elements that are worth a part of their own: of a group's scan one tile, as small tables are scanned too (NOTES,
+  /// "Scans and folds"); of a work-item's not measured.
+  static constexpr std::size_t scan_span_group = 512, scan_span_serial = 4096, sort_span_serial = 4096;
   /// Keys that a CPU sorts by one work-item: faster than launches for each digit (NOTES, "CPUs").
   static constexpr std::size_t one_item_keys = 8192;
   /// Keys of a run that a work-item sorts by insertion; longer runs are a work-group's (NOTES, "Batches").
@@ -206,8 +213,8 @@ struct Tuning {
   // (order.cpp, order_problems.cpp)
 
   /// Rows of a table of maxima, or of quality, that are read back; more are folded on the device, so many of them to
-  /// one in a launch (NOTES, "Reads": a GPU's 540,000 in two launches, not three).
-  static constexpr std::uint32_t rows_read = 64, rows_folded = 128;
+  /// one in a launch: an H200's 135,000 in two, by work-items with few rows each (NOTES, "Scans and folds").
+  static constexpr std::uint32_t rows_read = 1024, rows_folded = 32;
   /// High bits of Morton codes that are sorted by beyond those that tell n evenly spread vertices apart: 16 cells a
   /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
   static constexpr unsigned spare_bits = 4;

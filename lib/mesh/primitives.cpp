@@ -44,7 +44,7 @@ Primitives::Partition Primitives::partition(std::size_t count, std::size_t least
 }
 
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
-  const Partition cut = partition(count, Tuning::scan_span);
+  const Partition cut = partition(count, walk_ == Walk::serial ? Tuning::scan_span_serial : Tuning::scan_span_group);
   const bool serial = walk_ == Walk::serial;
   const char* program = serial ? "primitives" : "primitives_group";
   runtime_.reserve(part_sums_, "sums of parts", cut.parts);
@@ -89,8 +89,7 @@ void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size
   const std::size_t most = by_one_item()           ? Tuning::one_item_keys
                            : walk_ == Walk::serial ? GCDT_SORT_SMALL
                                                    : runtime_.tuning().most_merged;
-  // One digit takes fewer launches than merging, but for a block alone.
-  const bool by_digit = walk_ == Walk::group && bits <= GCDT_GROUP_DIGIT_BITS && count > GCDT_SORT_SMALL;
+  const bool by_digit = walk_ == Walk::group && bits <= GCDT_MOST_BITS_BY_DIGIT && count > GCDT_SORT_SMALL;
   if (count <= most && !by_digit)
     sort_few(keys, values, count, bits);
   else
@@ -107,7 +106,7 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
   }
   if (by_blocks) {
     const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
-    runtime_.launch("sort_finish", "sort_blocks", runtime_.over_groups((count - 1) / GCDT_SORT_SMALL + 1), n, mask,
+    runtime_.launch("sort_finish", "sort_blocks", runtime_.over_wide_groups((count - 1) / GCDT_SORT_SMALL + 1), n, mask,
                     keys, values);
     for (cl_uint width = GCDT_SORT_SMALL; width < n; width *= 2) {
       runtime_.launch("sort_finish", "merge_runs", runtime::over(count), n, width, mask, keys, values, other_keys64_,
@@ -163,8 +162,8 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
   runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys, values,
                   long_runs_);
   if (walk_ == Walk::group)
-    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_groups(count / GCDT_SORT_SMALL), n, cl_uint{low},
-                    long_runs_, keys, values);
+    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_wide_groups(count / GCDT_SORT_SMALL), n,
+                    cl_uint{low}, long_runs_, keys, values);
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }
