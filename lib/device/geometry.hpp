@@ -6,27 +6,32 @@
 
 namespace gcdt::runtime {
 
+enum class Groups {
+  usual,
+  wide,  ///< for kernels whose groups share much local memory
+  one,   ///< exactly one, for kernels that loop with barriers
+};
+
 /// How many work-items a launch wants. Kernels loop with the global size as stride, so any launch
 /// is right for any count; this only chooses the parallelism.
 struct Range {
   std::size_t items = 1;
-  bool one_group = false;    ///< exactly one work-group, for kernels that loop with barriers
   bool large_items = false;  ///< each is worth a work-item of its own, even where these are contiguous shares
-  bool wide_groups = false;  ///< for kernels whose groups share much local memory
+  Groups groups = Groups::usual;
 };
-inline Range over(std::size_t items) { return {items, false}; }
-inline Range over_large(std::size_t items) { return {items, false, true}; }
-inline Range one_group() { return {1, true}; }
+inline Range over(std::size_t items) { return {items}; }
+inline Range over_large(std::size_t items) { return {items, true}; }
+inline Range one_group() { return {1, false, Groups::one}; }
 
 /// Launch geometry; tests change it to shake the schedule.
 struct Geometry {
   std::size_t local = 0;       ///< work-items of a group
   std::size_t max_groups = 0;  ///< groups of a launch at most
-  std::size_t single = 0;      ///< work-items of a group that is alone (Range::one_group); 0: as `local`
+  std::size_t single = 0;      ///< work-items of a group that is alone (Groups::one); 0: as `local`
   std::size_t share = 0;       ///< items that are worth a work-item; 0: one (Range::large_items)
   /// Items of a work-item at most, of large ones one, however many groups that takes; 0: any number.
   std::size_t most_items = 0;
-  std::size_t wide = 0;        ///< work-items of a wide group (Range::wide_groups); 0: as `local`
+  std::size_t wide = 0;        ///< work-items of a wide group (Groups::wide); 0: as `local`
   std::size_t row_groups = 0;  ///< groups of which each work-item keeps a row of a table; 0: as `max_groups`
 };
 

@@ -344,10 +344,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   if (arguments != kernel.arguments)
     throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
                                            std::to_string(arguments));
-  const std::size_t group = range.wide_groups                         ? wide_group()
-                            : range.one_group && geometry_.single > 0 ? geometry_.single
-                                                                      : geometry_.local;
-  const std::size_t local = std::min(group, kernel.largest_group);
+  const bool one_group = range.groups == Groups::one;
+  const std::size_t local = std::min(group_size(range.groups), kernel.largest_group);
   const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
   const std::size_t wanted = (range.items + each - 1) / each;
   std::size_t most = geometry_.max_groups;
@@ -355,8 +353,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
     const std::size_t items = range.large_items ? 1 : geometry_.most_items;
     most = std::max(most, (wanted + items - 1) / items);
   }
-  const std::size_t usual = range.one_group ? 1 : std::clamp<std::size_t>(wanted, 1, most);
-  const bool widest = !range.one_group && (!kernel.launched || loaded_by_width > 1);
+  const std::size_t usual = one_group ? 1 : std::clamp<std::size_t>(wanted, 1, most);
+  const bool widest = !one_group && (!kernel.launched || loaded_by_width > 1);
   const std::size_t groups = widest ? std::max(usual, widest_) : usual;
   const std::size_t global = groups * local;
   ++launches_;
@@ -373,6 +371,11 @@ std::size_t Runtime::rows_of(std::size_t items) const {
   const std::size_t usual = geometry_.local * groups,
                     least = geometry_.most_items > 0 ? items / geometry_.most_items : 0;
   return std::clamp<std::size_t>(std::max(usual, least), 1, std::max<std::size_t>(items, 1));
+}
+
+cl_uint Runtime::fewer_rows(cl_uint rows) const {
+  const Tuning& tuning = hook_.tuning;
+  return std::min(rows, std::max(tuning.rows_read, rows / tuning.rows_folded));
 }
 
 void* Runtime::map_new(std::size_t bytes, cl::Buffer& buffer) {

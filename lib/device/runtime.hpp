@@ -251,13 +251,13 @@ class Runtime {
   Geometry& geometry() { return geometry_; }
   const Geometry& geometry() const { return geometry_; }
   /// So many work-groups, for kernels of which each takes an item.
-  Range over_groups(std::size_t items) const { return over_large(std::max<std::size_t>(items, 1) * geometry_.local); }
-  /// The same for kernels whose groups are wide.
-  Range over_wide_groups(std::size_t items) const {
-    return {std::max<std::size_t>(items, 1) * wide_group(), false, true, true};
+  Range over_groups(std::size_t items, Groups groups = Groups::usual) const {
+    return {std::max<std::size_t>(items, 1) * group_size(groups), true, groups};
   }
   /// Work-items among which `items` are shared out, for kernels of which each keeps a row of a table.
   std::size_t rows_of(std::size_t items) const;
+  /// Rows to which a launch folds a table of so many; as many: it is to be read. Less than before: a loop ends.
+  cl_uint fewer_rows(cl_uint rows) const;
   /// Work-items of a launch at most, whatever it wants.
   cl_uint most_work_items() const {
     return static_cast<cl_uint>(std::max(geometry_.max_groups, widest_) * std::max(geometry_.local, geometry_.single));
@@ -326,7 +326,12 @@ class Runtime {
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
   void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
-  std::size_t wide_group() const { return geometry_.wide > 0 ? geometry_.wide : geometry_.local; }
+  std::size_t group_size(Groups groups) const {
+    const std::size_t size = groups == Groups::one    ? geometry_.single
+                             : groups == Groups::wide ? geometry_.wide
+                                                      : geometry_.local;
+    return size > 0 ? size : geometry_.local;
+  }
   void enqueue(Kernel& kernel, Range range, cl_uint arguments);
 
   template <class T>

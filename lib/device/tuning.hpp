@@ -40,8 +40,12 @@ struct Tuning {
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
   /// 64-bit keys up to which groups sort blocks in local memory, which are merged two by two: a launch for each
-  /// doubling where a sort by digits has three for each four bits (NOTES, "Sorting few keys").
+  /// doubling where a sort by digits has three for each four bits (NOTES, "Sorting few keys"). Keys of at most
+  /// GCDT_MOST_BITS_BY_DIGIT bits are sorted by digits however few they are.
   std::uint32_t most_merged = 1u << 18;
+  /// Rows of a table of maxima, or of quality, that are read back; more are folded on the device, so many of them to
+  /// one in a launch: an H200's 135,000 in two, by work-items with few rows each (NOTES, "Scans and folds").
+  std::uint32_t rows_read = 1024, rows_folded = 32;
   /// Candidates of a round of refinement that a GPU ranks by comparing all with all, in one launch instead of a sort's.
   std::uint32_t most_ranked_by_count = 1u << 13;
   /// Candidates of a round of refinement up to which one work-group does the first rounds of flips, and the host reads
@@ -212,9 +216,6 @@ struct Tuning {
   // ---- Order ------------------------------------------------------------------------------------
   // (order.cpp, order_problems.cpp)
 
-  /// Rows of a table of maxima, or of quality, that are read back; more are folded on the device, so many of them to
-  /// one in a launch: an H200's 135,000 in two, by work-items with few rows each (NOTES, "Scans and folds").
-  static constexpr std::uint32_t rows_read = 1024, rows_folded = 32;
   /// High bits of Morton codes that are sorted by beyond those that tell n evenly spread vertices apart: 16 cells a
   /// vertex, so runs to be mended are short (NOTES, "Single problems": bit_width(n) + 4).
   static constexpr unsigned spare_bits = 4;

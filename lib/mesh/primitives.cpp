@@ -106,8 +106,9 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
   }
   if (by_blocks) {
     const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
-    runtime_.launch("sort_finish", "sort_blocks", runtime_.over_wide_groups((count - 1) / GCDT_SORT_SMALL + 1), n, mask,
-                    keys, values);
+    runtime_.launch("sort_finish", "sort_blocks",
+                    runtime_.over_groups((count - 1) / GCDT_SORT_SMALL + 1, runtime::Groups::wide), n, mask, keys,
+                    values);
     for (cl_uint width = GCDT_SORT_SMALL; width < n; width *= 2) {
       runtime_.launch("sort_finish", "merge_runs", runtime::over(count), n, width, mask, keys, values, other_keys64_,
                       other_values_);
@@ -162,8 +163,9 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
   runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys, values,
                   long_runs_);
   if (walk_ == Walk::group)
-    runtime_.launch("sort_finish", "sort_long_runs", runtime_.over_wide_groups(count / GCDT_SORT_SMALL), n,
-                    cl_uint{low}, long_runs_, keys, values);
+    runtime_.launch("sort_finish", "sort_long_runs",
+                    runtime_.over_groups(count / GCDT_SORT_SMALL, runtime::Groups::wide), n, cl_uint{low}, long_runs_,
+                    keys, values);
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
 }

@@ -113,9 +113,9 @@ class Flipping {
     const std::uint32_t spread = (levels.n + levels.stride[level] - 1) / levels.stride[level];
     const cl_uint units = std::clamp(plan_.patch_vertices, 1u, GCDT_MOST_PATCH_ROOM / 5 * 4 - 1);
     const cl_uint patches = (spread + units - 1) / units, room = units + units / 4 + 1;
-    runtime_.launch("patches", "flip_patches", runtime_.over_wide_groups(patches), cl_uint(level), units, patches, room,
-                    cl_uint(plan_.patch_rounds), vertices_.levels_buffer, mesh_.n, vertices_.points, mesh_.face_data,
-                    mesh_.edge_faces, mesh_.edge_marks, counters_.buffer(),
+    runtime_.launch("patches", "flip_patches", runtime_.over_groups(patches, runtime::Groups::wide), cl_uint(level),
+                    units, patches, room, cl_uint(plan_.patch_rounds), vertices_.levels_buffer, mesh_.n,
+                    vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, counters_.buffer(),
                     runtime::LocalMemory{GCDT_PATCH_WORDS(room) * sizeof(cl_uint)});
   }
 

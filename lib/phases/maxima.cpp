@@ -11,14 +11,12 @@ Maxima::Maxima(runtime::Runtime& runtime, std::size_t items, cl_uint column_coun
 }
 
 std::vector<cl_ulong> Maxima::read(runtime::Runtime& runtime) {
-  // Ends: each pass leaves a `rows_folded`-th of the rows.
-  while (rows > Tuning::rows_read) {
-    const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_folded);
+  // Ends: see fewer_rows.
+  for (cl_uint folded_rows; (folded_rows = runtime.fewer_rows(rows)) < rows; rows = folded_rows) {
     auto folded = runtime.allocate<cl_ulong>("folded maxima", std::size_t{folded_rows} * columns);
     runtime.launch("order", "fold_maxima", runtime::over(std::size_t{folded_rows} * columns), rows, columns, table,
                    folded_rows, folded);
     table = std::move(folded);
-    rows = folded_rows;
   }
   std::vector<cl_ulong> values(std::size_t{rows} * columns), most(columns, 0);
   runtime.read(table, values.data(), values.size());

@@ -60,8 +60,7 @@ struct OrderResult {
   double sort_ms = 0;
 };
 
-/// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level (phases/levels.hpp), with
-/// the ends of long `constraints`, pairs of input vertices, early; indices that are out of range are left to cleaning.
+/// Quantises, sorts along the Z-order curve, merges duplicates, and numbers level by level (phases/levels.hpp).
 /// Throws invalid_argument (a bad fixed grid), coordinate_not_finite and coordinate_outside_grid (indices {vertex,
 /// axis}, the least such vertex). `points`, at most max_vertices, are released as soon as their keys are made, unless
 /// rounding may have made some one: then these are counted.

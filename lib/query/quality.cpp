@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "query/quality.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace gcdt {
@@ -15,13 +14,11 @@ device::Quality measure_quality(Runtime& runtime, const Vertices& vertices, cons
   auto table = runtime.allocate<device::Quality>("quality", rows);
   runtime.launch("quality", "measure_triangles", runtime::over_large(rows), cl_uint{mesh.triangles}, mesh.corners,
                  vertices.input_vertex, vertices.points, rows, table);
-  // Ends: each pass leaves a `rows_folded`-th of the rows.
-  while (rows > Tuning::rows_read) {
-    const cl_uint folded_rows = std::max<cl_uint>(Tuning::rows_read, rows / Tuning::rows_folded);
+  // Ends: see fewer_rows.
+  for (cl_uint folded_rows; (folded_rows = runtime.fewer_rows(rows)) < rows; rows = folded_rows) {
     auto folded = runtime.allocate<device::Quality>("folded quality", folded_rows);
     runtime.launch("quality", "fold_quality", over(folded_rows), rows, table, folded_rows, folded);
     table = std::move(folded);
-    rows = folded_rows;
   }
   std::vector<device::Quality> last(rows);
   runtime.read(table, last.data(), rows);

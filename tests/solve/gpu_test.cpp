@@ -62,7 +62,7 @@ TEST_CASE("calls on a device treated as a GPU give a CPU's bytes, with usual thr
 }
 
 TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same on a device treated as a GPU") {
-  Solver gpu = as_gpu(DeviceKind::threads);
+  Solver usual_gpu = as_gpu(DeviceKind::threads), small_gpu = as_gpu(DeviceKind::threads, small_thresholds());
   const Workload problem = random_pslg(300, 1000, 60, 3);
   std::vector<Point> queries;
   for (int x = -1; x <= 40; ++x)
@@ -78,18 +78,22 @@ TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same o
     const Quality quality = found.quality(), expected_quality = expected.quality();
     CHECK(quality.least_angle == expected_quality.least_angle);
     CHECK(quality.least_angle_triangle == expected_quality.least_angle_triangle);
+    CHECK(quality.largest_angle_triangle == expected_quality.largest_angle_triangle);
+    CHECK(quality.triangles == expected_quality.triangles);
     CHECK(quality.doubled == expected_quality.doubled);
   };
   Options domain;
   domain.domain = Domain::outer;
   domain.hole_seeds = {{500.5, 500.5}};
   const Result hull = solver().solve(problem.points, problem.constraints);
-  same(gpu.solve(problem.points, problem.constraints), hull);
-  same(gpu.solve(problem.points, problem.constraints, domain),
-       solver().solve(problem.points, problem.constraints, domain));
+  const Result of_domain = solver().solve(problem.points, problem.constraints, domain);
   const auto triangles = hull.triangles();
-  same(gpu.adopt(problem.points, triangles, problem.constraints),
-       solver().adopt(problem.points, triangles, problem.constraints));
+  const Result adopted = solver().adopt(problem.points, triangles, problem.constraints);
+  for (Solver* gpu : {&usual_gpu, &small_gpu}) {
+    same(gpu->solve(problem.points, problem.constraints), hull);
+    same(gpu->solve(problem.points, problem.constraints, domain), of_domain);
+    same(gpu->adopt(problem.points, triangles, problem.constraints), adopted);
+  }
 }
 
 TEST_CASE("a device treated as neither CPU nor GPU gives a CPU's bytes") {

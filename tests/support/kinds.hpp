@@ -63,6 +63,7 @@ inline Tuning small_thresholds() {
   tuning.patch_vertices = 16;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
+  tuning.rows_read = 3, tuning.rows_folded = 4;
   tuning.most_ranked_by_count = tuning.most_by_teams = 16;
   tuning.curve_crossings = tuning.crossings_ahead = 0;
   tuning.least_existing = 0;

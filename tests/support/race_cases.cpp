@@ -106,6 +106,7 @@ Tuning small_thresholds() {
   tuning.patch_vertices = 8;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
+  tuning.rows_read = 3, tuning.rows_folded = 4;
   return tuning;
 }
 
