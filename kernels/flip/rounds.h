@@ -4,44 +4,7 @@
 #ifndef GCDT_ROUNDS_H
 #define GCDT_ROUNDS_H
 
-#include "common/append.h"
-#include "flip/flip.h"
-
-// Where edges go that are to be tested in the next round: their marks and, if `listed`, a list.
-typedef struct Queue {
-  volatile global uint* marks;
-  bool listed;
-  Appender list;
-} Queue;
-
-GCDT_GIVEN_LOCAL Queue make_list_queue(volatile global uint* marks, Appender list) {
-  const Queue q = {.marks = marks, .listed = true, .list = list};
-  return q;
-}
-
-static inline Queue make_mark_queue(volatile global uint* marks) {
-  const Queue q = {.marks = marks, .listed = false};
-  return q;
-}
-
-// Into the list at most once: the mark bit decides by atomic_or.
-static inline void queue_edge(Queue q, uint e) {
-  const uint old = atomic_or(q.marks + e, GCDT_MARK_QUEUED);
-  if (q.listed && !(old & GCDT_MARK_QUEUED)) append(q.list, e);
-}
-
-// The four edges around one that was flipped. All marks are asked for before the first answer is waited for.
-static inline void queue_around(Queue q, const private uint* around) {
-  const uint e0 = GCDT_SIDE_EDGE(around[0]), e1 = GCDT_SIDE_EDGE(around[1]), e2 = GCDT_SIDE_EDGE(around[2]),
-             e3 = GCDT_SIDE_EDGE(around[3]);
-  const uint old0 = atomic_or(q.marks + e0, GCDT_MARK_QUEUED), old1 = atomic_or(q.marks + e1, GCDT_MARK_QUEUED),
-             old2 = atomic_or(q.marks + e2, GCDT_MARK_QUEUED), old3 = atomic_or(q.marks + e3, GCDT_MARK_QUEUED);
-  if (!q.listed) return;
-  if (!(old0 & GCDT_MARK_QUEUED)) append(q.list, e0);
-  if (!(old1 & GCDT_MARK_QUEUED)) append(q.list, e1);
-  if (!(old2 & GCDT_MARK_QUEUED)) append(q.list, e2);
-  if (!(old3 & GCDT_MARK_QUEUED)) append(q.list, e3);
-}
+#include "flip/slide.h"
 
 // Edge e, not constrained.
 GCDT_GIVEN_LOCAL void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
@@ -163,31 +126,6 @@ typedef struct RoundsMemory {
   volatile local uint name##_counts[4];     \
   const RoundsMemory name = {.items = name##_items, .tests = name##_counts, .found = name##_counts + 2}
 
-// An edge that a work-item keeps from its test to its flip.
-typedef struct Kept {
-  uint e;                              // GCDT_NONE: nothing is to be flipped
-  uint2 refs;                          // of its faces
-  uint4 corners_t, corners_u, st, su;  // their corners and sides
-} Kept;
-
-// What is known of an edge that has two faces. What may be wanted is read at once: few edges wait for memory, and for
-// nothing else.
-static inline Kept keep_edge(Mesh mesh, uint e, uint2 refs) {
-  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
-  Kept k;
-  k.e = e;
-  k.refs = refs;
-  k.corners_t = mesh.face_data[GCDT_CORNERS(t)];
-  k.corners_u = mesh.face_data[GCDT_CORNERS(u)];
-#ifdef GCDT_CONTIGUOUS
-  k.st = k.su = (uint4)(0u);
-#else
-  k.st = mesh.face_data[GCDT_SIDES(t)];
-  k.su = mesh.face_data[GCDT_SIDES(u)];
-#endif
-  return k;
-}
-
 // Takes e out of the queue; if it is illegal, claims its faces and keeps it.
 static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, uint e) {
   Kept k = {.e = GCDT_NONE};
@@ -207,8 +145,9 @@ static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, ui
 }
 
 // Flips the illegal edge k.e if it owns both its faces: then nobody has changed what is kept of them since it claimed
-// them, whenever that was read. (If it does not, that may be worthless.) Returns the number of flips.
-static inline uint flip_kept(Mesh mesh, Claim c, Kept k, Queue queue) {
+// them, whenever that was read. (If it does not, that may be worthless.) If `slides`, goes on along a fan. Returns the
+// number of flips.
+static inline uint flip_kept(Mesh mesh, Claim c, Kept k, bool slides, Queue queue) {
   const uint ticket = make_ticket(c.stamp, c.bits, k.e);
   const uint of_t = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.x)),
              of_u = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.y));
@@ -217,23 +156,25 @@ static inline uint flip_kept(Mesh mesh, Claim c, Kept k, Queue queue) {
     return 0u;
   }
   k.corners_t.w = k.corners_u.w = ticket;
+#if GCDT_FLIP_CHAIN == 1
+  if (slides) return slide(mesh, c, ticket, k, queue);
+#endif
   uint around[4];
   flip_edge_with(mesh, k.e, k.refs, k.corners_t, k.corners_u, k.st, k.su, around);
   return go_on_around(mesh, c, ticket, around, queue);
 }
 
 // One work-group, all of it with the same arguments. Up to `most` rounds, of which the first tests the edges of the
-// list; two barriers a round order what two kernels do otherwise, and the same arguments hold for each part. Nobody
-// else touches the faces that these edges lead to.
-// A round of few edges waits for loads that depend on one another, so there are few of them: each work-item keeps its
-// first edge from test to flip, and the list and its counts stay in local memory. The list's edge i stands in
-// items[i], or from APPEND_CAPACITY on in own.list[i].
-// No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is reset in the
-// other half of a round than it is read in or added to: that of illegal edges, read after the first barrier, when the
-// next round tests; that of the list, read before it, when edges are flipped.
-// Ends when the list is empty or after `most` rounds. Returns how many were done; the list is what is left.
-GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
-                                    RoundsMemory memory, private uint* flips) {
+// list, and those of at most `slid` edges slide; two barriers a round order what two kernels do otherwise, and the same
+// arguments hold for each part. Nobody else touches the faces that these edges lead to. A round of few edges waits for
+// loads that depend on one another, so there are few of them: each work-item keeps its first edge from test to flip,
+// and the list and its counts stay in local memory. The list's edge i stands in items[i], or from APPEND_CAPACITY on in
+// own.list[i]. No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is
+// reset in the other half of a round than it is read in or added to: that of illegal edges, read after the first
+// barrier, when the next round tests; that of the list, read before it, when edges are flipped. Ends when the list is
+// empty or after `most` rounds. Returns how many were done; the list is what is left.
+GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, uint slid,
+                                    OwnLists own, RoundsMemory memory, private uint* flips) {
   const uint me = get_local_id(0), size = (uint)get_local_size(0), begun = *own.tests;
   for (uint i = me; i < min(begun, APPEND_CAPACITY); i += size) memory.items[i] = own.list[i];
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
@@ -270,7 +211,7 @@ GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint sta
     const Appender list = {.items = memory.items, .gathered = next, .list = own.list, .length = own.tests};
     const Queue queue = make_list_queue(edge_marks, list);
     for (uint i = me;; i += size) {
-      if (kept.e != GCDT_NONE) *flips += flip_kept(mesh, c, kept, queue);
+      if (kept.e != GCDT_NONE) *flips += flip_kept(mesh, c, kept, tests <= slid, queue);
       if (i >= count) break;
       kept = keep_edge(mesh, own.illegal[i], faces_of_edge(mesh, own.illegal[i]));
     }
