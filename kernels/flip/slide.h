@@ -10,9 +10,12 @@
 #include "flip/flip.h"
 #include "flip/queue.h"
 
-// Flips of a slide at most, which bounds the launch; and edges of a round that slides at most, a few flips' worth.
+// Flips of a slide at most, which bounds the launch.
 #define GCDT_SLIDE_FLIPS 32u
+// Edges of a round that slides at most, a few flips' worth.
+#ifndef GCDT_SLIDE_TESTS
 #define GCDT_SLIDE_TESTS 8u
+#endif
 
 // An edge that a work-item keeps from its test to its flip.
 typedef struct Kept {
@@ -47,6 +50,8 @@ typedef enum Met { MET_LEGAL, MET_ILLEGAL, MET_UNKNOWN } Met;
 // Tests the edge of side `code`, which has these references and marks, and whose near face is owned and has these
 // corners. Illegal: its far face is owned now, too, and `k` has it. Unknown: it may be illegal, now or later, and is to
 // be queued (flip.cl). Else it is constrained, or legal as long as its faces, both owned here, are not changed.
+// No race: what is read of a far face, and of who is behind an edge, is right if the face can be taken, since whoever
+// changes a face in this round has taken it before; else it is not acted on (flip_propagate).
 static Met meet_edge(Mesh mesh, Claim c, uint ticket, uint code, uint marks, uint2 refs, uint4 corners,
                      private Kept* k) {
   if ((marks & GCDT_MARK_CONSTRAINED) || refs.y == GCDT_NONE) return MET_LEGAL;

@@ -114,6 +114,7 @@ runtime::CallHook hook_of(const std::string& kind) {
   runtime::CallHook hook;
   if (kind == "few") hook.tuning = small_thresholds();
   if (kind == "shares") hook.tuning.one_item_vertices = 0;
+  if (kind == "gpu" || kind == "few") hook.options = "-DGCDT_SLIDE_TESTS=2048u";  // else few slides meet
   if (kind == "gpu" || kind == "few")
     hook.tuning.kind = DeviceKind::gpu;
   else if (kind == "lanes" || kind == "threads" || kind == "shares")
