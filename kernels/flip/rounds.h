@@ -169,10 +169,13 @@ static inline uint flip_kept(Mesh mesh, Claim c, Kept k, bool slides, Queue queu
 // arguments hold for each part. Nobody else touches the faces that these edges lead to. A round of few edges waits for
 // loads that depend on one another, so there are few of them: each work-item keeps its first edge from test to flip,
 // and the list and its counts stay in local memory. The list's edge i stands in items[i], or from APPEND_CAPACITY on in
-// own.list[i]. No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is
-// reset in the other half of a round than it is read in or added to: that of illegal edges, read after the first
-// barrier, when the next round tests; that of the list, read before it, when edges are flipped. Ends when the list is
-// empty or after `most` rounds. Returns how many were done; the list is what is left.
+// own.list[i].
+//
+// No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is reset in the
+// other half of a round than it is read in or added to: that of illegal edges, read after the first barrier, when the
+// next round tests; that of the list, read before it, when edges are flipped.
+//
+// Ends when the list is empty or after `most` rounds. Returns how many were done; the list is what is left.
 GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, uint slid,
                                     OwnLists own, RoundsMemory memory, private uint* flips) {
   const uint me = get_local_id(0), size = (uint)get_local_size(0), begun = *own.tests;

@@ -24,14 +24,13 @@ constexpr std::size_t least_alignment = 128;
 // After which a command is no longer one that takes its time.
 constexpr auto long_time = std::chrono::seconds(1);
 
-// PoCL loads a kernel's code anew for a launch that is wider than those that it was loaded for, keeps the last 128, and
-// in versions 4 and 5, when a launch ends, counts down whichever of the kernel's was used last (3 counts up too often
-// to mind, 6 counts right). Two runs at once with launches of different widths (workers of a pool, sub-devices,
-// solvers) end the process that way, by an assertion. So launches are of one width while there are several runtimes,
-// and the first one of each kernel is always, since others may come.
+// PoCL loads a kernel's code anew for a launch that is wider than those that it was loaded for, and until version 6
+// counts down, when a launch ends, whichever of the kernel's was used last. Runs at once with launches of different
+// widths (workers of a pool, sub-devices, solvers) end the process that way, by an assertion: two of versions 4 and 5,
+// three of those before, which count each up twice. So launches are of one width while there are several runtimes, and
+// the first one of each kernel is always, since others may come.
 bool loads_code_by_width(const DeviceInfo& info) {
-  const int version = std::atoi(info.driver.c_str());
-  return info.platform == pocl_platform && (version == 4 || version == 5);
+  return info.platform == pocl_platform && std::atoi(info.driver.c_str()) < 6;
 }
 std::atomic<int> loaded_by_width{0};  // runtimes
 
@@ -88,24 +87,8 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
                               tracer_.on() ? cl::QueueProperties::Profiling : cl::QueueProperties::None, &code);
     return code;
   });
-  const std::size_t units = std::max<std::size_t>(info_.compute_units, 1);
-  switch (kind_) {
-    case DeviceKind::gpu:
-      geometry_ = {Tuning::gpu_group, units * Tuning::gpu_groups_per_unit, Tuning::gpu_single_group};
-      geometry_.wide = std::min<std::size_t>(Tuning::gpu_wide_group, info_.largest_work_group);
-      geometry_.row_groups = units * Tuning::gpu_row_groups_per_unit;
-      break;
-    case DeviceKind::threads: geometry_ = {1, units * Tuning::shares_per_unit, 1, Tuning::least_share}; break;
-    case DeviceKind::lanes:
-      geometry_ = {Tuning::cpu_group, units * Tuning::cpu_groups_per_unit, Tuning::cpu_group, 0, most_items_of_lanes};
-      break;
-    case DeviceKind::accelerator:
-      geometry_ = {Tuning::cpu_group, units * Tuning::cpu_groups_per_unit, Tuning::cpu_group};
-      break;
-  }
-  geometry_.local = std::min<std::size_t>(geometry_.local, info_.largest_work_group);
-  const cl_uint all_shares = compute_units_of_root(device_) * Tuning::shares_per_unit;
-  const std::size_t widest = std::max<std::size_t>(all_shares, geometry_.max_groups);
+  geometry_ = geometry_of(info_.compute_units);
+  const std::size_t widest = geometry_of(compute_units_of_root(device_)).max_groups;  // parts' runtimes have it, too
   widest_ = hook_.tuning.width.value_or(loads_code_by_width(info_) ? widest : 0);
   if (widest_ > 0) {
     ++loaded_by_width;
@@ -337,6 +320,27 @@ void Runtime::copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::s
 
 void Runtime::set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value) {
   call("clSetKernelArg", kernel.name.c_str(), [&] { return clSetKernelArg(kernel.handle(), index, bytes, value); });
+}
+
+Geometry Runtime::geometry_of(std::size_t units) const {
+  units = std::max<std::size_t>(units, 1);
+  Geometry geometry;
+  switch (kind_) {
+    case DeviceKind::gpu:
+      geometry = {Tuning::gpu_group, units * Tuning::gpu_groups_per_unit, Tuning::gpu_single_group};
+      geometry.wide = std::min<std::size_t>(Tuning::gpu_wide_group, info_.largest_work_group);
+      geometry.row_groups = units * Tuning::gpu_row_groups_per_unit;
+      break;
+    case DeviceKind::threads: geometry = {1, units * Tuning::shares_per_unit, 1, Tuning::least_share}; break;
+    case DeviceKind::lanes:
+      geometry = {Tuning::cpu_group, units * Tuning::cpu_groups_per_unit, Tuning::cpu_group, 0, most_items_of_lanes};
+      break;
+    case DeviceKind::accelerator:
+      geometry = {Tuning::cpu_group, units * Tuning::cpu_groups_per_unit, Tuning::cpu_group};
+      break;
+  }
+  geometry.local = std::min<std::size_t>(geometry.local, info_.largest_work_group);
+  return geometry;
 }
 
 void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {

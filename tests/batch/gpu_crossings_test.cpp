@@ -13,7 +13,6 @@ runtime::CallHook as_gpu(std::uint32_t workers) {
   hook.tuning.kind = DeviceKind::gpu;
   hook.tuning.workers = workers;
   hook.tuning.job_overhead = 0;
-  hook.tuning.width = static_cast<std::uint32_t>(runtime::Runtime(app_device(), hook).geometry().max_groups);
   return hook;
 }
 

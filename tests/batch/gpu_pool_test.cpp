@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Batches on pools with a device that is treated as a GPU: the bytes are those of each problem alone. Apart from
-// gpu_test.cpp, since PoCL keeps the code of 128 kernels in a process and may end it while runs at once use more.
+// gpu_test.cpp, since PoCL keeps the code of 128 kernels in a process.
 #include <doctest/doctest.h>
 
 #include "kinds.hpp"
@@ -11,13 +11,12 @@ using namespace gcdt::test;
 
 namespace {
 
-/// There are more jobs than one, and launches are of one width, for the same reason (lib/device/runtime.cpp).
+/// There are more jobs than one.
 runtime::CallHook as_gpu(const Tuning& tuning) {
   runtime::CallHook hook;
   hook.tuning = tuning;
   hook.tuning.kind = DeviceKind::gpu;
   hook.tuning.job_overhead = 0;
-  hook.tuning.width = static_cast<std::uint32_t>(runtime::Runtime(app_device(), hook).geometry().max_groups);
   return hook;
 }
 

@@ -114,13 +114,14 @@ runtime::CallHook hook_of(const std::string& kind) {
   runtime::CallHook hook;
   if (kind == "few") hook.tuning = small_thresholds();
   if (kind == "shares") hook.tuning.one_item_vertices = 0;
-  if (kind == "gpu" || kind == "few") hook.options = "-DGCDT_SLIDE_TESTS=2048u";  // else few slides meet
-  if (kind == "gpu" || kind == "few")
+  if (kind == "gpu" || kind == "few") {
     hook.tuning.kind = DeviceKind::gpu;
-  else if (kind == "lanes" || kind == "threads" || kind == "shares")
+    hook.options = "-DGCDT_SLIDE_TESTS=2048u";  // else few slides meet
+  } else if (kind == "lanes" || kind == "threads" || kind == "shares") {
     hook.tuning.kind = kind == "lanes" ? DeviceKind::lanes : DeviceKind::threads;
-  else
+  } else {
     throw std::runtime_error("no kind is called " + kind);
+  }
   hook.tuning.builds_at_once = 1;  // Oclgrind crashes when threads build programs at once
   return hook;
 }

@@ -149,7 +149,6 @@ TEST_CASE("tiles leave a device treated as a GPU") {
   const RaggedBatch batch({work});
   runtime::CallHook hook = small(work, healthy(), 1.5);
   hook.tuning.kind = DeviceKind::gpu;
-  hook.tuning.width = static_cast<std::uint32_t>(runtime::Runtime(app_device(), hook).geometry().max_groups);
   Spills spills;
   DevicePool pool({{cl::Context(), app_device(), hook}}, {}, spills.trace());
   Singles({work}).check(tiles::triangulate(pool, batch.view(), in_tiles()));
