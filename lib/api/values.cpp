@@ -30,11 +30,11 @@ double value_along(const Points& points, const Constraint& constraint, const dou
 }
 
 /// The input of a call, read and looked over.
-struct Given {
+struct CheckedInput {
   Points points;
   Constraints constraints;
 
-  explicit Given(const gcdt_input* input) {
+  explicit CheckedInput(const gcdt_input* input) {
     const gcdt_input given = read_struct(input, "gcdt_input");
     points = read_points(given);
     constraints = read_constraints(given);
@@ -66,7 +66,7 @@ struct Given {
 /// Values at vertices that stand on others, which may stand on others again.
 class Standing {
  public:
-  Standing(const Given& given, const double* added, const std::uint32_t* crossings, const std::uint32_t* origins,
+  Standing(const CheckedInput& given, const double* added, const std::uint32_t* crossings, const std::uint32_t* origins,
            std::uint64_t count, const double* vertex_values)
       : given_(given),
         added_(added),
@@ -156,7 +156,7 @@ class Standing {
     return (at_o * value(on[0]) + at_b * value(on[1]) + at_c * value(on[2])) / (at_o + at_b + at_c);
   }
 
-  const Given& given_;
+  const CheckedInput& given_;
   const double* added_;
   const std::uint32_t* crossings_;
   const std::uint32_t* origins_;
@@ -170,7 +170,7 @@ class Standing {
 int32_t gcdt_added_values(const gcdt_input* input, const double* added, const uint32_t* crossings, uint64_t count,
                           const double* vertex_values, double* values) {
   return guarded(nullptr, [&] {
-    const Given given(input);
+    const CheckedInput given(input);
     require((added && crossings && values) || count == 0, "added, crossings or values is null");
     require(vertex_values || given.points.size() == 0, "vertex_values is null");
     for (std::uint64_t i = 0; i < count; ++i) given.check_crossing(i, crossings + 2 * i);
@@ -182,7 +182,7 @@ int32_t gcdt_added_values(const gcdt_input* input, const double* added, const ui
 int32_t gcdt_refined_values(const gcdt_input* input, const double* added, const uint32_t* crossings,
                             const uint32_t* origins, uint64_t count, const double* vertex_values, double* values) {
   return guarded(nullptr, [&] {
-    const Given given(input);
+    const CheckedInput given(input);
     require((added && crossings && origins && values) || count == 0, "added, crossings, origins or values is null");
     require(vertex_values || given.points.size() == 0, "vertex_values is null");
     Standing standing(given, added, crossings, origins, count, vertex_values);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tiles/domain.hpp"
 
-#include <limits>
 #include <numeric>
 
 #include "tiles/indices.hpp"
@@ -10,8 +9,6 @@
 namespace gcdt::tiles {
 
 namespace {
-
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 /// The search from outside, on the host. Node 0 is outside, r + 1 is region r; arcs are constrained half edges between
 /// two nodes, in the direction in which they are crossed (kernels/domain/domain.cl).
@@ -51,22 +48,22 @@ class Selection {
       default: return true;
     }
   }
-  /// The least seed of each region; `none` without one.
+  /// The least seed of each region; `no_index` without one.
   std::vector<std::uint32_t> seeded(const std::vector<std::array<double, 2>>& seeds) const {
     std::vector<std::optional<GridPoint>> places;
     for (const std::array<double, 2>& seed : seeds) places.push_back(place_query(input_.chosen, seed));
     const std::vector<std::uint32_t> triangles =
-        least_triangles(places, triangles_.size(), none, [&](std::size_t t) -> std::array<GridPoint, 3> {
+        least_triangles(places, triangles_.size(), no_index, [&](std::size_t t) -> std::array<GridPoint, 3> {
           return {at(triangles_[t][0]), at(triangles_[t][1]), at(triangles_[t][2])};
         });
-    std::vector<std::uint32_t> least(regions, none);
+    std::vector<std::uint32_t> least(regions, no_index);
     for (std::size_t i = triangles.size(); i-- > 0;)
-      if (triangles[i] != none) least[region_[triangles[i]]] = static_cast<std::uint32_t>(i);
+      if (triangles[i] != no_index) least[region_[triangles[i]]] = static_cast<std::uint32_t>(i);
     return least;
   }
   void mark_holes(const std::vector<std::array<double, 2>>& seeds) {
     is_hole_.clear();
-    for (const std::uint32_t seed : seeded(seeds)) is_hole_.push_back(seed != none);
+    for (const std::uint32_t seed : seeded(seeds)) is_hole_.push_back(seed != no_index);
   }
   std::uint32_t regions = 0, deepest = 0;
   std::uint64_t open_parity = 0, open_winding = 0;
@@ -155,9 +152,9 @@ class Selection {
   /// Ends: every round but the last settles a node.
   void search() {
     const std::size_t nodes = std::size_t{regions} + 1;
-    depth_.assign(nodes, none);
+    depth_.assign(nodes, no_index);
     winding_.assign(nodes, 0);
-    std::vector<std::uint32_t> entry(nodes, none), frontier{0}, next;
+    std::vector<std::uint32_t> entry(nodes, no_index), frontier{0}, next;
     depth_[0] = 0;
     for (std::uint32_t h = 0; h < half_edges_; ++h) {
       const std::uint32_t node = region_[h / 3] + 1;
@@ -171,8 +168,8 @@ class Selection {
       for (const std::uint32_t node : frontier)
         for (std::uint32_t i = begins_[node]; i < begins_[node + 1]; ++i) {
           const std::uint32_t target = target_of(arcs_[i]);
-          if (depth_[target] != none) continue;
-          if (entry[target] == none) next.push_back(target);
+          if (depth_[target] != no_index) continue;
+          if (entry[target] == no_index) next.push_back(target);
           entry[target] = std::min(entry[target], arcs_[i]);
         }
       for (const std::uint32_t node : next) {

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <unordered_map>
 #include <unordered_set>
@@ -20,8 +19,6 @@ struct Corner {
   unsigned at;
 };
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-
 /// A triangle at each vertex that has one: any, since all find the same way on. Throws check_failed if the mesh names
 /// vertices or triangles that are not there: so walks need not look.
 class Starts {
@@ -29,7 +26,7 @@ class Starts {
   explicit Starts(const WalkedTile& mesh) : triangle_at_(new std::atomic<std::uint32_t>[mesh.points.size()]) {
     const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
     for_each_in_threads(mesh.points.size(),
-                        [&](std::size_t v) { triangle_at_[v].store(none, std::memory_order_relaxed); });
+                        [&](std::size_t v) { triangle_at_[v].store(no_index, std::memory_order_relaxed); });
     check_each(mesh.triangles.size(), "a triangle of a tile has a corner or a neighbour that is not there",
                [&](std::size_t t) {
                  bool fits = true;
@@ -44,7 +41,7 @@ class Starts {
   }
   std::uint32_t operator[](std::uint32_t v) const {
     const std::uint32_t triangle = triangle_at_[v].load(std::memory_order_relaxed);
-    if (triangle == none) refuse("a constraint ends at a vertex that no triangle of the tile has");
+    if (triangle == no_index) refuse("a constraint ends at a vertex that no triangle of the tile has");
     return triangle;
   }
 
