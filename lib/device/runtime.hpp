@@ -333,7 +333,7 @@ class Runtime {
     return size > 0 ? size : geometry_.local;
   }
   void enqueue(Kernel& kernel, Range range, cl_uint arguments);
-  Geometry geometry_of(std::size_t compute_units) const;  ///< on so many of the device's
+  Geometry geometry_of(std::size_t compute_units) const;  ///< of launches on so many
 
   template <class T>
   void set_argument(Kernel& kernel, cl_uint index, const Buffer<T>& buffer) {

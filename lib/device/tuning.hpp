@@ -87,7 +87,7 @@ struct Tuning {
   /// need to help it, each of which wakes all of them (bench/NOTES.md).
   std::uint32_t one_item_vertices = 2048;
   /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;
-  /// none: where the driver needs them to be of one width, as many as the widest has (opencl.cpp).
+  /// none: where the driver needs them to be of one width, as many as the widest has (runtime.cpp).
   std::optional<std::uint32_t> width;
   /// Whether transfers go through memory of the driver's own, and the room for results is made while the device works
   /// (transfer_chunks.hpp, host_room.hpp); none: where the device's threads are not the host's, on GPUs.

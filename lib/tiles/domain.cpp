@@ -48,22 +48,22 @@ class Selection {
       default: return true;
     }
   }
-  /// The least seed of each region; `no_index` without one.
+  /// The least seed of each region; `GCDT_NONE` without one.
   std::vector<std::uint32_t> seeded(const std::vector<std::array<double, 2>>& seeds) const {
     std::vector<std::optional<GridPoint>> places;
     for (const std::array<double, 2>& seed : seeds) places.push_back(place_query(input_.chosen, seed));
     const std::vector<std::uint32_t> triangles =
-        least_triangles(places, triangles_.size(), no_index, [&](std::size_t t) -> std::array<GridPoint, 3> {
+        least_triangles(places, triangles_.size(), GCDT_NONE, [&](std::size_t t) -> std::array<GridPoint, 3> {
           return {at(triangles_[t][0]), at(triangles_[t][1]), at(triangles_[t][2])};
         });
-    std::vector<std::uint32_t> least(regions, no_index);
+    std::vector<std::uint32_t> least(regions, GCDT_NONE);
     for (std::size_t i = triangles.size(); i-- > 0;)
-      if (triangles[i] != no_index) least[region_[triangles[i]]] = static_cast<std::uint32_t>(i);
+      if (triangles[i] != GCDT_NONE) least[region_[triangles[i]]] = static_cast<std::uint32_t>(i);
     return least;
   }
   void mark_holes(const std::vector<std::array<double, 2>>& seeds) {
     is_hole_.clear();
-    for (const std::uint32_t seed : seeded(seeds)) is_hole_.push_back(seed != no_index);
+    for (const std::uint32_t seed : seeded(seeds)) is_hole_.push_back(seed != GCDT_NONE);
   }
   std::uint32_t regions = 0, deepest = 0;
   std::uint64_t open_parity = 0, open_winding = 0;
@@ -152,9 +152,9 @@ class Selection {
   /// Ends: every round but the last settles a node.
   void search() {
     const std::size_t nodes = std::size_t{regions} + 1;
-    depth_.assign(nodes, no_index);
+    depth_.assign(nodes, GCDT_NONE);
     winding_.assign(nodes, 0);
-    std::vector<std::uint32_t> entry(nodes, no_index), frontier{0}, next;
+    std::vector<std::uint32_t> entry(nodes, GCDT_NONE), frontier{0}, next;
     depth_[0] = 0;
     for (std::uint32_t h = 0; h < half_edges_; ++h) {
       const std::uint32_t node = region_[h / 3] + 1;
@@ -168,8 +168,8 @@ class Selection {
       for (const std::uint32_t node : frontier)
         for (std::uint32_t i = begins_[node]; i < begins_[node + 1]; ++i) {
           const std::uint32_t target = target_of(arcs_[i]);
-          if (depth_[target] != no_index) continue;
-          if (entry[target] == no_index) next.push_back(target);
+          if (depth_[target] != GCDT_NONE) continue;
+          if (entry[target] == GCDT_NONE) next.push_back(target);
           entry[target] = std::min(entry[target], arcs_[i]);
         }
       for (const std::uint32_t node : next) {

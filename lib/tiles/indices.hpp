@@ -4,17 +4,12 @@
 // are right, the checks of meshes say (docs/scale.md).
 #pragma once
 
-#include <cstdint>
-#include <limits>
 #include <string>
 
 #include "device/parts.hpp"
 #include "mesh/grid.hpp"
 
 namespace gcdt::tiles {
-
-/// Of numbers that are indices: there is none.
-constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
 
 /// Throws check_failed: `what` is wrong with what a device has given back.
 [[noreturn]] inline void refuse(const char* what) { throw Error(Status::check_failed, std::string("tiles: ") + what); }

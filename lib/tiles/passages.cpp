@@ -26,7 +26,7 @@ class Starts {
   explicit Starts(const WalkedTile& mesh) : triangle_at_(new std::atomic<std::uint32_t>[mesh.points.size()]) {
     const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
     for_each_in_threads(mesh.points.size(),
-                        [&](std::size_t v) { triangle_at_[v].store(no_index, std::memory_order_relaxed); });
+                        [&](std::size_t v) { triangle_at_[v].store(GCDT_NONE, std::memory_order_relaxed); });
     check_each(mesh.triangles.size(), "a triangle of a tile has a corner or a neighbour that is not there",
                [&](std::size_t t) {
                  bool fits = true;
@@ -41,7 +41,7 @@ class Starts {
   }
   std::uint32_t operator[](std::uint32_t v) const {
     const std::uint32_t triangle = triangle_at_[v].load(std::memory_order_relaxed);
-    if (triangle == no_index) refuse("a constraint ends at a vertex that no triangle of the tile has");
+    if (triangle == GCDT_NONE) refuse("a constraint ends at a vertex that no triangle of the tile has");
     return triangle;
   }
 

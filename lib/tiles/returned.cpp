@@ -16,7 +16,7 @@ class Collector final : public SeamTaker {
   Collector(const Solved& solved, const Order& order, std::vector<Returned>& returned)
       : solved_(solved), returned_(returned), across_(solved.seam.border.size()) {
     for (std::size_t tile = 0; tile < returned_.size(); ++tile) returned_[tile].triangles.resize(order.of_seam(tile));
-    for (Across& across : across_) across.place = no_index;
+    for (Across& across : across_) across.place = GCDT_NONE;
   }
   void take(std::size_t tile, std::uint32_t number, const SeamTriangle& triangle) override {
     returned_[tile].triangles[number] = triangle;
@@ -24,7 +24,7 @@ class Collector final : public SeamTaker {
   void take(std::uint32_t border, const Across& across) override { across_[border] = across; }
   void finish() {
     for (std::size_t i = 0; i < across_.size(); ++i)
-      if (across_[i].place != no_index) returned_[solved_.seam.border[i].tile].across.push_back(across_[i]);
+      if (across_[i].place != GCDT_NONE) returned_[solved_.seam.border[i].tile].across.push_back(across_[i]);
   }
 
  private:

@@ -25,9 +25,8 @@ runtime::CallHook hook_for(DeviceKind kind) {
 }  // namespace
 
 TEST_CASE("no launch is wider than the first one of its kernel, on parts of a device or all of it") {
-  app_device();  // which loads the layer
-  Widths& widths = widths_of(GCDT_WIDTH_LAYER);
   const cl::Device whole = app_device(), part = runtime::part_of(whole, 1);
+  Widths& widths = widths_of(GCDT_WIDTH_LAYER);
   const std::vector<Workload> problems = {uniform(40000), random_pslg(150, 1000, 40, 1), uniform(5000), uniform(50)};
   for (const DeviceKind kind : {DeviceKind::gpu, DeviceKind::threads})
     for (const cl::Device& first : {part, whole}) {

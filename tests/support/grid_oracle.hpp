@@ -3,9 +3,6 @@
 // decimals: the oracle for the order phase.
 #pragma once
 
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // false alarms in boost/multiprecision
-#endif
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include <algorithm>

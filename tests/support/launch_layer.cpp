@@ -5,24 +5,15 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <cstring>
-#include <map>
-#include <mutex>
 #include <set>
 #include <string>
 
-#include "layer.hpp"
+#include "named_kernels.hpp"
 
 namespace {
 
-struct Notes {
-  std::mutex mutex;
-  std::map<cl_program, std::string> options;
-  std::map<cl_kernel, std::string> lines;
-  std::set<std::string> written;
-};
-Notes& notes() {
-  static auto* const all = new Notes;  // for good: launches may come from destructors of statics
+std::set<std::string>& written() {
+  static auto* const all = new std::set<std::string>;  // for good, as the names
   return *all;
 }
 
@@ -37,40 +28,21 @@ void write_line(const std::string& line) {
   if (!good) std::abort();
 }
 
-cl_int CL_API_CALL build_program(cl_program program, cl_uint count, const cl_device_id* devices, const char* options,
-                                 void(CL_CALLBACK* built)(cl_program, void*), void* data) {
-  {
-    const std::lock_guard<std::mutex> lock(notes().mutex);
-    notes().options[program] = options ? options : "";
-  }
-  return next->clBuildProgram(program, count, devices, options, built, data);
-}
-
-cl_kernel CL_API_CALL create_kernel(cl_program program, const char* name, cl_int* code) {
-  const cl_kernel kernel = next->clCreateKernel(program, name, code);
-  if (kernel) {
-    const std::lock_guard<std::mutex> lock(notes().mutex);
-    notes().lines[kernel] = std::string(name) + " " + notes().options[program] + "\n";
-  }
-  return kernel;
-}
-
 cl_int CL_API_CALL enqueue(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
                            const size_t* global, const size_t* local, cl_uint waits, const cl_event* events,
                            cl_event* event) {
   const cl_int code =
       next->clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, waits, events, event);
   if (code == CL_SUCCESS) {
-    const std::lock_guard<std::mutex> lock(notes().mutex);
-    const std::string& line = notes().lines[kernel];
-    if (notes().written.insert(line).second) write_line(line);
+    const Lock lock(named_kernels().mutex);
+    const std::string& name = named_kernels().names[kernel];
+    if (written().insert(name).second) write_line(name + "\n");
   }
   return code;
 }
 
 void replace(cl_icd_dispatch& functions) {
-  functions.clBuildProgram = build_program;
-  functions.clCreateKernel = create_kernel;
+  name_kernels(functions);
   functions.clEnqueueNDRangeKernel = enqueue;
 }
 

@@ -4,29 +4,23 @@
 // thread a launch is does not matter.
 #include "width_layer.hpp"
 
-#include <map>
-#include <mutex>
 #include <utility>
 
-#include "layer.hpp"
+#include "named_kernels.hpp"
 
 namespace {
 
 struct State {
-  std::mutex mutex;
-  std::map<cl_program, std::string> options;
-  std::map<cl_kernel, std::string> kernels;  ///< name and options
-  std::map<std::string, size_t> first;       ///< work-items of the first launch
+  std::map<std::string, size_t> first;  ///< work-items of the first launch
   std::vector<std::string> wider;
 };
 State& state() {
-  static auto* const all = new State;  // for good: launches may come from destructors of statics
+  static auto* const all = new State;  // for good, as the names
   return *all;
 }
-using Lock = std::lock_guard<std::mutex>;
 
 std::vector<std::string> wider() {
-  const Lock lock(state().mutex);
+  const Lock lock(named_kernels().mutex);
   state().first.clear();
   return std::exchange(state().wider, {});
 }
@@ -41,28 +35,12 @@ extern "C" gcdt::test::Widths* gcdt_test_widths() {
 
 namespace {
 
-cl_int CL_API_CALL build_program(cl_program program, cl_uint count, const cl_device_id* devices, const char* options,
-                                 void(CL_CALLBACK* built)(cl_program, void*), void* data) {
-  {
-    const Lock lock(state().mutex);
-    state().options[program] = options ? options : "";
-  }
-  return next->clBuildProgram(program, count, devices, options, built, data);
-}
-
-cl_kernel CL_API_CALL create_kernel(cl_program program, const char* name, cl_int* code) {
-  const cl_kernel kernel = next->clCreateKernel(program, name, code);
-  const Lock lock(state().mutex);
-  if (kernel) state().kernels[kernel] = std::string(name) + " " + state().options[program];
-  return kernel;
-}
-
 cl_int CL_API_CALL enqueue(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
                            const size_t* global, const size_t* local, cl_uint waits, const cl_event* events,
                            cl_event* event) {
   if (dimensions == 1 && global && local) {
-    const Lock lock(state().mutex);
-    const std::string key = std::to_string(*local) + " " + state().kernels[kernel];
+    const Lock lock(named_kernels().mutex);
+    const std::string key = std::to_string(*local) + " " + named_kernels().names[kernel];
     const size_t first = state().first.try_emplace(key, *global).first->second;
     ++gcdt_test_widths()->launches;
     gcdt_test_widths()->narrower += *global < first;
@@ -73,8 +51,7 @@ cl_int CL_API_CALL enqueue(cl_command_queue queue, cl_kernel kernel, cl_uint dim
 }
 
 void replace(cl_icd_dispatch& functions) {
-  functions.clBuildProgram = build_program;
-  functions.clCreateKernel = create_kernel;
+  name_kernels(functions);
   functions.clEnqueueNDRangeKernel = enqueue;
 }
 
