@@ -92,10 +92,10 @@ kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global 
   }
 }
 
-// How many pairs the run that begins at `begin` has; 0 if more than GCDT_SORT_SMALL. Ends: the range halves.
-GCDT_INLINE u32 size_of_run(u32 count, u32 low, global const u64* keys, u32 begin) {
+// Where the run that begins at `begin` ends, or `outside`, if that is in it. Ends: the range halves.
+GCDT_INLINE u32 end_of_run(u32 low, global const u64* keys, u32 begin, u32 outside) {
   const u64 high = keys[begin] >> low;
-  u32 inside = begin, outside = begin + min(count - begin, GCDT_SORT_SMALL + 1u);  // in the run; not in it, or too far
+  u32 inside = begin;
   while (outside - inside > 1u) {
     const u32 middle = inside + (outside - inside) / 2u;
     if (keys[middle] >> low == high)
@@ -103,7 +103,7 @@ GCDT_INLINE u32 size_of_run(u32 count, u32 low, global const u64* keys, u32 begi
     else
       outside = middle;
   }
-  return outside - begin <= GCDT_SORT_SMALL ? outside - begin : 0u;
+  return outside;
 }
 
 // One work-group per run that sort_runs has listed. Sorts those of up to GCDT_SORT_SMALL pairs, stably.
@@ -116,9 +116,39 @@ kernel void sort_long_runs(u32 count, u32 low, global const u32* long_runs, glob
   const u32 found = long_runs[0];
   for (u32 r = get_group_id(0); r < found; r += get_num_groups(0)) {
     const u32 begin = long_runs[1u + r];
-    if (get_local_id(0) == 0) size = size_of_run(count, low, keys, begin);
+    if (get_local_id(0) == 0)
+      size = end_of_run(low, keys, begin, begin + min(count - begin, GCDT_SORT_SMALL + 1u)) - begin;
     barrier(CLK_LOCAL_MEM_FENCE);
-    sort_in_group(size, ~(u64)0, keys + begin, values + begin, moved, indices);
+    sort_in_group(size > GCDT_SORT_SMALL ? 0u : size, ~(u64)0, keys + begin, values + begin, moved, indices);
+  }
+}
+
+// One work-group per run that sort_runs has listed.
+// Reads: keys. Writes: marks, which were 0, of the pairs of those longer than `most`, of which each is in one run.
+kernel void mark_left_runs(u32 count, u32 low, u32 most, global const u32* long_runs, global const u64* keys,
+                           global u32* marks) {
+  const u32 found = long_runs[0];
+  for (u32 r = get_group_id(0); r < found; r += get_num_groups(0)) {
+    const u32 begin = long_runs[1u + r], end = end_of_run(low, keys, begin, count);
+    for (u32 i = begin + get_local_id(0); i < end && end - begin > most; i += get_local_size(0)) marks[i] = 1u;
+  }
+}
+
+// One work-item per place. Copies the pairs in these places, one after the other.
+kernel void take_pairs(u32 count, global const u32* places, global const u64* keys, global const u32* values,
+                       global u64* taken_keys, global u32* taken_values) {
+  FOR_EACH(i, count) {
+    taken_keys[i] = keys[places[i]];
+    taken_values[i] = values[places[i]];
+  }
+}
+
+// The inverse. No race: places differ.
+kernel void put_pairs(u32 count, global const u32* places, global const u64* taken_keys, global const u32* taken_values,
+                      global u64* keys, global u32* values) {
+  FOR_EACH(i, count) {
+    keys[places[i]] = taken_keys[i];
+    values[places[i]] = taken_values[i];
   }
 }
 

@@ -167,7 +167,27 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
                     runtime_.over_groups(count / GCDT_SORT_SMALL, runtime::Groups::wide), n, cl_uint{low}, long_runs_,
                     keys, values);
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
-  if (runtime_.read_one(unordered_) != 0) sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
+  if (runtime_.read_one(unordered_) != 0) sort_left_runs(keys, values, count, low, bits);
+}
+
+void Primitives::sort_left_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned low,
+                                unsigned bits) {
+  const auto n = static_cast<cl_uint>(count);
+  const cl_uint most = walk_ == Walk::serial ? Tuning::longest_run : GCDT_SORT_SMALL;
+  runtime_.reserve(marks_, "pairs left", count + 1);
+  runtime_.fill<cl_uint>(marks_, 0, count);
+  runtime_.launch("sort_finish", "mark_left_runs", runtime_.over_groups(count / most), n, cl_uint{low}, most,
+                  long_runs_, keys, marks_);
+  const cl_uint left = scan_total(marks_, count);
+  if (left > count / 2) return sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
+  auto places = runtime_.allocate<cl_uint>("places of pairs left", left);
+  auto left_keys = runtime_.allocate<cl_ulong>("keys left", left);
+  auto left_values = runtime_.allocate<cl_uint>("values left", left);
+  compact_indices(marks_, places, count);
+  runtime_.launch("sort_finish", "take_pairs", runtime::over(left), left, places, keys, values, left_keys, left_values);
+  // Runs are in order of their high bits, so each run's pairs come to its own places.
+  sort(left_keys, left_values, left, bits);
+  runtime_.launch("sort_finish", "put_pairs", runtime::over(left), left, places, left_keys, left_values, keys, values);
 }
 
 void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,
@@ -183,7 +203,7 @@ void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_
 
 void Primitives::release() {
   for (auto* scratch :
-       {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_, &buckets_, &long_runs_})
+       {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_, &buckets_, &long_runs_, &marks_})
     *scratch = {};
   other_keys64_ = {};
 }

@@ -40,15 +40,16 @@ class Primitives {
   void sort(runtime::Buffer<cl_uint>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 32);
 
   /// The same order by other work: sorts by the highest `prefix` of the `bits`, then mends the runs of keys that agree
-  /// in them. Keys have no bit from `bits` on. Cheaper if such runs are short, dearer by that first sort if one is
-  /// longer than some tens (`serial`) or thousands (`group`). May block.
+  /// in them. Keys have no bit from `bits` on. Cheaper if such runs are short: pairs of runs longer than some tens
+  /// (`serial`) or thousands (`group`) are sorted once more. May block.
   void sort_by_prefix(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                       unsigned bits, unsigned prefix);
 
   /// Sorts the pairs whose keys are below buckets * 2^low, of which there are `kept`, and leaves the others out: what
   /// the buffers hold from `kept` on is undefined afterwards. Keys kept are distinct, and none has a bit from `bits`
   /// on. On GPUs each pair goes to its bucket, its key from bit `low` on, in one pass, which is cheapest if buckets are
-  /// about as many as keys, and a pair's is near its place; dear as above are buckets of thousands. May block.
+  /// about as many as keys, and a pair's is near its place; pairs of buckets of thousands are sorted once more. May
+  /// block.
   void sort_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                        std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
 
@@ -75,13 +76,18 @@ class Primitives {
   /// Orders pairs that are in order of their keys' bits from `low` on.
   void sort_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned low,
                  unsigned bits);
+  /// Of pairs in such order, sorts the runs that are too long to be sorted where they stand, by themselves; or all, if
+  /// they are most.
+  void sort_left_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
+                      unsigned low, unsigned bits);
   /// Whether one work-item sorts few keys.
   bool by_one_item() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;
   Walk walk_;
-  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_, buckets_, long_runs_;
+  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_, buckets_, long_runs_,
+      marks_;
   runtime::Buffer<cl_ulong> other_keys64_;
 };
 

@@ -270,6 +270,15 @@ TEST_CASE("a sort by prefix equals the sort, with short runs, long ones, and equ
         for (std::size_t i = 0; i < count; ++i) steps[i] = i / run << 30 | (i * 7919 % run / 2);
         check_sort(primitives, steps, 62, 32);
       }
+      // long runs at both ends and in the middle, less than half of all, between short ones
+      const std::size_t seventh = count / 7;
+      for (std::size_t i = 0; i < count; ++i) {
+        const bool in_long = i < seventh || i >= count - seventh || (i >= 3 * seventh && i < 4 * seventh);
+        steps[i] = (in_long ? i / seventh * 4096 : i / seventh * 4096 + 1 + i / 3) << 30 | (i * 7919 % seventh / 2);
+      }
+      check_sort(primitives, steps, 62, 32);
+      std::shuffle(steps.begin(), steps.end(), std::mt19937(24));
+      check_sort(primitives, steps, 62, 32);
     }
   });
 }
@@ -277,13 +286,18 @@ TEST_CASE("a sort by prefix equals the sort, with short runs, long ones, and equ
 TEST_CASE("a sort by buckets puts the kept pairs in order, however many a bucket has") {
   for_all_walks_and_geometries([](Primitives& primitives) {
     for (std::size_t count : {std::size_t{1000}, std::size_t{16384}, std::size_t{20000}})
-      for (std::size_t in_a_bucket : {1u, 3u, 40u, 2048u, 3000u}) {
+      for (std::size_t in_a_bucket : {1u, 3u, 40u, 2048u, 3000u, 0u}) {  // 0: one of thousands, and many of two
         CAPTURE(count);
         CAPTURE(in_a_bucket);
-        const std::size_t buckets = std::max<std::size_t>(count / in_a_bucket / 2, 1);  // the other pairs are left out
+        const std::size_t begin = count / 3, end = begin + std::min<std::size_t>(begin, 4000);
+        const auto bucket_of = [&](std::size_t i) {
+          return in_a_bucket != 0 ? i / in_a_bucket : i < begin ? i / 2 : i < end ? begin : i / 2 + begin;
+        };
+        const std::size_t buckets = in_a_bucket != 0 ? std::max<std::size_t>(count / in_a_bucket / 2, 1)
+                                                     : bucket_of(5 * count / 6);  // the other pairs are left out
         std::vector<std::pair<cl_ulong, cl_uint>> pairs(count);
         for (std::size_t i = 0; i < count; ++i)
-          pairs[i] = {cl_ulong{i / in_a_bucket} << 12 | (i * 2311 % 4096), static_cast<cl_uint>(i)};
+          pairs[i] = {cl_ulong{bucket_of(i)} << 12 | (i * 2311 % 4096), static_cast<cl_uint>(i)};
         std::shuffle(pairs.begin(), pairs.end(), std::mt19937(31));
         std::vector<cl_ulong> keys;
         Words values;
