@@ -128,24 +128,28 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
   next[child] = ref;
 }
 
-// Splits face t at v, and hangs v's node below its leaf.
-static void insert_in_face(Mesh mesh, History h, Round r, uint v, uint t) {
-  hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
+// Splits face t at v, and hangs v's node below its leaf if the tree is wanted.
+static void insert_in_face(Mesh mesh, History h, Round r, uint tree, uint v, uint t) {
+  if (tree) hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
   split_face(mesh, v, t, 0u, false);
-  h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
-                                 HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF), 0u);
+  if (tree)
+    h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
+                                   HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF), 0u);
   h.shape[v - h.begin] = (r.number << 8) | SHAPE_FACE;
 }
 
-// Splits edge e at v, and hangs v's two nodes below the leaves of the faces on both sides.
-static void insert_on_edge(Mesh mesh, History h, Round r, uint v, uint e) {
+// Splits edge e at v, and hangs v's two nodes below the leaves of the faces on both sides if the tree is wanted.
+static void insert_on_edge(Mesh mesh, History h, Round r, uint tree, uint v, uint e) {
   const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
   const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
-  hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
-  hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
+  if (tree) {
+    hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
+    hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
+  }
   split_edge(mesh, v, e, 0u, false);
-  h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
-                                 HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF));
+  if (tree)
+    h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
+                                   HISTORY_REF(u, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 1u), HISTORY_LEAF));
   h.shape[v - h.begin] = (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
 }
 
@@ -153,18 +157,19 @@ static void insert_on_edge(Mesh mesh, History h, Round r, uint v, uint e) {
 // plain read before atomic_max only saves atomics. A loser may read a claim word that a winner has reset to 0 or
 // an edge's face that a winner has replaced by a new one, whose claim word was 0 before (locate_and_vote): whatever it
 // reads is not its ticket. Returns 1 if an edge was split.
-static uint split_if_won(Mesh mesh, History h, Round r, uint v, volatile global Counters* counters) {
+static uint split_if_won(Mesh mesh, History h, Round r, uint tree, uint v, volatile global Counters* counters) {
   const uint location = h.nodes[v - h.begin].x;
   const uint ticket = ticket_of(r, v);
   const uint2 f = faces_of_location(mesh, location);
-  if (*claim_word(mesh.face_data, f.x) != ticket || *claim_word(mesh.face_data, f.y) != ticket) return 0u;
+  if (*claim_word(mesh.face_data, f.x) != ticket) return 0u;
+  if (f.y != f.x && *claim_word(mesh.face_data, f.y) != ticket) return 0u;
   const uint depth = h.nodes[v - h.begin].y + 1u;
   if (depth > counters->history_depth) atomic_max(&counters->history_depth, depth);
   if (location & ON_EDGE) {
-    insert_on_edge(mesh, h, r, v, location & ~ON_EDGE);
+    insert_on_edge(mesh, h, r, tree, v, location & ~ON_EDGE);
     return 1u;
   }
-  insert_in_face(mesh, h, r, v, location);
+  insert_in_face(mesh, h, r, tree, v, location);
   return 0u;
 }
 
@@ -253,10 +258,10 @@ kernel void insert_vote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS
 }
 
 // One work-item per vertex in the list. Reads the votes; a winner writes its faces, its three new
-// edges, its faces' sides of the edges around (L1: no word has two owners), its record, and the one
-// reference to its leaf (hang_node). Work-item 0 also empties the list of the next round, which no
-// other work-item of this launch touches. After: winners are vertices of the mesh.
-kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+// edges, its faces' sides of the edges around (L1: no word has two owners), its shape, and, if `tree` says that points
+// are to be located in the tree, its record and the one reference to its leaf (hang_node). Work-item 0 also empties the
+// list of the next round, which no other work-item of this launch touches. After: winners are vertices of the mesh.
+kernel void insert_split(uint tree, uint number, uint stamp, uint bits, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                          global const uint* list, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
@@ -266,7 +271,7 @@ kernel void insert_split(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETER
   if (get_global_id(0) == 0) counters->list_insert[(number & 1u) ^ 1u] = 0u;
   uint on_edges = 0;
   FOR_EACH(i, count)
-  on_edges += split_if_won(mesh, h, r, list[i], counters);
+  on_edges += split_if_won(mesh, h, r, tree, list[i], counters);
   on_edges = sum_of_group(&sum, on_edges);
   if (get_local_id(0) == 0 && on_edges > 0u) atomic_add(&counters->edge_splits, on_edges);
 }
@@ -289,7 +294,7 @@ kernel void insert_revote(uint number, uint stamp, uint bits, GCDT_MESH_PARAMETE
 // kernels do otherwise; the same argument holds for each part. Nobody else touches the faces that these vertices lie
 // in. The loop ends: a round with vertices left has a winner. Returns how many were done; the list of the next round
 // holds the vertices left.
-GCDT_GIVEN_LOCAL uint insert_in_group(Mesh mesh, History h, Round r, uint most, global uint* list_even,
+GCDT_GIVEN_LOCAL uint insert_in_group(Mesh mesh, History h, Round r, uint tree, uint most, global uint* list_even,
                                       global uint* list_odd, volatile global uint* lengths,
                                       volatile global Counters* counters, local uint* items, local uint* gathered,
                                       private uint* on_edges) {
@@ -303,7 +308,7 @@ GCDT_GIVEN_LOCAL uint insert_in_group(Mesh mesh, History h, Round r, uint most, 
     global uint* list_next = now ? list_even : list_odd;
     if (get_local_id(0) == 0) lengths[now ^ 1u] = 0u;
     for (uint i = get_local_id(0); i < count; i += get_local_size(0))
-      *on_edges += split_if_won(mesh, h, r, list[i], counters);
+      *on_edges += split_if_won(mesh, h, r, tree, list[i], counters);
     barrier(CLK_GLOBAL_MEM_FENCE);
     const Appender a = make_appender(items, gathered, list_next, &lengths[now ^ 1u]);
     FOR_ALL_TILES(tile, count) vote_tile(mesh, h, next_round(r), list, count, tile, a);
@@ -317,7 +322,7 @@ GCDT_GIVEN_LOCAL uint insert_in_group(Mesh mesh, History h, Round r, uint most, 
 // One work-group. Does up to `most` rounds, but none if more than `few` vertices are listed: the host launches it
 // before it knows. After: list_insert of the next round's parity counts the vertices left, counters->rounds the rounds
 // done.
-kernel void insert_rounds(uint number, uint stamp, uint bits, uint few, uint most, GCDT_MESH_PARAMETERS,
+kernel void insert_rounds(uint tree, uint number, uint stamp, uint bits, uint few, uint most, GCDT_MESH_PARAMETERS,
                           GCDT_HISTORY_PARAMETERS, global uint* list_even, global uint* list_odd,
                           volatile global Counters* counters) {
   DECLARE_APPENDER(left);
@@ -326,7 +331,7 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint few, uint mos
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   uint on_edges = 0;
   const uint rounds = counters->list_insert[number & 1u] > few ? 0u : most;
-  const uint done = insert_in_group(mesh, h, make_round(number, stamp, bits, begin), rounds, list_even, list_odd,
+  const uint done = insert_in_group(mesh, h, make_round(number, stamp, bits, begin), tree, rounds, list_even, list_odd,
                                     counters->list_insert, counters, left_items, left_gathered, &on_edges);
   on_edges = sum_of_group(&sum, on_edges);
   if (get_local_id(0) == 0) {
@@ -344,8 +349,8 @@ kernel void insert_rounds(uint number, uint stamp, uint bits, uint few, uint mos
 //   lengths[2p], lengths[2p + 1], theirs.
 // A problem has one work-group, and its vertices lie in faces of its own (forest.h).
 // After: list_insert[0] is greater by the vertices left; counters->rounds is the number of the last round done.
-kernel void insert_problems(uint begin_problem, uint end_problem, uint level, uint number, uint bits, uint most,
-                            GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
+kernel void insert_problems(uint begin_problem, uint end_problem, uint level, uint tree, uint number, uint bits,
+                            uint most, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS,
                             global uint* list_even, global uint* list_odd, global uint* lengths,
                             volatile global Counters* counters) {
   DECLARE_APPENDER(left);
@@ -367,8 +372,8 @@ kernel void insert_problems(uint begin_problem, uint end_problem, uint level, ui
       if (get_local_id(0) == 0) own[1] = count;
       barrier(CLK_GLOBAL_MEM_FENCE);
     }
-    const uint next = number + insert_in_group(mesh, h, r, most, list_even + first, list_odd + first, own, counters,
-                                               left_items, left_gathered, &on_edges);
+    const uint next = number + insert_in_group(mesh, h, r, tree, most, list_even + first, list_odd + first, own,
+                                               counters, left_items, left_gathered, &on_edges);
     last = max(last, next - 1u);
     if (get_local_id(0) == 0) {
       const uint vertices_left = own[next & 1u];

@@ -59,7 +59,7 @@ struct Tuning {
   std::uint32_t most_tail_aims = 256, rounds_of_tail = 16;
   /// Up to so many vertices are inserted by one work-group that loops by itself: a round there costs about a
   /// microsecond, two launches cost ten times that.
-  std::uint32_t one_group_vertices = 2048;
+  std::uint32_t one_group_vertices = 1024;
   /// The same of edges that are tested: the tail of small rounds needs no launch and no read.
   std::uint32_t one_group_edges = 2048;
   /// From so many edges on flips begin within patches, each by a work-group while it is in its caches; vertices of a
@@ -145,10 +145,10 @@ struct Tuning {
 
   // ---- Flips (flip.cpp) -------------------------------------------------------------------------
 
-  /// Of the edges of a list, what is left after `rounds_per_read` rounds is about one in so many: a guess, by which
-  /// the host goes without reads. And rounds between two reads at most, where guesses fail because flips depend on each
-  /// other (NOTES, "Reads").
-  static constexpr std::uint32_t flipped_between_reads = 6, most_between_reads = 16;
+  /// Of the edges of a list, what is left after `rounds_per_read` rounds is about one in so many; of those that sweeps
+  /// leave, after each round: guesses, by which the host goes without reads. And rounds between two reads at most,
+  /// where guesses fail because flips depend on each other (NOTES, "Reads").
+  static constexpr std::uint32_t flipped_between_reads = 6, flipped_after_sweeps = 2, most_between_reads = 16;
 
   // ---- Launches (runtime.cpp) -------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 #include "phases/flip.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "flip/patches.h"
@@ -16,6 +17,9 @@ static_assert(3 * GCDT_MOST_PATCH_ROOM <= 1u << 16);
 /// Rounds of flips that nobody has read yet how many they are: refinement's take one to five, and each takes a stamp
 /// whether it is needed or not.
 constexpr cl_uint rounds_unread = 32;
+
+/// What a first list is: edges of which most have not been tested, or what sweeps have left.
+enum class After { nothing, sweeps };
 
 /// The rounds of one flip phase. `round_` is the next round.
 class Flipping {
@@ -43,11 +47,13 @@ class Flipping {
   FlipResult run(Ticker& ticker) {
     const bool patched = edges_ >= plan_.least_patched, swept = edges_ >= plan_.least_sweep;
     if (patched) flip_within_patches();
-    if (swept) sweep(patched, ticker);
-    const bool queued = patched || swept;
-    runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!queued), edges_, round_, mesh_.edge_marks,
-                    lists_.first, counters_.buffer());
-    FlipResult result = finish(queued ? read_after(plan_.rounds_per_read > 1) : edges_, ticker);
+    const std::uint32_t illegal = swept ? sweep(patched, ticker) : edges_;
+    if (illegal > 0)
+      runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!patched && !swept), edges_, round_,
+                      mesh_.edge_marks, lists_.first, counters_.buffer());
+    // Flips queue up to four edges each, and what is listed is not read but guessed.
+    FlipResult result = swept ? finish(std::min(illegal, edges_ / 4) * 4, After::sweeps, ticker)
+                              : finish(edges_, After::nothing, ticker);
     result.rounds += counters_.last().patch_rounds;
     return result;
   }
@@ -88,17 +94,18 @@ class Flipping {
   FlipResult finish_begun(Ticker& ticker) {
     round_ = counters_.last().rounds;
     flips_before_ = 0;
-    return finish(counters_.last().list_test[round_ % 3], ticker);
+    return finish(counters_.last().list_test[round_ % 3], After::nothing, ticker);
   }
 
   /// The rounds by lists, the first of which has `pending` edges. Ends: see run().
-  FlipResult finish(std::uint32_t pending, Ticker& ticker) {
-    for (std::uint32_t rounds = rounds_to_few(pending); pending > 0;
-         rounds = std::min(2 * rounds, most_between_reads())) {
+  FlipResult finish(std::uint32_t pending, After after, Ticker& ticker) {
+    for (std::uint32_t rounds = rounds_to_few(pending, after); pending > 0;) {
+      const std::uint32_t before = pending;
       const bool many = pending > plan_.group_edges;
       if (many) rounds_wide(pending, rounds);
       pending = read_after(!many || plan_.rounds_per_read > 1);
       check(round_, ticker);
+      rounds = rounds_at_this_rate(before, pending, rounds);
     }
     mesh_.claims_below = stamps_.claims_below();
     return {round_, wide(counters_.last().flips_low, counters_.last().flips_high) - flips_before_};
@@ -119,9 +126,11 @@ class Flipping {
                     runtime::LocalMemory{GCDT_PATCH_WORDS(room) * sizeof(cl_uint)});
   }
 
-  // Rounds by sweeps. The first takes all edges, or those that are queued. Ends: see run().
-  void sweep(bool queued, Ticker& ticker) {
-    for (std::uint32_t illegal = edges_; illegal > edges_ / plan_.sweep_share;) {
+  // Rounds by sweeps. The first takes all edges, or those that are queued. Returns how many were illegal in the last
+  // round: if none, no edge is queued. Ends: see run().
+  std::uint32_t sweep(bool queued, Ticker& ticker) {
+    std::uint32_t illegal = edges_;
+    while (illegal > edges_ / plan_.sweep_share) {
       for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
@@ -132,6 +141,7 @@ class Flipping {
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
       check(round_, ticker);
     }
+    return illegal;
   }
 
   void check(std::uint64_t rounds, Ticker& ticker) const {
@@ -155,13 +165,21 @@ class Flipping {
     return plan_.rounds_per_read == 1 ? 1 : std::max(plan_.rounds_per_read, Tuning::most_between_reads);
   }
 
-  // Rounds after which few of so many edges are probably left. Ends: `left` falls.
-  std::uint32_t rounds_to_few(std::uint32_t pending) const {
-    std::uint32_t rounds = plan_.rounds_per_read;
-    for (std::uint32_t left = pending / Tuning::flipped_between_reads; left > plan_.group_edges && left > 0;
-         left /= Tuning::flipped_between_reads)
-      rounds += plan_.rounds_per_read;
+  // Rounds after which few of so many edges are probably left: a guess. Ends: `left` falls.
+  std::uint32_t rounds_to_few(std::uint32_t pending, After after) const {
+    const std::uint32_t step = after == After::sweeps ? 1 : plan_.rounds_per_read,
+                        share = after == After::sweeps ? Tuning::flipped_after_sweeps : Tuning::flipped_between_reads;
+    std::uint32_t rounds = step;
+    for (std::uint32_t left = pending / share; left > plan_.group_edges && left > 0; left /= share) rounds += step;
     return std::min(rounds, most_between_reads());
+  }
+
+  // The same, if each round leaves as many of its edges as the last `rounds` did, which took `before` edges to `now`.
+  std::uint32_t rounds_at_this_rate(std::uint32_t before, std::uint32_t now, std::uint32_t rounds) const {
+    const double fallen = std::log(double(before) / std::max(now, 1u)),
+                 to_fall = std::log(std::max(now, 1u) / std::max<double>(plan_.group_edges, 1));
+    const double wanted = fallen > 0 ? rounds * to_fall / fallen : 2.0 * rounds;
+    return static_cast<std::uint32_t>(std::clamp<double>(std::ceil(wanted), 1, most_between_reads()));
   }
 
   // Reads the counters, after rounds of one work-group if few edges are left and `few`. Returns how many are left.
@@ -227,7 +245,7 @@ FlipResult flip_queued(runtime::Runtime& runtime, const Plan& plan, const Vertic
                        const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh,
                        Ticker& ticker) {
   return Flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh)
-      .finish(counters.last().list_test[0], ticker);
+      .finish(counters.last().list_test[0], After::nothing, ticker);
 }
 
 void flip_few_unread(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,

@@ -16,12 +16,14 @@ constexpr std::uint32_t round_limit = 1u << 20;
 class LevelInsertion {
  public:
   LevelInsertion(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                 const History& history, const WorkLists& lists, PhaseCounters& counters, std::uint32_t candidates)
+                 const History& history, bool tree, const WorkLists& lists, PhaseCounters& counters,
+                 std::uint32_t candidates)
       : runtime_(runtime),
         plan_(plan),
         vertices_(vertices),
         mesh_(mesh),
         history_(history),
+        tree_(tree),
         lists_(lists),
         counters_(counters),
         stamps_(runtime, candidates),
@@ -42,7 +44,7 @@ class LevelInsertion {
     for (std::uint32_t left_before = 0; remaining_ > 0;) {
       for_launches(plan_, vertices_.roots, [&](cl_uint begin, cl_uint end) {
         launch("insert_problems", runtime_.over_groups(end - begin),
-               std::forward_as_tuple(begin, end, history_.level, round_, stamps_.bits(), plan_.group_rounds,
+               std::forward_as_tuple(begin, end, history_.level, tree_, round_, stamps_.bits(), plan_.group_rounds,
                                      vertices_.levels_buffer),
                list(0), list(1), lengths, counters_.buffer());
       });
@@ -58,9 +60,9 @@ class LevelInsertion {
 
   /// Ends: see round_limit.
   std::uint64_t finish(Ticker& ticker) {
-    while (remaining_ > 0) {
+    for (std::uint32_t rounds = plan_.rounds_per_read; remaining_ > 0; rounds = rounds_to_few()) {
       if (remaining_ > plan_.group_vertices)
-        for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i) round();
+        for (std::uint32_t i = 0; i < rounds; ++i) round();
       rounds_in_one_group();
       const device::Counters& c = counters_.read();
       round_ += c.rounds - rounds_seen_;
@@ -86,9 +88,18 @@ class LevelInsertion {
     ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
   }
 
+  // Rounds after the first ones after which few vertices are probably left: each leaves about a quarter, since most
+  // faces with vertices have one. Ends: `left` falls.
+  std::uint32_t rounds_to_few() const {
+    std::uint32_t rounds = 1;
+    for (std::uint32_t left = remaining_ / 4; left > plan_.group_vertices && left > 0; left /= 4) ++rounds;
+    return std::min(rounds, plan_.rounds_per_read);
+  }
+
   void round() {
     renew_stamps(1);
-    launch("insert_split", over_remaining(), standing_round(), list(round_), counters_.buffer());
+    launch("insert_split", over_remaining(), std::tuple_cat(std::tie(tree_), standing_round()), list(round_),
+           counters_.buffer());
     ++round_;
     stamps_.take();
     launch("insert_vote", over_remaining(), standing_round(), list(round_ - 1), list(round_), counters_.buffer());
@@ -98,8 +109,9 @@ class LevelInsertion {
   void rounds_in_one_group() {
     renew_stamps(1);
     const cl_uint few = plan_.group_vertices, most = std::min(stamps_.left(), plan_.group_rounds);
-    launch("insert_rounds", runtime::one_group(), std::make_tuple(round_, stamps_.current(), stamps_.bits(), few, most),
-           list(0), list(1), counters_.buffer());
+    launch("insert_rounds", runtime::one_group(),
+           std::make_tuple(tree_, round_, stamps_.current(), stamps_.bits(), few, most), list(0), list(1),
+           counters_.buffer());
   }
 
   // Before the stamps run out the claim words are cleared and the standing votes are cast again.
@@ -133,6 +145,7 @@ class LevelInsertion {
   const Vertices& vertices_;
   Mesh& mesh_;
   const History& history_;
+  cl_uint tree_;
   const WorkLists& lists_;
   PhaseCounters& counters_;
   Stamps stamps_;
@@ -182,15 +195,17 @@ void insert_root(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh
 }
 
 std::uint64_t insert_level(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                           History& history, const WorkLists& lists, PhaseCounters& counters, unsigned level,
-                           Ticker& ticker) {
+                           History& history, bool located_in, const WorkLists& lists, PhaseCounters& counters,
+                           unsigned level, Ticker& ticker) {
   history.level = level;
   history.begin = vertices.levels.begin[level];
   history.end = vertices.levels.begin[level + 1];
   counters.zero();
   if (plan.problems == Plan::By::groups)
-    return LevelInsertion(runtime, plan, vertices, mesh, history, lists, counters, vertices.largest).by_problem(ticker);
-  LevelInsertion insertion(runtime, plan, vertices, mesh, history, lists, counters, history.end - history.begin);
+    return LevelInsertion(runtime, plan, vertices, mesh, history, located_in, lists, counters, vertices.largest)
+        .by_problem(ticker);
+  LevelInsertion insertion(runtime, plan, vertices, mesh, history, located_in, lists, counters,
+                           history.end - history.begin);
   insertion.locate();
   return insertion.finish(ticker);
 }

@@ -26,10 +26,10 @@ void insert_root(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh
 
 /// Inserts the vertices of `level` into the mesh of the levels before, which must be Delaunay.
 /// After: every vertex of the level is in the mesh, which is a valid triangulation, and `history` locates
-/// points in it. Adds to counters: edge_splits, steps, history_depth. Returns the number of rounds.
-/// Throws round_limit.
+/// points in it if it is to be `located_in`. Adds to counters: edge_splits, steps, history_depth. Returns the number of
+/// rounds. Throws round_limit.
 std::uint64_t insert_level(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                           History& history, const WorkLists& lists, PhaseCounters& counters, unsigned level,
-                           Ticker& ticker);
+                           History& history, bool located_in, const WorkLists& lists, PhaseCounters& counters,
+                           unsigned level, Ticker& ticker);
 
 }  // namespace gcdt

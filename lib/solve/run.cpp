@@ -51,14 +51,16 @@ void Run::insert_levels() {
   const auto& levels = vertices.levels;
   insert_root(runtime, vertices, mesh);
   if (!history.nodes.allocated()) history = make_history(runtime, levels, vertices.roots);
+  // Constraints are located in the last level, and vertices without a tree.
   for (unsigned level = 0; level < levels.count; ++level) {
-    statistics.rounds.insert += insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
+    const bool last = level + 1 == levels.count;
+    statistics.rounds.insert +=
+        insert_level(runtime, plan, vertices, mesh, history, last && m > 0, lists, counters, level, ticker);
     const device::Counters& c = counters.last();
     statistics.cases.edge_splits += c.edge_splits;
     statistics.history_depth = c.history_depth;
     statistics.location_steps += wide(c.steps_low, c.steps_high);
-    if (level + 1 < levels.count)
-      count(gcdt::flip(runtime, plan, vertices, mesh, lists, counters, levels.begin[level + 1], ticker));
+    if (!last) count(gcdt::flip(runtime, plan, vertices, mesh, lists, counters, levels.begin[level + 1], ticker));
   }
 }
 

@@ -138,7 +138,7 @@ struct MeshOnDevice {
   /// Returns the number of rounds.
   std::uint64_t insert(unsigned level) {
     if (level == 0) insert_root(runtime, vertices, mesh);
-    return insert_level(runtime, plan, vertices, mesh, history, lists, counters, level, ticker);
+    return insert_level(runtime, plan, vertices, mesh, history, true, lists, counters, level, ticker);
   }
   FlipResult flip(unsigned level) {
     return gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices_of(level), ticker);
