@@ -156,7 +156,7 @@ static inline uint flip_kept(Mesh mesh, Claim c, Kept k, bool slides, Queue queu
     return 0u;
   }
   k.corners_t.w = k.corners_u.w = ticket;
-#if GCDT_FLIP_CHAIN == 1
+#ifdef GCDT_SLIDES
   if (slides) return slide(mesh, c, ticket, k, queue);
 #endif
   uint around[4];
