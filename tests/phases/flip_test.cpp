@@ -65,8 +65,8 @@ bool illegal(const HostMesh& m, const std::pair<Ends, Ends>& of) {
   GridPoint a = point(of.first.first), b = point(of.first.second), p = point(of.second.first),
             q = point(of.second.second);
   if (test::orientation(a, b, p) < 0) std::swap(p, q);
-  const auto circle = CGAL::side_of_oriented_circle(test::exact(a), test::exact(b), test::exact(p), test::exact(q));
-  if (circle != CGAL::ON_ORIENTED_BOUNDARY) return circle == CGAL::ON_POSITIVE_SIDE;
+  const int circle = test::in_circle(a, b, p, q);
+  if (circle != 0) return circle > 0;
   return std::min(a, b) != std::min({a, b, p, q});
 }
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include "oracle.hpp"
@@ -18,6 +19,7 @@ using namespace gcdt::test;
 namespace {
 
 std::vector<Segment> delaunay_edges(const std::vector<Point>& points) {
+  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
   using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex>>;
   std::vector<std::pair<Kernel::Point_2, std::uint32_t>> sites;

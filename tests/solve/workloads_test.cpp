@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <CGAL/Box_intersection_d/Box_d.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 
 #include "oracle.hpp"
@@ -14,6 +15,7 @@ using namespace gcdt::test;
 
 namespace {
 
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 2, std::size_t>;
 
 /// How many pairs of constraints cross properly, a vertex at the crossing or not.

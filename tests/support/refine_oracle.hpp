@@ -103,10 +103,9 @@ inline std::string mesh_fault(const RefinedResult& r) {
       if (r.flagged(t, k)) continue;
       const GridPoint &a = r.points[c[(k + 1) % 3]], &b = r.points[c[(k + 2) % 3]], &p = r.points[c[k]],
                       &q = r.points[r.triangles[u][j]];
-      const auto side = CGAL::side_of_oriented_circle(exact(a), exact(b), exact(p), exact(q));
-      if (side == CGAL::ON_POSITIVE_SIDE) return name + " has an edge that is not Delaunay";
-      if (side == CGAL::ON_ORIENTED_BOUNDARY && std::min(a, b) > std::min(p, q))
-        return name + " has the wrong diagonal";
+      const int side = in_circle(a, b, p, q);
+      if (side > 0) return name + " has an edge that is not Delaunay";
+      if (side == 0 && std::min(a, b) > std::min(p, q)) return name + " has the wrong diagonal";
     }
   }
   std::set<Edge> pieces;
