@@ -16,6 +16,10 @@
 #define GCDT_SORT_LANES 128u
 #define GCDT_SORT_WIDTH 8u
 
+// Keys of a run that are put in order by a work-item each, which compares its own with all others (bench/NOTES.md,
+// "Sorting few keys").
+#define GCDT_SORT_RANKED 64u
+
 // Keys that one work-group sorts in local memory: 24 KiB of the 32 that every device has.
 #define GCDT_SORT_SMALL 2048u
 

@@ -92,6 +92,35 @@ kernel void sort_runs(u32 count, u32 low, u32 longest, global u64* keys, global 
   }
 }
 
+// The same from one pair of arrays to the other, a work-item for each pair: it comes behind those of its run that have
+// smaller keys, and equal ones that stood before it. Runs longer than `longest` are copied as they are.
+// Reads: keys, values. Writes: the pair's place in the other arrays, of which it is the one writer, as places differ;
+//   long_runs, as above, which the first of a run adds to.
+// All pairs of a run agree on whether it is longer: each looks at up to `longest` before it, and on until it has seen
+// more than that, or the end. Ends: either loop takes a step each time, `longest` at most.
+kernel void rank_runs(u32 count, u32 low, u32 longest, global const u64* keys, global const u32* values,
+                      volatile global u32* long_runs, global u64* ranked_keys, global u32* ranked_values) {
+  FOR_EACH(i, count) {
+    const u64 key = keys[i], high = key >> low;
+    u32 begin = i, end = i + 1u, smaller = 0;
+    for (; begin > 0u && i - begin < longest; --begin) {
+      const u64 met = keys[begin - 1u];
+      if (met >> low != high) break;
+      if (met <= key) ++smaller;
+    }
+    for (; end < count && end - begin <= longest; ++end) {
+      const u64 met = keys[end];
+      if (met >> low != high) break;
+      if (met < key) ++smaller;
+    }
+    const bool is_long = end - begin > longest;
+    const u32 place = is_long ? i : begin + smaller;
+    ranked_keys[place] = key;
+    ranked_values[place] = values[i];
+    if (is_long && begin == i) long_runs[1u + atomic_inc(long_runs)] = i;
+  }
+}
+
 // Where the run that begins at `begin` ends, or `outside`, if that is in it. Ends: the range halves.
 GCDT_INLINE u32 end_of_run(u32 low, global const u64* keys, u32 begin, u32 outside) {
   const u64 high = keys[begin] >> low;
@@ -106,7 +135,7 @@ GCDT_INLINE u32 end_of_run(u32 low, global const u64* keys, u32 begin, u32 outsi
   return outside;
 }
 
-// One work-group per run that sort_runs has listed. Sorts those of up to GCDT_SORT_SMALL pairs, stably.
+// One work-group per run that rank_runs has listed. Sorts those of up to GCDT_SORT_SMALL pairs, stably.
 // Reads, writes: keys, values. A run has one group, and nobody looks beyond its own run but at the bits from `low` on.
 // After: every run up to GCDT_SORT_SMALL is in order.
 kernel void sort_long_runs(u32 count, u32 low, global const u32* long_runs, global u64* keys, global u32* values) {
@@ -123,7 +152,7 @@ kernel void sort_long_runs(u32 count, u32 low, global const u32* long_runs, glob
   }
 }
 
-// One work-group per run that sort_runs has listed.
+// One work-group per run that sort_runs or rank_runs has listed.
 // Reads: keys. Writes: marks, which were 0, of the pairs of those longer than `most`, of which each is in one run.
 kernel void mark_left_runs(u32 count, u32 low, u32 most, global const u32* long_runs, global const u64* keys,
                            global u32* marks) {

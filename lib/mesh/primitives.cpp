@@ -160,12 +160,18 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
   runtime_.reserve(long_runs_, "long runs", 1 + count / Tuning::longest_run);
   runtime_.fill<cl_uint>(unordered_, 0, 1);
   runtime_.fill<cl_uint>(long_runs_, 0, 1);
-  runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys, values,
-                  long_runs_);
-  if (walk_ == Walk::group)
+  if (walk_ == Walk::serial) {
+    runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys,
+                    values, long_runs_);
+  } else {
+    runtime_.launch("sort_finish", "rank_runs", runtime::over(count), n, cl_uint{low}, cl_uint{GCDT_SORT_RANKED}, keys,
+                    values, long_runs_, other_keys64_, other_values_);
+    std::swap(keys, other_keys64_);
+    std::swap(values, other_values_);
     runtime_.launch("sort_finish", "sort_long_runs",
                     runtime_.over_groups(count / GCDT_SORT_SMALL, runtime::Groups::wide), n, cl_uint{low}, long_runs_,
                     keys, values);
+  }
   runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_left_runs(keys, values, count, low, bits);
 }

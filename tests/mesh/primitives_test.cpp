@@ -265,8 +265,8 @@ TEST_CASE("a sort by prefix equals the sort, with short runs, long ones, and equ
       check_sort(primitives, steps, 62, 32);
       std::sort(steps.begin(), steps.end());
       check_sort(primitives, steps, 62, 32);
-      // the longest run that a work-group sorts, one longer than that, and equal keys in both
-      for (std::size_t run : {33u, 2048u, 2049u, 5000u}) {
+      // the longest runs that work-items and a work-group sort, one longer each, and equal keys in all
+      for (std::size_t run : {32u, 33u, 64u, 65u, 2048u, 2049u, 5000u}) {
         for (std::size_t i = 0; i < count; ++i) steps[i] = i / run << 30 | (i * 7919 % run / 2);
         check_sort(primitives, steps, 62, 32);
       }
