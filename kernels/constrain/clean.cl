@@ -149,12 +149,13 @@ static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, ui
 // piece, in order of the sources; of a constraint's crossed faces what comes to each of its pieces; and for a source
 // that stays whole its parts.
 kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_POINTER levels, global const uint2* ends,
-                         global const uint* begins, global const uint* offsets, global const uint* hits,
-                         global const uint* list, global const uint* places, global const uint* firsts,
-                         global ulong* keys, global uint* sources, global uint* crossed, global uint2* whole) {
+                         global const uint* begins, global const uint* part_piece, global const uint* offsets,
+                         global const uint* hits, global const uint* list, global const uint* places,
+                         global const uint* firsts, global ulong* keys, global uint* sources, global uint* crossed,
+                         global uint2* whole) {
   const uint parts = begins[pieces];
   FOR_EACH(part, parts) {
-    const uint c = last_begin(begins, pieces, part);
+    const uint c = part_piece[part];
     const uint first = offsets[begins[c]], last = offsets[part + 1u];
     const uint at = along_curve ? firsts[places[c]] : first + c;
     uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];

@@ -88,10 +88,10 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked
   return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
 }
 
-// One work-item per part. Writes the part's piece and first face, and for the first one of a piece its line: its own
-// words. The face is GCDT_NONE if a hasty search takes too long, or the mesh is wrong. If `again`, pieces have been
-// walked from the same point or from the one that their parts are cut at now, and walked_face says where it was. If
-// `missing`, only faces that are GCDT_NONE are searched.
+// One work-item per part. Writes the part's piece, if it is not listed but GCDT_NONE, and its first face, and for the
+// first one of a piece its line: its own words. The face is GCDT_NONE if a hasty search takes too long, or the mesh is
+// wrong. If `again`, pieces have been walked from the same point or from the one that their parts are cut at now, and
+// walked_face says where it was. If `missing`, only faces that are GCDT_NONE are searched.
 kernel void first_faces(uint hasty, uint again, uint missing, uint pieces, uint capacity, GCDT_LEVELS_POINTER levels,
                         uint level, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, GCDT_FAN_PARAMETERS,
                         global const uint2* ends, global const uint* begins, global const uint2* walked,
@@ -105,7 +105,8 @@ kernel void first_faces(uint hasty, uint again, uint missing, uint pieces, uint 
   uint steps = 0;
   FOR_EACH(part, min(parts, capacity)) {
     if (missing && part_face[part] != GCDT_NONE) continue;
-    const uint c = last_begin(begins, pieces, part), k = part - begins[c], count = begins[c + 1u] - begins[c];
+    const uint listed = part_piece[part], c = listed != GCDT_NONE ? listed : last_begin(begins, pieces, part);
+    const uint k = part - begins[c], count = begins[c + 1u] - begins[c];
     const uint2 before = again ? walked[c] : (uint2)(0u, 0u);
     const uint cut = before.y > 0u ? count / before.y : 0u;  // into so many
     const uint2 e = walk_ends(ends[c]);

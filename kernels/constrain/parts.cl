@@ -7,6 +7,9 @@
 // are much too long.
 #define LEAST_CUT 4u
 
+// Parts of a piece that a list says whose they are: nearly all there are, since few pieces are long.
+#define LISTED_PARTS 16u
+
 // One work-item per piece. The weight of a piece is its length. No race: its own word.
 kernel void parts_lengths(uint pieces, global const int2* points, global const uint2* ends, global uint* weights) {
   FOR_EACH(c, pieces) weights[c] = (uint)piece_length(points, ends[c]);
@@ -56,5 +59,13 @@ kernel void parts_count(uint pieces, ulong whole, uint pool, global const uint* 
     const uint count = whole == 0 ? 1u : 1u + (uint)min((u64)pool, (u64)weights[c] * pool / whole),
                had = again ? walked[c].y : 0u;
     counts[c] = had == 0u ? count : count / had < LEAST_CUT ? had : had * (count / had);
+  }
+}
+
+// One work-item per piece. Writes whose its first parts are. No race: each its own words. Ends: LISTED_PARTS at most.
+kernel void parts_list(uint pieces, uint capacity, global const uint* begins, global uint* part_piece) {
+  FOR_EACH(c, pieces) {
+    const uint first = begins[c], last = min(min(begins[c + 1u], capacity), first + LISTED_PARTS);
+    for (uint part = first; part < last; ++part) part_piece[part] = c;
   }
 }

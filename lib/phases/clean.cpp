@@ -183,8 +183,8 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
   runtime::Buffer<cl_uint> firsts;
   place_pieces(kept, parts, found.offsets, firsts);
   runtime_.launch("clean", "clean_pieces", over(parts.capacity), kept.count, cl_uint(kept.along_curve), cl_uint(bits),
-                  vertices_.levels_buffer, kept.ends, parts.begins, found.offsets, found.hits, kept.list,
-                  kept.along_curve ? kept.places : kept.list, firsts, keys, sources, found.crossed, whole);
+                  vertices_.levels_buffer, kept.ends, parts.begins, found.begins.pieces, found.offsets, found.hits,
+                  kept.list, kept.along_curve ? kept.places : kept.list, firsts, keys, sources, found.crossed, whole);
   result.pieces = merge(vertices_, std::move(keys), std::move(sources), found.crossed, whole, count, bits);
   result.pieces.walked.faces = std::move(found.begins.faces);
   result.pieces.walked.crossed = wide(counters.last().pairs_low, counters.last().pairs_high);

@@ -76,8 +76,9 @@ PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked,
                             PhaseCounters& counters) {
   PartBegins begins;
   begins.lines = runtime.allocate<cl_int4>("lines of pieces", pieces);
-  begins.pieces = runtime.allocate<cl_uint>("pieces of parts", parts.capacity);
+  begins.pieces = runtime.filled<cl_uint>("pieces of parts", parts.capacity, GCDT_NONE);
   begins.faces = runtime.allocate<cl_uint>("first faces of parts", parts.capacity);
+  runtime.launch("parts", "parts_list", runtime::over(pieces), pieces, parts.capacity, parts.begins, begins.pieces);
   launch_first_faces(runtime, walked, ends, pieces, parts, before, cl_uint{hasty}, 0, begins, counters);
   return begins;
 }
