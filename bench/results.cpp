@@ -69,6 +69,15 @@ void Results::put(const std::string& row) {
       replaced = true;
     }
   if (!replaced) rows_.push_back(row);
+  write();
+}
+
+void Results::set_machine(const std::string& object) {
+  machine_ = object;
+  write();
+}
+
+void Results::write() const {
   const std::string next = path_ + ".part";
   {
     std::ofstream file(next);

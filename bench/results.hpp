@@ -31,12 +31,15 @@ class Results {
  public:
   /// Takes up the rows of the file at `path`, if there is one. Write the machine before the first row.
   explicit Results(std::string path);
-  void set_machine(const std::string& object) { machine_ = object; }
+  /// Writes the file, so that one that cannot be written is an error before anything is timed.
+  void set_machine(const std::string& object);
   bool has(const std::string& name, std::size_t size, const std::string& device) const;
   /// Adds the row or replaces the one of the same input and device, and writes the file.
   void put(const std::string& row);
 
  private:
+  void write() const;
+
   std::string path_, machine_;
   std::vector<std::string> rows_;
 };
