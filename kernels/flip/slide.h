@@ -60,7 +60,10 @@ typedef struct Side {
 } Side;
 
 static inline Side look_behind(Mesh mesh, Queue queue, uint code) {
-  const Side s = {.code = code, .behind = mesh.edge_faces[code ^ 1u], .marks = queue.marks[GCDT_SIDE_EDGE(code)]};
+  Side s;
+  s.code = code;
+  s.behind = mesh.edge_faces[code ^ 1u];
+  s.marks = queue.marks[GCDT_SIDE_EDGE(code)];
   return s;
 }
 
@@ -97,9 +100,9 @@ static Met meet_edge(Mesh mesh, Claim c, uint ticket, Queue queue, Side s, Corne
   met->p = load_corner(mesh, corners.x);
   met->of_y = look_behind(mesh, queue, sides.y);
   met->of_x = look_behind(mesh, queue, sides.z);
-  const bool owned =
-      corners.w == ticket ||
-      (!claimed_now(corners.w, c) && atomic_cmpxchg(claim_word(mesh.face_data, face), corners.w, ticket) == corners.w);
+  const uint word = corners.w;
+  const bool owned = word == ticket ||
+                     (!claimed_now(word, c) && atomic_cmpxchg(claim_word(mesh.face_data, face), word, ticket) == word);
   if (!owned) return MET_UNKNOWN;
   return gcdt_must_flip(y.at, v.at, x.at, met->p.at) ? MET_ILLEGAL : MET_LEGAL;
 }
