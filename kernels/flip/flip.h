@@ -121,4 +121,11 @@ static bool try_lock(Mesh mesh, uint face, uint ticket, Claim c) {
   return !claimed_now(old, c) && atomic_cmpxchg(word, old, ticket) == old;
 }
 
+// Whether the face, whose claim word was read as `seen`, is or now becomes the one's who has `ticket`: the same where
+// words of the face are asked for together with it.
+static inline bool own_face(Mesh mesh, uint face, uint seen, uint ticket, Claim c) {
+  if (seen == ticket) return true;
+  return !claimed_now(seen, c) && atomic_cmpxchg(claim_word(mesh.face_data, face), seen, ticket) == seen;
+}
+
 #endif

@@ -11,9 +11,7 @@
 #include "flip/queue.h"
 
 // Flips of a slide at most, which bounds the launch.
-#ifndef GCDT_SLIDE_FLIPS
 #define GCDT_SLIDE_FLIPS 32u
-#endif
 // Edges of a round that slides at most, a few flips' worth.
 #ifndef GCDT_SLIDE_TESTS
 #define GCDT_SLIDE_TESTS 8u
@@ -100,10 +98,7 @@ static Met meet_edge(Mesh mesh, Claim c, uint ticket, Queue queue, Side s, Corne
   met->p = load_corner(mesh, corners.x);
   met->of_y = look_behind(mesh, queue, sides.y);
   met->of_x = look_behind(mesh, queue, sides.z);
-  const uint word = corners.w;
-  const bool owned = word == ticket ||
-                     (!claimed_now(word, c) && atomic_cmpxchg(claim_word(mesh.face_data, face), word, ticket) == word);
-  if (!owned) return MET_UNKNOWN;
+  if (!own_face(mesh, face, corners.w, ticket, c)) return MET_UNKNOWN;
   return gcdt_must_flip(y.at, v.at, x.at, met->p.at) ? MET_ILLEGAL : MET_LEGAL;
 }
 

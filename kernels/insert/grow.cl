@@ -46,8 +46,7 @@ static void leave_edge(Owner o, uint e) {
 
 // Whether `face`, whose claim word was read as `word`, is or now becomes the work-item's own.
 static inline bool own(Mesh mesh, Owner o, uint face, uint word) {
-  if (word == o.ticket) return true;
-  return !claimed_now(word, o.claim) && atomic_cmpxchg(claim_word(mesh.face_data, face), word, o.ticket) == word;
+  return own_face(mesh, face, word, o.ticket, o.claim);
 }
 
 // ---- Insertion ------------------------------------------------------------------------------------
