@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenCL layer for tests that make the same objects again and again, below the layers that watch or change calls: a
+// An OpenCL layer for tests, which make the same objects again and again, below the layers that watch or change calls: a
 // context that nobody holds any more serves whoever makes one for the same device, and a program that is built in a
 // context where the same has been built stands for that one. Every call is made and answered, but compilers and caches
-// of drivers do their work once.
+// of drivers do their work once in a process.
 #include <map>
 #include <mutex>
 #include <string>
@@ -21,13 +21,19 @@ struct Made {
   int references;
 };
 
-/// All members are guarded by `mutex`.
+/// What is built of one text with the same options in one context. Who builds it holds `mutex`, so that others wait.
+struct Built {
+  std::mutex mutex;
+  cl_program program = nullptr;  ///< held for good, or not built yet
+};
+
+/// All members are guarded by `mutex`, but for what is in a Built; those stay where they are.
 struct Kept {
   std::mutex mutex;
   std::map<cl_context, std::pair<cl_device_id, int>> contexts;  ///< those held, with the number of references
   std::map<cl_device_id, std::vector<cl_context>> free;
   std::map<cl_program, Made> programs;
-  std::map<std::tuple<cl_context, std::string, std::string>, cl_program> built;  ///< by text and options
+  std::map<std::tuple<cl_context, std::string, std::string>, Built> built;  ///< by text and options
 };
 Kept& kept() {
   static auto* const all = new Kept;  // for good: calls may come from destructors of statics
@@ -105,17 +111,24 @@ cl_program behind(cl_program program) {
 
 cl_int CL_API_CALL build_program(cl_program program, cl_uint devices, const cl_device_id* device, const char* options,
                                  void(CL_CALLBACK* notify)(cl_program, void*), void* user) {
-  const std::lock_guard<std::mutex> lock(kept().mutex);  // another thread that builds the same waits, and has it then
+  std::unique_lock<std::mutex> lock(kept().mutex);
   const auto found = kept().programs.find(program);
-  if (notify || devices != 1 || found == kept().programs.end())
+  if (notify || devices != 1 || found == kept().programs.end()) {
+    lock.unlock();
     return next->clBuildProgram(program, devices, device, options, notify, user);
-  Made& made = found->second;
-  const auto key = std::make_tuple(made.context, made.text, std::string(options ? options : ""));
-  const auto same = kept().built.find(key);
-  if (same != kept().built.end()) return made.built = same->second, CL_SUCCESS;
-  const cl_int code = next->clBuildProgram(program, devices, device, options, notify, user);
-  if (code == CL_SUCCESS && next->clRetainProgram(program) == CL_SUCCESS) kept().built[key] = program;  // for good
-  return code;
+  }
+  Built& same = kept().built[{found->second.context, found->second.text, options ? options : ""}];
+  lock.unlock();
+  const std::lock_guard<std::mutex> building(same.mutex);
+  if (!same.program) {
+    const cl_int code = next->clBuildProgram(program, devices, device, options, notify, user);
+    if (code != CL_SUCCESS) return code;
+    next->clRetainProgram(program);
+    same.program = program;
+  }
+  lock.lock();
+  kept().programs.at(program).built = same.program;  // who builds a program holds it
+  return CL_SUCCESS;
 }
 
 cl_int CL_API_CALL retain_program(cl_program program) {
