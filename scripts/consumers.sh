@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Proves that the library can be installed and found: builds and runs small programs against it, shared and static,
 # with find_package, pkg-config and FetchContent, each from an empty folder and a fresh prefix.
-# Usage: scripts/consumers.sh [FOLDER]    what is built goes to FOLDER (default: build-consumers), emptied first
+# Usage: scripts/consumers.sh [FOLDER [BUILD]]
+#   FOLDER   where what is built goes (default: build-consumers); emptied first
+#   BUILD    a build of the project, whose static library is installed (default: one is made)
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-case ${1-} in -h | --help) sed -n '3,5s/^# //p' "$0"; exit 0 ;; esac
+case ${1-} in -h | --help) sed -n '3,7s/^# //p' "$0"; exit 0 ;; esac
 work=$(realpath -m "${1:-$root/build-consumers}")
+static=${2-}
 rm -rf "$work"
 mkdir -p "$work"
 sources=$root/tests/consumer
@@ -25,12 +28,28 @@ run() {
   echo "consumers: $1: $said"
 }
 
-# Both kinds are linked of the same objects (lib/CMakeLists.txt), which are compiled once, for the first.
+# Nothing of the project but the library is built for another's project, and nothing installed unless that wants it.
+subdirectory() { build "$sources/subdirectory" "$work/subdirectory" -DGCDT_SOURCE="$root" "$@"; }
+subdirectory
+run "FetchContent" "$work/subdirectory/consumer"
+commands=$(find "$work/subdirectory" -type f -name 'gcdt' -perm -u+x)
+[[ -z $commands ]] || { echo "consumers: the command was built" >&2; exit 1; }
+mkdir "$work/nothing"
+quietly cmake --install "$work/subdirectory" --prefix "$work/nothing"
+installed=$(find "$work/nothing" -type f)
+[[ -z $installed ]] || { echo "consumers: installed with another's project: $installed" >&2; exit 1; }
+
+# Both kinds are linked of the same objects (lib/CMakeLists.txt), so the shared library is that project's, whose objects
+# are there.
+subdirectory -DBUILD_SHARED_LIBS=ON -DGCDT_INSTALL=ON
+shared=$work/subdirectory
+if [[ -z $static ]]; then
+  static=$work/gcdt
+  build "$root" "$static" -DGCDT_TOOLS=OFF -DGCDT_EXAMPLES=OFF
+fi
 for kind in shared static; do
   prefix=$work/$kind/prefix
-  [[ $kind == shared ]] && shared=ON || shared=OFF
-  build "$root" "$work/gcdt" -DBUILD_SHARED_LIBS=$shared -DGCDT_TOOLS=OFF -DGCDT_EXAMPLES=OFF
-  quietly cmake --install "$work/gcdt" --prefix "$prefix"
+  for component in library dev; do quietly cmake --install "${!kind}" --prefix "$prefix" --component $component; done
   library=$(find "$prefix" -name 'libgcdt.*' | sort)
   library=$(dirname "${library%%$'\n'*}")
 
@@ -48,13 +67,3 @@ for kind in shared static; do
   quietly c++ -std=c++17 "$sources/main.cpp" -o "$work/$kind/cpp" "${flags[@]}" "-Wl,-rpath,$library"
   run "$kind, pkg-config, C++" "$work/$kind/cpp"
 done
-
-# Nothing of the project but the library is built for another's project, and nothing installed.
-build "$sources/subdirectory" "$work/subdirectory" -DGCDT_SOURCE="$root"
-run "FetchContent" "$work/subdirectory/consumer"
-commands=$(find "$work/subdirectory" -type f -name 'gcdt' -perm -u+x)
-[[ -z $commands ]] || { echo "consumers: the command was built" >&2; exit 1; }
-mkdir "$work/nothing"
-quietly cmake --install "$work/subdirectory" --prefix "$work/nothing"
-installed=$(find "$work/nothing" -type f)
-[[ -z $installed ]] || { echo "consumers: installed with another's project: $installed" >&2; exit 1; }

@@ -17,7 +17,7 @@ esac
 
 cores=$(nproc)
 # A CPU driver uses every core for each test: a few tests at once hide the serial parts, more only fill the memory.
-tests_at_once=$((cores < 4 ? cores : 4))
+tests_at_once=$((cores < 4 ? cores + 1 : 4))
 
 bash "$root/scripts/setup.sh" --tests
 bash "$root/scripts/format.sh"

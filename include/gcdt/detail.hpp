@@ -193,10 +193,11 @@ inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 /// Gives the arrays of `to` as many elements as the result will have at most, or nearly always, and returns what of
 /// that it will use, as far as is known; the rest, of which no page is touched, is only addresses. Nothing for few
-/// vertices, or if there is no memory for it: then room is made when the size is known.
+/// vertices, or if there is no memory for it: then room is made when the size is known; and nothing for too many, which
+/// the call refuses.
 inline std::vector<gcdt_host_memory> room(Triangulation& to, std::size_t n, std::size_t m, const Options& options) {
   constexpr std::size_t least = std::size_t{1} << 15;  // vertices that are worth it
-  if (n < least) return {};
+  if (n < least || n > max_vertices) return {};
   // By what arrays have one element for, and which results have them (gcdt/arrays.def).
   struct Elements {
     std::size_t triangle, vertex, piece, piece_bound, source, dropped, added;

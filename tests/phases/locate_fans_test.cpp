@@ -130,11 +130,25 @@ std::vector<Place> make_queries(const Input& input, const Searched& searched) {
   return queries;
 }
 
+/// Queries of an input, and where they are in its triangles, which are the same on every device.
+struct Expected {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Place> queries;
+  std::vector<cl_int> found;
+};
+
 void check_all(const Input& input, Searched& searched) {
-  const std::vector<Place> queries = make_queries(input, searched);
-  const std::vector<cl_int> found = searched.locate(queries);
-  for (std::size_t i = 0; i < queries.size(); ++i)
-    CHECK(found[i] == found_in(input.points, searched.triangles, queries[i]));
+  static std::map<std::string, Expected> by_name;
+  const auto [at, first] = by_name.try_emplace(input.name);
+  Expected& expected = at->second;
+  if (first) {
+    expected.triangles = searched.triangles;
+    expected.queries = make_queries(input, searched);
+    for (const Place& query : expected.queries)
+      expected.found.push_back(found_in(input.points, searched.triangles, query));
+  }
+  REQUIRE(searched.triangles == expected.triangles);
+  CHECK(searched.locate(expected.queries) == expected.found);
 }
 
 /// Reads the fans of a mesh whose corners are input numbers; of those, none are equal here.

@@ -93,10 +93,10 @@ consumers() { # FAILING: the name of the consumer that fails, or none
   local folder=$work/consumers-$1
   play "$folder" cmake '
     while [[ $# -gt 0 ]]; do
-      case $1 in --build | -B) build=$2 ;; --prefix) prefix=$2 ;; --install) tree=$2 ;; esac
+      case $1 in --build | -B) build=$2 ;; --prefix) prefix=$2 ;; esac
       shift
     done
-    if [[ ${prefix-} && $tree != */subdirectory ]]; then mkdir -p "$prefix/lib" && touch "$prefix/lib/libgcdt.so"; fi
+    if [[ ${prefix-} && $prefix != */nothing ]]; then mkdir -p "$prefix/lib" && touch "$prefix/lib/libgcdt.so"; fi
     [[ ! ${build-} ]] || { mkdir -p "$build" && program "$build/consumer" "$(basename "$build")"; }'
   play "$folder" cc 'program "$3" cc'
   play "$folder" c++ 'program "$4" c++'
