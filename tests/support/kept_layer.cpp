@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenCL layer for tests, which make the same objects again and again, below the layers that watch or change calls: a
-// context that nobody holds any more serves whoever makes one for the same device, and a program that is built in a
+// An OpenCL layer for tests, which make the same objects again and again, below the layers that watch or change calls:
+// a context that nobody holds any more serves whoever makes one for the same device, and a program that is built in a
 // context where the same has been built stands for that one. Every call is made and answered, but compilers and caches
 // of drivers do their work once in a process.
 #include <map>
