@@ -64,8 +64,9 @@ chosen() {
 # What a test needs to be built; most are executables of the test's name.
 target_of() {
   case $1 in
-    scripts | readme | consumers) ;;
-    forget_launches) echo launch_layer ;;
+    scripts | readme) ;;
+    consumers) echo gcdt ;;
+    forget_launches) printf '%s\n' kept_layer launch_layer ;;
     races) echo race_cases ;;
     abi | example_interop) echo gcdt_shared ;;
     bench_quick) echo gcdt_bench ;;
