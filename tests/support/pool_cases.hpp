@@ -80,7 +80,11 @@ inline std::vector<cl::CommandQueue> half_devices() {
 }
 
 /// Of a device that works.
-inline runtime::CallHook healthy() { return {}; }
+inline runtime::CallHook healthy() {
+  runtime::CallHook hook;
+  hook.keep_programs = true;  // hundreds of runtimes, each of which would compile
+  return hook;
+}
 
 /// Fails the k-th OpenCL call of a device, and, as a lost one would, all that follow if `for_good`.
 inline runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
