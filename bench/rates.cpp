@@ -17,7 +17,7 @@ namespace {
 constexpr int repetitions = 7;  // the median of them counts
 constexpr int launches = 200;   // in a row
 
-const char* const source =
+const char* const program_source =
     "__kernel void copy(uint count, __global const uint4* from, __global uint4* to) {\n"
     "  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) to[i] = from[i];\n"
     "}\n"
@@ -86,7 +86,7 @@ Rates measure_rates(const DeviceInfo& info, std::size_t bytes) {
   require(code);
   cl_command_queue queue = clCreateCommandQueue(context, device, 0, &code);
   require(code);
-  cl_program program = clCreateProgramWithSource(context, 1, const_cast<const char**>(&source), nullptr, &code);
+  cl_program program = clCreateProgramWithSource(context, 1, const_cast<const char**>(&program_source), nullptr, &code);
   require(code);
   require(clBuildProgram(program, 1, &device, "", nullptr, nullptr));
   cl_kernel copy = clCreateKernel(program, "copy", &code);

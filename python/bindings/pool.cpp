@@ -38,12 +38,12 @@ class PoolTurn {
   bool first_;
 };
 
-BatchResult triangulate(SharedPool& shared, const BatchView& batch, const Options& options) {
+BatchResult triangulate_batch(SharedPool& shared, const BatchView& batch, const Options& options) {
   const PoolTurn turn(shared);
   return shared.pool.triangulate(batch, options);
 }
 
-nb::dict statistics_dict(const gcdt_batch_statistics& s) {
+nb::dict batch_statistics_dict(const gcdt_batch_statistics& s) {
   nb::dict d;
   d["problems"] = s.problems, d["failed"] = s.failed;
   d["vertices"] = s.vertices, d["constraints"] = s.constraints, d["triangles"] = s.triangles;
@@ -124,7 +124,7 @@ nb::tuple triangulate_polygons(const std::shared_ptr<SharedPool>& shared, const 
     const Polygons batch(given, rings, polygons, wanted.domain);
     if (given.size() > 0xffffffffu) throw Error(Status::too_many_vertices, "there are more coordinates than 2^32");
     kept = std::make_unique<BatchResult>(
-        triangulate(*shared, {given, batch.vertex_offsets, batch.constraints, batch.vertex_offsets}, wanted));
+        triangulate_batch(*shared, {given, batch.vertex_offsets, batch.constraints, batch.vertex_offsets}, wanted));
     triangles = all_of<std::array<std::uint32_t, 3>>(*kept, GCDT_TRIANGLES);
     const auto on_grid = all_of<std::array<std::int32_t, 2>>(*kept, GCDT_ADDED);
     number_globally(triangles.first, triangles.second, batch.vertex_offsets, on_grid.second);
@@ -137,7 +137,7 @@ nb::tuple triangulate_polygons(const std::shared_ptr<SharedPool>& shared, const 
 void bind_batches(nb::module_& m) {
   nb::class_<BatchResult> batch(m, "BatchResult", "The results of a batch, in host memory.");
   batch.def("__len__", &BatchResult::size)
-      .def("statistics", [](const BatchResult& self) { return statistics_dict(self.statistics()); })
+      .def("statistics", [](const BatchResult& self) { return batch_statistics_dict(self.statistics()); })
       .def("failed", [](const BatchResult& self) { return handed_over(failed_problems(self)); })
       .def(
           "error",
@@ -149,7 +149,7 @@ void bind_batches(nb::module_& m) {
       .def(
           "problem_statistics",
           [](const BatchResult& self, std::size_t problem) {
-            return python::statistics_dict(detail::statistics(self, problem));
+            return statistics_dict(detail::statistics(self, problem));
           },
           nb::arg("problem"))
       .def(
@@ -217,7 +217,7 @@ void bind_pool(nb::module_& m) {
                                      span(constraint_offsets)};
             const Options wanted = options.for_call();
             nb::gil_scoped_release release;
-            return std::make_unique<BatchResult>(triangulate(*self, batch, wanted));
+            return std::make_unique<BatchResult>(triangulate_batch(*self, batch, wanted));
           },
           nb::arg("vertices"), nb::arg("vertex_offsets"), nb::arg("constraints"), nb::arg("constraint_offsets"),
           nb::arg("options"))

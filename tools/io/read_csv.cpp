@@ -30,9 +30,9 @@ std::optional<double> number(std::string_view field) {
   return value;
 }
 
-class Reader {
+class CsvReader {
  public:
-  Reader(const std::string& path, Input& input) : path_(path), text_(read_file(path, longest_word)), input_(input) {}
+  CsvReader(const std::string& path, Input& input) : path_(path), text_(read_file(path, longest_word)), input_(input) {}
 
   void read() {
     std::string_view rest = text_;
@@ -152,7 +152,7 @@ class Reader {
 Input read_csv(const std::string& path) {
   Input input = input_of(path);
   input.first = 1;
-  Reader(path, input).read();
+  CsvReader(path, input).read();
   return input;
 }
 

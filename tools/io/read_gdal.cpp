@@ -31,9 +31,9 @@ class Quiet {
   Quiet& operator=(const Quiet&) = delete;
 };
 
-class Reader {
+class GdalReader {
  public:
-  Reader(const std::string& path, Input& input) : path_(path), geometries_(input) {}
+  GdalReader(const std::string& path, Input& input) : path_(path), geometries_(input) {}
 
   void read() {
     const Quiet quiet;
@@ -117,7 +117,7 @@ class Reader {
 
 Input read_with_gdal(const std::string& path) {
   Input input = input_of(path);
-  Reader(path, input).read();
+  GdalReader(path, input).read();
   return input;
 }
 

@@ -18,10 +18,10 @@ using Json = nlohmann::json;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-class Reader {
+class GeojsonReader {
  public:
   /// `name`: of the text in messages; `lines`: they name lines of the text, too.
-  Reader(std::string path, std::string name, bool lines) : name_(std::move(name)), lines_(lines) {
+  GeojsonReader(std::string path, std::string name, bool lines) : name_(std::move(name)), lines_(lines) {
     input_.files.push_back(std::move(path));
   }
 
@@ -49,13 +49,13 @@ class Reader {
   /// While it lives, the value that is looked at is a part of the one before.
   class Inside {
    public:
-    Inside(Reader& reader, JsonStep step) : reader_(reader) { reader_.path_.push_back(std::move(step)); }
+    Inside(GeojsonReader& reader, JsonStep step) : reader_(reader) { reader_.path_.push_back(std::move(step)); }
     ~Inside() { reader_.path_.pop_back(); }
     Inside(const Inside&) = delete;
     Inside& operator=(const Inside&) = delete;
 
    private:
-    Reader& reader_;
+    GeojsonReader& reader_;
   };
 
   /// Functions that call themselves for what is inside, such as Json::dump(), are safe after this.
@@ -204,7 +204,7 @@ class Reader {
 
 }  // namespace
 
-Input read_geojson(const std::string& path) { return Reader(path, path, true).read(read_file(path)); }
+Input read_geojson(const std::string& path) { return GeojsonReader(path, path, true).read(read_file(path)); }
 
 bool is_line_file(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -226,7 +226,7 @@ std::vector<TextLine> lines_of(const std::string& path) {
 }
 
 Input read_geojson_line(const std::string& path, const TextLine& line) {
-  return Reader(path, fmt::format("{}:{}", path, line.number), false).read(line.text);
+  return GeojsonReader(path, fmt::format("{}:{}", path, line.number), false).read(line.text);
 }
 
 }  // namespace gcdt::io

@@ -11,8 +11,6 @@ namespace gcdt::io {
 
 namespace {
 
-constexpr std::uint64_t max_attributes = 1000;
-
 /// The first two columns are x and y; others are attributes, the first of them, if it is alone, the height.
 void take_vertices(NpyArray& array, Input& input) {
   const std::uint64_t columns = array.columns();

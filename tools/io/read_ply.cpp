@@ -43,9 +43,9 @@ struct Element {
   std::vector<Property> properties;
 };
 
-class Reader {
+class PlyReader {
  public:
-  Reader(const std::string& path, Input& input) : path_(path), text_(read_file(path)), input_(input) {}
+  PlyReader(const std::string& path, Input& input) : path_(path), text_(read_file(path)), input_(input) {}
 
   void read() {
     header();
@@ -213,7 +213,7 @@ class Reader {
 
 Input read_ply(const std::string& path) {
   Input input = input_of(path);
-  Reader(path, input).read();
+  PlyReader(path, input).read();
   return input;
 }
 

@@ -2,7 +2,6 @@
 // Text files of vertices and what joins them: CDT's .txt, and .obj and .off, whose faces give their edges.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 
 #include "inputs.hpp"
@@ -14,20 +13,8 @@ namespace {
 
 constexpr std::uint64_t most = (1ull << 31) - 1;
 
-/// The shortest record of such files, "0 0" and its line end, bounds how many a text can hold.
-std::size_t reservation(const Records& in, std::uint64_t count) {
-  return static_cast<std::size_t>(std::min<std::uint64_t>(count, in.bytes_left() / 4 + 1));
-}
-
-double coordinate(Records& in, const char* what) {
-  const double value = in.number(what);
-  if (!(value - value == 0)) in.fail(fmt::format("the {} is not finite: {}", what, in.field()));
-  return value;
-}
-
-void expect_record(Records& in, const char* kind, std::uint64_t done, std::uint64_t count) {
-  if (!in.next()) in.fail(fmt::format("the file ends after {} of {} {}", done, count, kind));
-}
+/// The shortest record of such files, "0 0" and its line end: a vertex without its number.
+constexpr std::size_t shortest_bare_record = 4;
 
 std::uint32_t vertex_number(Records& in, const Input& input) {
   const std::int64_t number = in.integer("a vertex number");
@@ -75,18 +62,18 @@ Input read_cdt_text(const std::string& path) {
   const std::uint64_t vertices = in.count("the number of vertices", max_vertices);
   const std::uint64_t edges = in.more() ? in.count("the number of edges", most) : 0;
   in.skip_numbers("the header");
-  input.vertices.reserve(reservation(in, vertices));
+  input.vertices.reserve(in.reservation(vertices, shortest_bare_record));
   for (std::uint64_t i = 0; i < vertices; ++i) {
-    expect_record(in, "vertices", i, vertices);
-    const double x = coordinate(in, "x coordinate");
-    const double y = coordinate(in, "y coordinate");
+    in.expect("vertices", i, vertices);
+    const double x = in.coordinate("x coordinate");
+    const double y = in.coordinate("y coordinate");
     in.skip_numbers("a coordinate");
     input.vertices.push_back({x, y});
     input.vertex_lines.append(in.line());
   }
-  input.constraints.reserve(reservation(in, edges));
+  input.constraints.reserve(in.reservation(edges, shortest_bare_record));
   for (std::uint64_t i = 0; i < edges; ++i) {
-    expect_record(in, "edges", i, edges);
+    in.expect("edges", i, edges);
     const std::uint32_t a = vertex_number(in, input);
     const std::uint32_t b = vertex_number(in, input);
     in.skip_numbers("an edge");
@@ -107,9 +94,9 @@ Input read_obj(const std::string& path) {
     const std::string_view kind = in.word("a word");
     if (kind == "v") {
       if (input.vertices.size() == max_vertices) in.fail("too many vertices");
-      const double x = coordinate(in, "x coordinate");
-      const double y = coordinate(in, "y coordinate");
-      heights.add(in.more() ? coordinate(in, "z coordinate") : 0);
+      const double x = in.coordinate("x coordinate");
+      const double y = in.coordinate("y coordinate");
+      heights.add(in.more() ? in.coordinate("z coordinate") : 0);
       in.skip_numbers("a coordinate");
       input.vertices.push_back({x, y});
       input.vertex_lines.append(in.line());
@@ -135,19 +122,19 @@ Input read_off(const std::string& path) {
   const std::uint64_t vertices = in.count("the number of vertices", max_vertices);
   const std::uint64_t faces = in.count("the number of faces", most);
   in.skip_numbers("the header");
-  input.vertices.reserve(reservation(in, vertices));
+  input.vertices.reserve(in.reservation(vertices, shortest_bare_record));
   for (std::uint64_t i = 0; i < vertices; ++i) {
-    expect_record(in, "vertices", i, vertices);
-    const double x = coordinate(in, "x coordinate");
-    const double y = coordinate(in, "y coordinate");
-    heights.add(coordinate(in, "z coordinate"));
+    in.expect("vertices", i, vertices);
+    const double x = in.coordinate("x coordinate");
+    const double y = in.coordinate("y coordinate");
+    heights.add(in.coordinate("z coordinate"));
     in.skip_numbers("a normal, colour or texture coordinate");
     input.vertices.push_back({x, y});
     input.vertex_lines.append(in.line());
   }
   std::vector<std::uint32_t> corners;
   for (std::uint64_t i = 0; i < faces; ++i) {
-    expect_record(in, "faces", i, faces);
+    in.expect("faces", i, faces);
     corners.clear();
     for (std::uint64_t k = in.count("the number of corners", vertices); k > 0; --k)
       corners.push_back(vertex_number(in, input));

@@ -20,26 +20,9 @@ constexpr std::uint64_t max_constraints = (1ull << 31) - 1;
 /// The shortest record, "0 0 0" and its line end, bounds how many records a text can hold.
 constexpr std::size_t shortest_record = 6;
 
-std::size_t reservation(const Records& in, std::uint64_t count) {
-  return static_cast<std::size_t>(std::min<std::uint64_t>(count, in.bytes_left() / shortest_record + 1));
-}
-
-/// Moves to record `done` of `count`, or says how many came.
-void expect_record(Records& in, const char* kind, std::uint64_t done, std::uint64_t count) {
-  if (!in.next()) in.fail(fmt::format("the file ends after {} of {} {}", done, count, kind));
-}
-
 void expect_end(Records& in) {
   if (in.next()) in.fail("more text than the counts announce");
 }
-
-double coordinate(Records& in, const char* what) {
-  const double value = in.number(what);
-  if (!(value - value == 0)) in.fail(fmt::format("the {} is not finite: {}", what, in.field()));
-  return value;
-}
-
-constexpr std::uint64_t max_attributes = 1000;
 
 /// A field that may be absent; 0 then. Beyond 32 bits it is refused.
 std::int32_t marker(Records& in, const char* what) {
@@ -78,10 +61,10 @@ void read_extras(Records& in, const Extras& header, Input& out) {
 void read_vertices(Records& in, const Extras& header, Input& out) {
   const std::uint64_t count = header.count;
   out.attribute_count = static_cast<std::uint32_t>(header.attributes);
-  out.vertices.reserve(reservation(in, count));
+  out.vertices.reserve(in.reservation(count, shortest_record));
   out.vertex_file = in.name();
   for (std::uint64_t i = 0; i < count; ++i) {
-    expect_record(in, "vertices", i, count);
+    in.expect("vertices", i, count);
     const std::int64_t number = in.integer("the vertex number");
     if (i == 0) {
       if (number != 0 && number != 1)
@@ -90,8 +73,8 @@ void read_vertices(Records& in, const Extras& header, Input& out) {
     } else if (number != static_cast<std::int64_t>(i + out.first)) {
       in.fail(fmt::format("vertex number {} where {} is due", in.field(), i + out.first));
     }
-    const double x = coordinate(in, "x coordinate");
-    const double y = coordinate(in, "y coordinate");
+    const double x = in.coordinate("x coordinate");
+    const double y = in.coordinate("y coordinate");
     read_extras(in, header, out);
     out.vertices.push_back({x, y});
     out.vertex_lines.append(in.line());
@@ -110,10 +93,10 @@ std::uint32_t segment_end(Records& in, const Input& out, std::uint64_t segment) 
 }
 
 void read_segments(Records& in, std::uint64_t count, bool markers, Input& out) {
-  out.constraints.reserve(reservation(in, count));
+  out.constraints.reserve(in.reservation(count, shortest_record));
   out.constraint_file = in.name();
   for (std::uint64_t i = 0; i < count; ++i) {
-    expect_record(in, "segments", i, count);
+    in.expect("segments", i, count);
     const std::int64_t number = in.integer("the segment number");
     if (i == 0) out.first_constraint = number == 1 ? 1 : 0;
     const std::uint32_t a = segment_end(in, out, i + out.first_constraint);
@@ -132,10 +115,10 @@ void read_section(Records& in, const char* kind, Read&& read) {
   const std::uint64_t count = in.count(fmt::format("the number of {}", kind), max_constraints);
   in.skip_numbers("the header");
   for (std::uint64_t i = 0; i < count; ++i) {
-    expect_record(in, kind, i, count);
+    in.expect(kind, i, count);
     in.integer("the number");
-    const double x = coordinate(in, "x coordinate");
-    const double y = coordinate(in, "y coordinate");
+    const double x = in.coordinate("x coordinate");
+    const double y = in.coordinate("y coordinate");
     read(std::array<double, 2>{x, y});
     in.skip_numbers("an attribute");
   }
@@ -232,9 +215,9 @@ std::uint64_t triangle_header(Records& in) {
 
 void read_ele(Records& in, std::uint64_t vertex_count, std::uint32_t first, MeshFile& out, RowNumbers& rows) {
   const std::uint64_t count = triangle_header(in);
-  out.triangles.reserve(reservation(in, count));
+  out.triangles.reserve(in.reservation(count, shortest_record));
   for (std::uint64_t i = 0; i < count; ++i) {
-    expect_record(in, "triangles", i, count);
+    in.expect("triangles", i, count);
     rows.append(in.integer("the triangle number"));
     std::array<std::uint32_t, 3> corners;
     for (std::uint32_t& corner : corners) {
@@ -259,7 +242,7 @@ void read_neigh(Records& in, const RowNumbers& rows, MeshFile& out) {
   out.neighbours.assign(out.triangles.size(), {-1, -1, -1});
   std::vector<bool> seen(out.triangles.size());
   for (std::uint64_t i = 0; i < count; ++i) {
-    expect_record(in, "triangles", i, count);
+    in.expect("triangles", i, count);
     const auto row = rows.row(in.integer("the triangle number"));
     if (!row || seen[*row])
       in.fail(fmt::format("triangle {} {}", in.field(), row ? "occurs twice" : "does not exist in the .ele beside"),

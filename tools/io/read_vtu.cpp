@@ -16,7 +16,7 @@ namespace gcdt::io {
 
 namespace {
 
-constexpr std::string_view marker = "marker";  // of points; see write_vtu
+constexpr std::string_view marker_array = "marker";  // of points; see write_vtu
 
 /// A number as another type; out of that type's range, or not a number, it is the least of the type.
 template <class To, class From>
@@ -137,7 +137,8 @@ class VtuReader {
     if (mesh.attribute_count == 1) columns.push_back(std::move(mesh.attributes));
     mesh.attributes.clear();
     for (const auto array : data.children("DataArray")) {
-      if (array.attribute("NumberOfComponents").as_uint(1) != 1 || array.attribute("Name").value() == marker) continue;
+      if (array.attribute("NumberOfComponents").as_uint(1) != 1 || array.attribute("Name").value() == marker_array)
+        continue;
       columns.push_back(numbers<double>(array));
       if (columns.back().size() != mesh.vertices.size()) fail(array, "not one number for every point");
     }

@@ -19,9 +19,9 @@ int hexadecimal(char c) {
                                 : -1;
 }
 
-class Reader {
+class WkbReader {
  public:
-  Reader(const std::string& path, Input& input) : path_(path), bytes_(read_file(path)), geometries_(input) {
+  WkbReader(const std::string& path, Input& input) : path_(path), bytes_(read_file(path)), geometries_(input) {
     // Binary begins with 0 or 1, digits with '0'.
     if (!bytes_.empty() && bytes_[0] == '0') unpack_digits();
   }
@@ -147,7 +147,7 @@ class Reader {
 
 Input read_wkb(const std::string& path) {
   Input input = input_of(path);
-  Reader(path, input).read();
+  WkbReader(path, input).read();
   return input;
 }
 

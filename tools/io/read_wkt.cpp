@@ -12,9 +12,9 @@ namespace gcdt::io {
 
 namespace {
 
-class Reader {
+class WktReader {
  public:
-  Reader(const std::string& path, Input& input) : path_(path), text_(read_file(path)), geometries_(input) {}
+  WktReader(const std::string& path, Input& input) : path_(path), text_(read_file(path)), geometries_(input) {}
 
   void read() {
     if (text_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = 3;  // the byte order mark of UTF-8
@@ -170,7 +170,7 @@ class Reader {
 
 Input read_wkt(const std::string& path) {
   Input input = input_of(path);
-  Reader(path, input).read();
+  WktReader(path, input).read();
   return input;
 }
 

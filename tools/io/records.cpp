@@ -99,6 +99,10 @@ bool Records::next() {
   return false;
 }
 
+void Records::expect(const char* kind, std::uint64_t done, std::uint64_t count) {
+  if (!next()) fail(fmt::format("the file ends after {} of {} {}", done, count, kind));
+}
+
 /// Ends: the window grows until it has the line's end, or the file's.
 bool Records::take_line() {
   for (std::size_t looked = 0;;) {
@@ -206,6 +210,16 @@ double Records::number(std::string_view what) {
   if (end != text.data() + text.size() || error == std::errc::invalid_argument)
     fail(fmt::format("{} must be a number, not \"{}\"", what, field()));
   return value;
+}
+
+double Records::coordinate(const char* what) {
+  const double value = number(what);
+  if (!(value - value == 0)) fail(fmt::format("the {} is not finite: {}", what, field()));
+  return value;
+}
+
+std::size_t Records::reservation(std::uint64_t count, std::size_t shortest_record) const {
+  return static_cast<std::size_t>(std::min<std::uint64_t>(count, bytes_left() / shortest_record + 1));
 }
 
 void Records::skip_numbers(std::string_view what) {

@@ -70,6 +70,8 @@ class Records {
 
   /// Moves to the next line that holds more than blanks and a comment; false at the end.
   bool next();
+  /// The same to record `done` of `count`; at the end it fails, and says how many came.
+  void expect(const char* kind, std::uint64_t done, std::uint64_t count);
   /// Whether the current record has a further field.
   bool more();
   /// The next field as an integer; beyond 64 bits it is the nearest one. `what` names it in failures.
@@ -78,6 +80,8 @@ class Records {
   std::uint64_t count(std::string_view what, std::uint64_t most);
   /// The next field as the nearest double; "nan" and "inf" are numbers here.
   double number(std::string_view what);
+  /// The next field as a number that is finite.
+  double coordinate(const char* what);
   /// The next field as it is, until next() is called.
   std::string_view word(std::string_view what) { return take(what); }
   /// The rest of the record, which must be numbers.
@@ -89,6 +93,8 @@ class Records {
   std::uint64_t line() const { return line_; }
   /// Of the file, at least; of a pipe what has come of it.
   std::uint64_t bytes_left() const { return static_cast<std::uint64_t>(end_ - next_) + file_.left(); }
+  /// How many of `count` records may be in the rest of the file, if each has so many bytes at least.
+  std::size_t reservation(std::uint64_t count, std::size_t shortest_record) const;
   /// The last comment passed that begins with "# gcdt grid ", less these words, and its line.
   const std::pair<std::string, std::uint64_t>& grid_comment() const { return grid_comment_; }
 

@@ -16,6 +16,9 @@
 
 namespace gcdt::io {
 
+/// More attributes a vertex than any file that means them.
+constexpr std::uint64_t max_attributes = 1000;
+
 /// A planar straight-line graph as read.
 struct Input {
   std::vector<std::array<double, 2>> vertices;
