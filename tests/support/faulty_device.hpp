@@ -9,23 +9,11 @@
 namespace gcdt::test {
 
 /// On the application's queue if there is one.
-inline Solver hooked_solver(const runtime::CallHook& hook, const cl::CommandQueue& queue = {},
-                            const cl::Device& device = app_device()) {
-  auto made = std::make_unique<gcdt_solver>();
-  const cl::Context context = queue() ? queue.getInfo<CL_QUEUE_CONTEXT>() : cl::Context();
-  made->state = std::make_shared<api::State>(context, device, runtime::Log(), Trace(), hook);
-  made->state->their_queue = queue;
-  return Solver(made.release());
-}
+Solver hooked_solver(const runtime::CallHook& hook, const cl::CommandQueue& queue = {},
+                     const cl::Device& device = app_device());
 
 /// A pool of PoCL's device, once for each hook.
-inline std::unique_ptr<gcdt_pool> hooked_pool(const std::vector<runtime::CallHook>& hooks, runtime::Log log = {}) {
-  std::vector<DevicePool::Member> members;
-  for (const runtime::CallHook& hook : hooks) members.push_back({cl::Context(), app_device(), hook});
-  auto pool = std::make_unique<gcdt_pool>();
-  pool->devices = std::make_unique<DevicePool>(std::move(members), std::move(log), Trace());
-  return pool;
-}
+std::unique_ptr<gcdt_pool> hooked_pool(const std::vector<runtime::CallHook>& hooks, runtime::Log log = {});
 
 /// Replaces every `from` in the text, and counts in how many texts there was one.
 struct TextEdit {
@@ -40,12 +28,6 @@ struct TextEdit {
   }
 };
 
-inline runtime::CallHook editing(const std::vector<TextEdit>& edits) {
-  runtime::CallHook hook;
-  hook.edit = [edits](std::string& text) {
-    for (const TextEdit& edit : edits) edit(text);
-  };
-  return hook;
-}
+runtime::CallHook editing(const std::vector<TextEdit>& edits);
 
 }  // namespace gcdt::test

@@ -13,12 +13,10 @@
 namespace gcdt::test {
 
 /// The device that test_device() names. Fails the test if there is none.
-inline cl::Device app_device() { return runtime::all_devices().at(select_device(test_device())); }
+cl::Device app_device();
 
 /// What the device has of these properties of queues; PoCL has all.
-inline cl_command_queue_properties supported(cl_command_queue_properties wanted) {
-  return wanted & app_device().getInfo<CL_DEVICE_QUEUE_PROPERTIES>();
-}
+cl_command_queue_properties supported(cl_command_queue_properties wanted);
 
 struct App {
   cl::Context context;
@@ -53,34 +51,15 @@ struct Integers {
   std::vector<Constraint> constraints;
 };
 
-inline Integers integer_input(std::size_t points = 300, std::uint64_t seed = 1) {
-  const Workload work = random_pslg(points, 400, 3 * points, seed);
-  Integers input;
-  for (const Point& p : work.points)
-    input.points.push_back({static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1])});
-  input.constraints.assign(work.constraints.begin(), work.constraints.end());
-  return input;
-}
+Integers integer_input(std::size_t points = 300, std::uint64_t seed = 1);
 
-inline bool same_bytes(const Triangulation& a, const Triangulation& b) {
-#define GCDT_ARRAY(number, name, ...) \
-  if (a.name != b.name) return false;
-#include <gcdt/arrays.def>
-  return true;
-}
+bool same_bytes(const Triangulation& a, const Triangulation& b);
 
 /// What host arrays give on the grid 0, 0, 1.
-inline Triangulation from_host(const Integers& input, Options options = {}) {
-  options.grid = FixedGrid{};
-  return solver().triangulate(input.points, input.constraints, options);
-}
+Triangulation from_host(const Integers& input, Options options = {});
 
-inline DevicePoints device_points(const App& app, const Integers& input) {
-  return {Points::Type::int32, app.buffer(input.points), input.points.size(), 0};
-}
-inline DeviceConstraints device_constraints(const App& app, const Integers& input) {
-  return {app.buffer(input.constraints), input.constraints.size(), 0};
-}
+DevicePoints device_points(const App& app, const Integers& input);
+DeviceConstraints device_constraints(const App& app, const Integers& input);
 
 /// The error that `f` throws; fails the test if it throws none.
 template <class F>

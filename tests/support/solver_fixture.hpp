@@ -15,40 +15,15 @@ namespace gcdt::test {
 
 /// PoCL's CPU by number, or what the variable GCDT_TEST_DEVICE says. Throws if there is none: a missing
 /// device fails the tests.
-inline std::string test_device() {
-  if (const char* chosen = std::getenv("GCDT_TEST_DEVICE")) return chosen;
-  const std::vector<DeviceInfo> all = devices();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (all[i].platform.find("Portable Computing Language") != std::string::npos && all[i].is_cpu)
-      return std::to_string(i);
-  throw Error(Status::no_device, "the tests need PoCL (Debian and Ubuntu: pocl-opencl-icd)");
-}
+std::string test_device();
 
 /// One for all tests of a file.
-inline Solver& solver() {
-  static Solver instance(test_device());
-  return instance;
-}
+Solver& solver();
 
-inline MeshView view(const Triangulation& mesh) {
-  MeshView result;
-  result.triangles = mesh.triangles;
-  result.neighbours = mesh.neighbours.data();
-  result.constrained = mesh.constrained.data();
-  return result;
-}
+MeshView view(const Triangulation& mesh);
 
 /// Empty if the independent checker accepts the mesh, all of it, and it stayed within the memory promised.
-inline std::string fault(Points points, Constraints constraints, const Triangulation& mesh,
-                         Crossing crossing = Crossing::reject) {
-  if (mesh.neighbours.size() != mesh.triangles.size() || mesh.constrained.size() != mesh.triangles.size())
-    return "neighbours or flags do not match the triangles in number";
-  const Verification verification = verify(points, constraints, view(mesh), mesh.statistics.grid, crossing);
-  if (!verification.valid) return "not valid: " + verification.reason;
-  const std::uint64_t peak = mesh.statistics.peak_device_bytes;
-  if (peak > required_bytes(points.size(), constraints.size())) return "more device memory than required_bytes says";
-  if (peak == 0 && !mesh.triangles.empty()) return "no device memory was counted";
-  return {};
-}
+std::string fault(Points points, Constraints constraints, const Triangulation& mesh,
+                  Crossing crossing = Crossing::reject);
 
 }  // namespace gcdt::test
