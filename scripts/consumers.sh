@@ -18,7 +18,7 @@ sources=$root/tests/consumer
 quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; echo "consumers: failed: $*" >&2; exit 1; }; }
 # What is proved does not depend on optimisation, nor on how many files a compiler takes at a time.
 build() {
-  quietly cmake -S "$1" -B "$2" -DCMAKE_BUILD_TYPE=None -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12 "${@:3}"
+  quietly cmake -S "$1" -B "$2" -DCMAKE_BUILD_TYPE=None -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=33 "${@:3}"
   quietly cmake --build "$2" --parallel 2
 }
 # Runs a consumer, which must succeed; a substitution within echo's argument would lose its status.

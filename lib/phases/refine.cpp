@@ -14,7 +14,7 @@ namespace {
 
 // The candidate with the greatest ticket wins in each round, and winners are new grid points, so there are at most as
 // many rounds as vertices are added. Real ones take tens or hundreds; this only stops a device that computes wrongly.
-constexpr std::uint64_t round_limit = 1u << 20;
+constexpr std::uint64_t most_rounds = 1u << 20;
 
 // Of RefineReport: the words that a round counts from zero, and those that refine_aim and refine_place count.
 constexpr std::size_t words_of_round = 8, first_of_candidates = 5;
@@ -328,7 +328,7 @@ bool Refiner::insert_candidates(Ticker& ticker) {
   const auto most = most_left();
   result_.complete = most > 0;
   if (most == 0) return false;
-  if (result_.rounds == round_limit) throw Error(Status::round_limit, "refine: there were too many rounds");
+  if (result_.rounds == most_rounds) throw Error(Status::round_limit, "refine: there were too many rounds");
   choose_winners();
   result_.candidates += last_.candidates;
   insert(most);

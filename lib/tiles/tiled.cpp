@@ -27,9 +27,9 @@ namespace {
 constexpr std::size_t threads_for_ends = 4, threads_for_ends_of_pinned = 16;
 
 /// Waits for what is under way, whatever happens.
-struct Resting {
+struct RestingStaged {
   const Staged& staged;
-  ~Resting() { staged.rest(); }
+  ~RestingStaged() { staged.rest(); }
 };
 
 }  // namespace
@@ -75,7 +75,7 @@ ForestResult triangulate_cut(DevicePool& pool, const BatchInput& batch, const Op
   std::optional<Cuts> cuts;
   const std::vector<Role> any_role;
   auto constraints_sent = std::make_unique<StagedConstraints>(pool, staged, input, any_role, tiles);
-  const Resting resting{staged};  // who sends uses them
+  const RestingStaged resting{staged};  // who sends uses them
   {
     const Timed timed(report.ms_share);
     const std::size_t threads = options.pinned ? threads_for_ends_of_pinned : threads_for_ends;

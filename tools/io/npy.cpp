@@ -14,7 +14,7 @@ namespace gcdt::io {
 namespace {
 
 constexpr std::uint64_t largest_header = 1 << 16;
-constexpr std::uint64_t block = 1 << 16;  // bytes that are turned at once
+constexpr std::uint64_t turned_block = 1 << 16;  // bytes that are turned at once
 /// More than any input has; a product of two such and of 8 bytes stays within 64 bits.
 constexpr std::uint64_t most_rows = 1ull << 33, most_columns = 1 << 20;
 
@@ -89,7 +89,7 @@ void NpyArray::read_shape(const std::string& shape) {
 /// Block by block; `to` has room for all.
 template <class T>
 void NpyArray::convert(T* to) {
-  std::vector<char> bytes(block / bytes_ * bytes_);
+  std::vector<char> bytes(turned_block / bytes_ * bytes_);
   const auto number = [&](const char* at) -> T {
     switch (kind_ == 'f'   ? 'F' + static_cast<int>(bytes_)
             : kind_ == 'i' ? -static_cast<int>(bytes_)

@@ -10,7 +10,7 @@ namespace gcdt::io {
 
 namespace {
 
-constexpr std::string_view magic = "PSLGBIN1";
+constexpr std::string_view pslg_magic = "PSLGBIN1";
 constexpr std::uint64_t head_bytes = 24, vertex_bytes = 2 * sizeof(double), segment_bytes = 2 * sizeof(std::int32_t);
 
 /// A count that the header announces, each record of so many bytes: no more than the file can hold.
@@ -38,7 +38,7 @@ void turn(T* numbers, std::uint64_t count) {
 PslgFile::PslgFile(const std::string& path) : file_(path) {
   char begin[8];
   file_.read(begin, sizeof begin, "the word PSLGBIN1");
-  if (std::string_view(begin, sizeof begin) != magic) file_.fail("the word PSLGBIN1 is missing before this");
+  if (std::string_view(begin, sizeof begin) != pslg_magic) file_.fail("the word PSLGBIN1 is missing before this");
   vertices_ = count(file_, "the number of vertices", max_vertices);
   segments_ = count(file_, "the number of segments", (1ull << 31) - 1);
   const std::uint64_t due = vertices_ * vertex_bytes + segments_ * segment_bytes;
@@ -81,7 +81,7 @@ Input read_pslg(const std::string& path) {
 
 void write_pslg(OutputFile& file, const Result& result) {
   const auto put = [&](auto number) { put_little(number, [&](std::string_view bytes) { file.write(bytes); }); };
-  file.write(magic);
+  file.write(pslg_magic);
   put(static_cast<std::int64_t>(result.vertex_count()));
   put(static_cast<std::int64_t>(result.mesh.pieces.size()));
   for (std::size_t v = 0; v < result.vertex_count(); ++v)

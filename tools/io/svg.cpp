@@ -12,13 +12,13 @@ namespace gcdt::io {
 
 namespace {
 
-constexpr double margin = 0.02;     // of the longer side, all around
-constexpr int shown_pixels = 1200;  // of the longer side, where nothing else asks for a size
+constexpr double svg_margin = 0.02;  // of the longer side, all around
+constexpr int shown_pixels = 1200;   // of the longer side, where nothing else asks for a size
 
 /// Path data of relative lines.
-class Path {
+class SvgPath {
  public:
-  explicit Path(OutputFile& file) : file_(file) {}
+  explicit SvgPath(OutputFile& file) : file_(file) {}
   void move(const Canvas::Place& place) {
     file_.print("M{} {}l", place[0], place[1]);
     first_ = true;
@@ -41,7 +41,7 @@ void fill_triangles(OutputFile& file, const Canvas& canvas, const MeshArrays& me
     Borders borders = borders_of(canvas, mesh, fill, c);
     if (borders.empty()) continue;
     file.print("<path fill=\"#{:06x}\" d=\"", fill.colours[c]);
-    Path path(file);
+    SvgPath path(file);
     borders.draw(path);
     file.print("\"/>\n");
   }
@@ -83,7 +83,7 @@ void draw_histogram(OutputFile& file, const Histogram& histogram) {
 void draw_edges(OutputFile& file, const Canvas& canvas, std::vector<Edge> edges, const char* colour, double stroke) {
   if (edges.empty()) return;
   file.print("<path stroke=\"{}\" stroke-width=\"{:.0f}\" d=\"", colour, stroke);
-  Path path(file);
+  SvgPath path(file);
   Strokes(canvas, std::move(edges)).draw(path);
   file.print("\"/>\n");
 }
@@ -103,7 +103,7 @@ void write_svg(OutputFile& file, const Result& result) {
   const Fill fill = result.coloured_by_angle ? fill_by_angle(result.mesh, vertices) : fill_by_region(result.mesh);
   std::vector<Edge> unconstrained = unconstrained_edges(result.mesh);
   const double thin = thin_stroke(canvas, unconstrained, result.mesh.pieces), bold = 4 * thin;
-  const double border = margin * Canvas::longer_side;
+  const double border = svg_margin * Canvas::longer_side;
   const double legend = ScaleBar::high + (result.coloured_by_angle ? Histogram::height : 0);
   const double width = canvas.width + 2 * border, height = canvas.height + 2 * border + legend;
   const double pixels = shown_pixels / std::max(width, height);
