@@ -97,7 +97,8 @@ typedef struct Counters {
   u32 list_insert[2];  // lengths of the insert phase's lists, by round modulo 2; where problems have lists of their own
                        // list_test[0] is the problems that have edges left, list_insert[0] the vertices left
   u32 rounds;          // rounds done inside one work-group; of problems by groups of their own: the most
-  u32 patch_rounds;    // of flips within a patch of the mesh: the most
+  u32 patch_rounds[4];  // of flips within a patch of the mesh, and in turn within districts: the most
+  u32 patches_left;     // patches that have left all their edges to others
   u32 flips_low, flips_high;
   u32 steps_low, steps_high;  // triangles visited by point location
   u32 pairs_low, pairs_high;  // crossed (triangle, constraint) pairs
@@ -126,7 +127,7 @@ typedef struct MinimaLayers {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(MinimaLayers) == (1 + 2 * GCDT_MINIMA_LAYERS) * sizeof(u32), "MinimaLayers has no padding");
-static_assert(sizeof(Counters) == 35 * sizeof(u32), "Counters has the same layout on host and device");
+static_assert(sizeof(Counters) == 39 * sizeof(u32), "Counters has the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -30,12 +30,10 @@ static void split_face(Mesh mesh, uint v, uint t, uint claim, bool walked) {
   mesh.face_data[GCDT_CORNERS(slot2)] = (uint4)(v, c.x, c.y, claim);
   mesh.face_data[GCDT_SIDES(slot1)] = (uint4)(s.y, GCDT_SIDE(e0, 1u), GCDT_SIDE(e2, 0u), 0u);
   mesh.face_data[GCDT_SIDES(slot2)] = (uint4)(s.z, GCDT_SIDE(e1, 1u), GCDT_SIDE(e0, 0u), 0u);
-  mesh.edge_faces[GCDT_SIDE(e0, 0u)] = GCDT_FACE_REF(slot2, 2u);
-  mesh.edge_faces[GCDT_SIDE(e0, 1u)] = GCDT_FACE_REF(slot1, 1u);
-  mesh.edge_faces[GCDT_SIDE(e1, 0u)] = GCDT_FACE_REF(t, 2u);
-  mesh.edge_faces[GCDT_SIDE(e1, 1u)] = GCDT_FACE_REF(slot2, 1u);
-  mesh.edge_faces[GCDT_SIDE(e2, 0u)] = GCDT_FACE_REF(slot1, 2u);
-  mesh.edge_faces[GCDT_SIDE(e2, 1u)] = GCDT_FACE_REF(t, 1u);
+  global uint2* spokes = (global uint2*)mesh.edge_faces + e0;
+  spokes[0] = (uint2)(GCDT_FACE_REF(slot2, 2u), GCDT_FACE_REF(slot1, 1u));
+  spokes[1] = (uint2)(GCDT_FACE_REF(t, 2u), GCDT_FACE_REF(slot2, 1u));
+  spokes[2] = (uint2)(GCDT_FACE_REF(slot1, 2u), GCDT_FACE_REF(t, 1u));
   before_links(mesh, t, claim, walked);
   mesh.face_data[GCDT_CORNERS(t)] = (uint4)(v, c.y, c.z, claim);
   mesh.face_data[GCDT_SIDES(t)] = (uint4)(s.x, GCDT_SIDE(e2, 1u), GCDT_SIDE(e1, 0u), 0u);

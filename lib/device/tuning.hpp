@@ -62,9 +62,15 @@ struct Tuning {
   std::uint32_t one_group_vertices = 1024;
   /// The same of edges that are tested: the tail of small rounds needs no launch and no read.
   std::uint32_t one_group_edges = 2048;
-  /// From so many edges on flips begin within patches, each by a work-group while it is in its caches; vertices of a
-  /// patch, which trade room in caches for borders (NOTES, "Fewer levels, larger patches"); rounds of a patch at most.
-  std::uint32_t least_patched = 1u << 21, patch_vertices = 1024, rounds_of_patch = 64;
+  /// From so many edges on flips begin within patches, each by a work-group in its local memory; vertices of a patch at
+  /// most, if there is room (NOTES, "Patches in local memory"); rounds of a patch or district at most.
+  std::uint32_t least_patched = 1u << 21, patch_vertices = 768, rounds_of_patch = 64;
+  /// Local memory of a patch at most, and what kernels have besides.
+  static constexpr std::uint32_t most_patch_bytes = 48u << 10, spare_local_bytes = 256;
+  /// From so many edges on they go on within districts, instead of sweeps: of so many vertices first, then of four
+  /// times as many. One edge in so many, about, is left.
+  std::uint32_t least_divided = 3u << 21, district_vertices = 2048;
+  static constexpr std::uint32_t most_district_vertices = 4096, left_by_districts = 64;
   /// From so many edges on, rounds of flips sweep over the marks of all edges, for as long as a round has at least one
   /// in `sweep_share` of them illegal: a sweep reads 4 bytes an edge, a list loses the order of the edges.
   std::uint32_t least_sweep = 1u << 17, sweep_share = 32;

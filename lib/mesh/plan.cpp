@@ -66,6 +66,9 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.rounds_per_read = tuning.rounds_per_read;
   plan.least_patched = tuning.least_patched;
   plan.patch_vertices = tuning.patch_vertices;
+  plan.least_divided = tuning.least_divided;
+  plan.district_vertices = tuning.district_vertices;
+  plan.patch_bytes = std::min<std::uint64_t>(device.local_bytes, Tuning::most_patch_bytes) - Tuning::spare_local_bytes;
   plan.patch_rounds = of_lanes(tuning.rounds_of_patch, rounds_of_lanes);
   plan.least_sweep = tuning.least_sweep;
   plan.sweep_share = tuning.sweep_share;
@@ -103,13 +106,16 @@ std::string Plan::text() const {
                : "; vertices in rounds, level by level";
   all += "; constraints by " + std::string(name(constraints));
   if (constraints == By::all && curve_crossings == 0) all += ", along the curve";
-  if (!grows) all += "; flips within patches from " + std::to_string(least_patched) + " edges on";
+  if (!grows)
+    all += "; flips within patches from " + std::to_string(least_patched) + " edges on, and districts from " +
+           std::to_string(least_divided);
   if (!grows) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
   return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check);
 }
 
 PlannedDevice planned_device(const runtime::Runtime& runtime) {
-  return {runtime.kind(), runtime.info().compute_units, static_cast<std::uint32_t>(runtime.geometry().max_groups)};
+  return {runtime.kind(), runtime.info().compute_units, static_cast<std::uint32_t>(runtime.geometry().max_groups),
+          runtime.info().local_bytes};
 }
 
 Plan make_plan(const runtime::Runtime& runtime, const PlannedSizes& sizes) {

@@ -15,8 +15,9 @@ struct Vertices;
 /// What a plan knows of the device.
 struct PlannedDevice {
   DeviceKind kind = DeviceKind::threads;
-  std::uint32_t units = 1;   ///< compute units
-  std::uint32_t groups = 1;  ///< of a launch at most
+  std::uint32_t units = 1;               ///< compute units
+  std::uint32_t groups = 1;              ///< of a launch at most
+  std::uint64_t local_bytes = 1u << 15;  ///< local memory of a work-group
 };
 
 /// What a plan knows of the input. Of several problems, sums, but for `largest`.
@@ -52,11 +53,14 @@ struct Plan {
   std::uint32_t group_flip_rounds = 0;
   std::uint32_t rounds_per_read = 0;
   std::uint32_t least_patched = 0;   ///< edges from which on flips begin within patches
-  std::uint32_t patch_vertices = 0;  ///< of a patch
-  std::uint32_t patch_rounds = 0;    ///< of a patch at most
-  std::uint32_t least_sweep = 0;     ///< edges from which on flips sweep
-  std::uint32_t sweep_share = 0;     ///< and for as long as one in so many is illegal
-  std::uint32_t grown_shares = 0;    ///< sequences of insertions side by side, at most
+  std::uint32_t patch_vertices = 0;  ///< of a patch at most
+  std::uint64_t patch_bytes = 0;     ///< local memory of a patch at most
+  std::uint32_t patch_rounds = 0;    ///< of a patch or district at most
+  std::uint32_t least_divided = 0;   ///< edges from which on flips go on within districts
+  std::uint32_t district_vertices = 0;
+  std::uint32_t least_sweep = 0;   ///< edges from which on flips sweep
+  std::uint32_t sweep_share = 0;   ///< and for as long as one in so many is illegal
+  std::uint32_t grown_shares = 0;  ///< sequences of insertions side by side, at most
 
   // Constrain.
   /// All; or one, or each: one work-item enforces those of the problem, or of each, one after the other.

@@ -5,20 +5,42 @@
 #include <cmath>
 #include <tuple>
 
+#include "flip/districts.h"
 #include "flip/patches.h"
 
 namespace gcdt {
 
 namespace {
 
-static_assert(GCDT_PATCH_WORDS(GCDT_MOST_PATCH_ROOM) * sizeof(cl_uint) <= (std::size_t{1} << 15) - 64);
-static_assert(3 * GCDT_MOST_PATCH_ROOM <= 1u << 16);
+// Places have 16 bits, of which two values of 4 * face + corner and half of those of 2 * edge + side mean something
+// else.
+static_assert(8 * (GCDT_MOST_PATCH_ROOM + 1) <= 1u << 15);
+
+/// Vertices that a patch has room for, and others at corners of its faces: a power of two.
+struct PatchRoom {
+  cl_uint vertices = 0, others = 0;
+  std::size_t bytes() const { return sizeof(cl_uint) * GCDT_PATCH_WORDS(std::size_t{vertices}, std::size_t{others}); }
+};
+
+/// Room for `wanted` vertices, or for as many as `bytes` hold. (On the border of 700 vertices there are some 300
+/// others.) Ends: the room shrinks, and none fits everywhere.
+PatchRoom patch_room(cl_uint wanted, std::size_t bytes) {
+  for (PatchRoom room{std::min(wanted, GCDT_MOST_PATCH_ROOM), 0};; --room.vertices) {
+    for (room.others = 512; room.others < room.vertices / 2;) room.others *= 2;
+    if (room.vertices == 0 || room.bytes() <= bytes) return room;
+  }
+}
 
 /// Rounds of flips that nobody has read yet how many they are: refinement's take one to five, and each takes a stamp
 /// whether it is needed or not.
 constexpr cl_uint rounds_unread = 32;
 
-/// What a first list is: edges of which most have not been tested, or what sweeps have left.
+static_assert(sizeof(cl_uint) * GCDT_DISTRICT_WORDS(5 * Tuning::most_district_vertices + 1) <= (1u << 15) - 1024);
+
+/// Room for the vertices of an interval, where isolated ones may come besides those that are evenly spread.
+cl_uint with_isolated(cl_uint units, bool isolated) { return isolated ? units + units / 4 + 1 : units; }
+
+/// What a first list is: edges of which most have not been tested, or what sweeps or districts have left.
 enum class After { nothing, sweeps };
 
 /// The rounds of one flip phase. `round_` is the next round.
@@ -45,16 +67,19 @@ class Flipping {
   /// edge flips at least the one with the best ticket. A round limit of all possible flips would not end
   /// in a lifetime, so the limit is on rounds without end in sight: 64 rounds per edge of the mesh.
   FlipResult run(Ticker& ticker) {
-    const bool patched = edges_ >= plan_.least_patched, swept = edges_ >= plan_.least_sweep;
+    const bool patched = edges_ >= plan_.least_patched, divided = patched && edges_ >= plan_.least_divided;
+    bool swept = !divided && edges_ >= plan_.least_sweep;
     if (patched) flip_within_patches();
+    if (divided) swept = flip_within_districts();
     const std::uint32_t illegal = swept ? sweep(patched, ticker) : edges_;
     if (illegal > 0)
       runtime_.launch("flip", "flip_gather", runtime::over(edges_), cl_uint(!patched && !swept), edges_, round_,
                       mesh_.edge_marks, lists_.first, counters_.buffer());
     // Flips queue up to four edges each, and what is listed is not read but guessed.
-    FlipResult result = swept ? finish(std::min(illegal, edges_ / 4) * 4, After::sweeps, ticker)
-                              : finish(edges_, After::nothing, ticker);
-    result.rounds += counters_.last().patch_rounds;
+    FlipResult result = swept     ? finish(std::min(illegal, edges_ / 4) * 4, After::sweeps, ticker)
+                        : divided ? finish(edges_ / Tuning::left_by_districts + 1, After::sweeps, ticker)
+                                  : finish(edges_, After::nothing, ticker);
+    for (const cl_uint rounds : counters_.last().patch_rounds) result.rounds += rounds;
     return result;
   }
 
@@ -112,18 +137,53 @@ class Flipping {
   }
 
  private:
+  // The level of the mesh's last vertices. Ends: the last level's end is all vertices.
+  std::uint32_t level() const {
+    std::uint32_t j = 0;
+    while (vertices_.levels.begin[j + 1] < vertices_in_mesh_) ++j;
+    return j;
+  }
+
+  // The evenly spread vertices up to a level.
+  std::uint32_t spread(std::uint32_t level) const {
+    const std::uint32_t stride = vertices_.levels.stride[level];
+    return (vertices_.levels.n + stride - 1) / stride;
+  }
+
   // Rounds within patches, the first of which tests all edges. What is left is queued.
   void flip_within_patches() {
-    const device::Levels& levels = vertices_.levels;
-    std::uint32_t level = 0;
-    while (levels.begin[level + 1] < vertices_in_mesh_) ++level;  // ends: the last level's end is all vertices
-    const std::uint32_t spread = (levels.n + levels.stride[level] - 1) / levels.stride[level];
-    const cl_uint units = std::clamp(plan_.patch_vertices, 1u, GCDT_MOST_PATCH_ROOM / 5 * 4 - 1);
-    const cl_uint patches = (spread + units - 1) / units, room = units + units / 4 + 1;
-    runtime_.launch("patches", "flip_patches", runtime_.over_groups(patches, runtime::Groups::wide), cl_uint(level),
-                    units, patches, room, cl_uint(plan_.patch_rounds), vertices_.levels_buffer, mesh_.n,
-                    vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, counters_.buffer(),
-                    runtime::LocalMemory{GCDT_PATCH_WORDS(room) * sizeof(cl_uint)});
+    const std::uint32_t last = level();
+    const bool isolated = vertices_.levels.tabled != 0;
+    const PatchRoom room = patch_room(with_isolated(std::max(plan_.patch_vertices, 1u), isolated), plan_.patch_bytes);
+    const cl_uint units = std::max(1u, isolated ? room.vertices / 5 * 4 : room.vertices);
+    patches_ = (spread(last) + units - 1) / units;
+    runtime_.launch("patches", "flip_patches", runtime_.over_groups(patches_, runtime::Groups::wide), cl_uint(last),
+                    units, patches_, room.vertices, room.others, cl_uint(plan_.patch_rounds), vertices_.levels_buffer,
+                    mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, counters_.buffer(),
+                    runtime::LocalMemory{room.bytes()});
+  }
+
+  // Rounds within districts, of what is queued: each time with other borders. Where patches have left all, much is
+  // left by one turn, too. Returns whether sweeps are to go on.
+  bool flip_within_districts() {
+    const cl_uint small = std::clamp(plan_.district_vertices, 1u, Tuning::most_district_vertices), large = 4 * small;
+    const bool much = counters_.read().patches_left > patches_ / 2;
+    flip_within_districts(1, small, 0);
+    if (much) return true;
+    flip_within_districts(2, large, large / 2);
+    flip_within_districts(3, large, large / 4);
+    return false;
+  }
+
+  // The same of so many vertices, the first of which has `before` less.
+  void flip_within_districts(cl_uint turn, cl_uint units, cl_uint before) {
+    const std::uint32_t last = level();
+    const cl_uint room = with_isolated(units, vertices_.levels.tabled != 0),
+                  districts = (spread(last) + before + units - 1) / units;
+    runtime_.launch("patches", "flip_districts", runtime_.over_groups(districts, runtime::Groups::wide), turn,
+                    cl_uint(last), units, before, districts, room, cl_uint(plan_.patch_rounds), vertices_.levels_buffer,
+                    mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, counters_.buffer(),
+                    runtime::LocalMemory{GCDT_DISTRICT_WORDS(room) * sizeof(cl_uint)});
   }
 
   // Rounds by sweeps. The first takes all edges, or those that are queued. Returns how many were illegal in the last
@@ -227,6 +287,7 @@ class Flipping {
   PhaseCounters& counters_;
   std::uint32_t vertices_in_mesh_;
   cl_uint faces_, edges_;
+  cl_uint patches_ = 0;
   Stamps stamps_;
   std::uint64_t flips_before_;
   cl_uint round_ = 0;

@@ -2,6 +2,9 @@
 // Properties of the flip phase, by each of its ways (sweeps, lists, one work-group, with stamps that run out), on
 // devices as what they are and as GPUs.
 #include "phases/flip.hpp"
+
+#include <numeric>
+
 #include "kinds.hpp"
 #include "mesh_fixture.hpp"
 #include "oracle.hpp"
@@ -16,7 +19,7 @@ constexpr std::uint32_t none = 0, all = 0xFFFFFFFFu;
 struct Way {
   std::string name;
   std::uint32_t least_sweep, sweep_share, one_group_edges, most_stamps;
-  std::uint32_t least_patched = all, patch_vertices = 0, rounds_of_patch = 0;
+  std::uint32_t least_patched = all, patch_vertices = 0, rounds_of_patch = 0, district_vertices = 0;
 };
 
 // A share of `all` edges: sweeps until there is no illegal edge.
@@ -32,7 +35,11 @@ const Way ways[] = {{"sweeps", none, all, none, all},
                     {"small patches", all, 1, all, all, none, 40, 64},
                     {"patches of a vertex", none, all, none, all, none, 1, 64},
                     {"patches of few rounds, sweeps", none, all, none, all, none, 50, 2},
-                    {"patches of no round, lists", all, 1, none, all, none, 50, none}};
+                    {"patches of no round, lists", all, 1, none, all, none, 50, none},
+                    {"districts", all, 1, all, all, none, 40, 64, 60},
+                    {"one district", all, 1, none, all, none, 24, 64, 1024},
+                    {"districts of a vertex", all, 1, none, all, none, 8, 64, 1},
+                    {"districts of few rounds, lists", all, 1, none, all, none, 8, 2, 24}};
 
 Tuning tuning_of(const runtime::Runtime& runtime, const Way& way) {
   Tuning tuning = runtime.tuning();
@@ -40,6 +47,7 @@ Tuning tuning_of(const runtime::Runtime& runtime, const Way& way) {
   tuning.one_group_edges = way.one_group_edges, tuning.most_stamps = way.most_stamps;
   tuning.least_patched = way.least_patched, tuning.patch_vertices = way.patch_vertices;
   tuning.rounds_of_patch = way.rounds_of_patch;
+  tuning.least_divided = way.district_vertices > 0 ? none : all, tuning.district_vertices = way.district_vertices;
   return tuning;
 }
 
@@ -132,6 +140,26 @@ void for_all_ways(Test test) {
     }
 }
 
+// Gives the faces, but for the root's, each other's numbers, as enforced constraints that cross much do.
+void mix_faces(Unflipped& mesh) {
+  const HostMesh m = mesh.now();
+  std::vector<cl_uint> number(m.faces);
+  std::iota(number.begin(), number.end(), 0u);
+  Random random{3};
+  for (std::uint32_t t = m.faces; t-- > 2;) std::swap(number[t], number[1 + random.below(t)]);
+  std::vector<cl_uint4> face_data(2 * std::size_t{m.faces});
+  for (std::uint32_t t = 0; t < m.faces; ++t) {
+    face_data[GCDT_CORNERS(number[t])] = m.corners[t];
+    face_data[GCDT_SIDES(number[t])] = m.sides[t];
+  }
+  std::vector<cl_uint> edge_faces(2 * std::size_t{m.edges});
+  std::transform(m.edge_faces.begin(), m.edge_faces.end(), edge_faces.begin(), [&](cl_uint ref) {
+    return ref == GCDT_NONE ? ref : number[GCDT_REF_FACE(ref)] << 2 | GCDT_REF_CORNER(ref);
+  });
+  mesh.runtime.write(mesh.mesh.face_data, face_data.data(), face_data.size());
+  mesh.runtime.write(mesh.mesh.edge_faces, edge_faces.data(), edge_faces.size());
+}
+
 }  // namespace
 
 TEST_CASE("after every round the mesh is valid and each illegal edge queued; flips end in CGAL's triangulation") {
@@ -152,7 +180,8 @@ TEST_CASE("after every round the mesh is valid and each illegal edge queued; fli
           return true;
         });
         const HostMesh flipped = mesh.now();
-        CHECK(rounds + mesh.counters.last().patch_rounds == result.rounds);
+        const auto& within = mesh.counters.last().patch_rounds;
+        CHECK(rounds + std::accumulate(std::begin(within), std::end(within), std::uint64_t{0}) == result.rounds);
         CHECK(result.flips > 0);
         CHECK(illegal_edges(flipped) == 0);
         CHECK(queued_edges(flipped) == 0);
@@ -192,4 +221,25 @@ TEST_CASE("where no two edges that may be flipped share a face, each is flipped 
       CHECK(wrong == 0);
     }
   });
+}
+
+TEST_CASE("a patch whose faces have more vertices of others than there is room for leaves all its edges to others") {
+  for (test::Treated& device : test::devices_as_all_kinds())
+    for (const std::uint32_t divided : {none, all}) {
+      CAPTURE(device.name);
+      CAPTURE(divided);
+      Tuning tuning = device.runtime->tuning();
+      tuning.least_patched = tuning.least_sweep = none, tuning.patch_vertices = 400;
+      tuning.least_divided = divided, tuning.district_vertices = 3000;  // more edges than a district lists
+      const test::Tuned tuned(*device.runtime, tuning);
+      Unflipped mesh(*device.runtime, make_points("uniform", 6000, 5));
+      mix_faces(mesh);
+      REQUIRE(invalid_reason(mesh.now(), 6000) == "");
+      mesh.flip();
+      CHECK(mesh.counters.last().patches_left > 0);
+      const HostMesh flipped = mesh.now();
+      CHECK(invalid_reason(flipped, flipped.n) == "");
+      CHECK(queued_edges(flipped) == 0);
+      CHECK(finite_faces(flipped) == expected_faces(flipped));
+    }
 }

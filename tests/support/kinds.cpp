@@ -43,6 +43,8 @@ Tuning small_thresholds() {
   tuning.least_sweep = 100;
   tuning.least_patched = 300;
   tuning.patch_vertices = 16;
+  tuning.least_divided = 1000;
+  tuning.district_vertices = 24;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
   tuning.rows_read = 3, tuning.rows_folded = 4;

@@ -104,6 +104,8 @@ Tuning small_thresholds() {
   tuning.least_sweep = 20;
   tuning.least_patched = 40;
   tuning.patch_vertices = 8;
+  tuning.least_divided = 80;
+  tuning.district_vertices = 6;
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
   tuning.rows_read = 3, tuning.rows_folded = 4;
