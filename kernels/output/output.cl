@@ -79,11 +79,16 @@ static inline void number_representative(uint i, global const uint* vertex_input
 }
 
 // One work-item per input point.
-// Reads vertex_input and input_vertex.
+// Reads vertex_input and input_vertex, if there are fewer vertices than points; else all points are distinct.
 // Writes representatives[i].
 // Word i has one writer.
 // After this kernel representatives[i] is the input number that stands for input point i.
-kernel void number_representatives(const uint count, global const uint* vertex_input, global const uint* input_vertex,
-                                   global uint* representatives) {
-  FOR_EACH(i, count) number_representative(i, vertex_input, input_vertex, representatives);
+kernel void number_representatives(const uint count, const uint vertices, global const uint* vertex_input,
+                                   global const uint* input_vertex, global uint* representatives) {
+  FOR_EACH(i, count) {
+    if (vertices == count)
+      representatives[i] = i;
+    else
+      number_representative(i, vertex_input, input_vertex, representatives);
+  }
 }

@@ -4,9 +4,9 @@
 #define GCDT_SIZES_H
 
 // Bits of a digit. Of a work-item that walks alone: its 256 counters stay in the first-level cache. Of a group: a tile
-// holds 64 keys of each digit on average, so writes stay coalesced.
+// holds 32 keys of each digit on average, so writes stay coalesced.
 #define GCDT_SERIAL_DIGIT_BITS 8u
-#define GCDT_GROUP_DIGIT_BITS 4u
+#define GCDT_GROUP_DIGIT_BITS 5u
 
 // Bits up to which groups sort by digits however few keys there are, but for a block's: three digits take less time
 // than blocks and their merging (bench/NOTES.md, "Scans and folds").
@@ -19,6 +19,9 @@
 // Keys of a run that are put in order by a work-item each, which compares its own with all others (bench/NOTES.md,
 // "Sorting few keys").
 #define GCDT_SORT_RANKED 64u
+
+// Pairs of a bucket that one work-item sorts by itself, which compares each with all (buckets.cl).
+#define GCDT_SORT_IN_BUCKET 32u
 
 // Keys that one work-group sorts in local memory: 24 KiB of the 32 that every device has.
 #define GCDT_SORT_SMALL 2048u

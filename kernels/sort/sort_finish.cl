@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the radix sort of 64-bit keys leaves to simpler ways: few keys, sorted by one work-group; keys of many small
-// buckets; keys that a sort by their high bits has left nearly in order.
+// What the radix sort of 64-bit keys leaves to simpler ways: few keys, sorted by one work-group; keys that a sort by
+// their high bits has left nearly in order.
 #include "sort/sort_by_one_item.h"
 #include "sort/sort_in_group.h"
 
@@ -39,34 +39,6 @@ kernel void merge_runs(u32 count, u32 width, u64 mask, global const u64* keys, g
     const u32 place = min(begin, other) + (i - begin) + (low - first);
     other_keys[place] = keys[i];
     other_values[place] = values[i];
-  }
-}
-
-// ---- Buckets ------------------------------------------------------------------------------------------
-
-// One work-item per pair. Its bucket is what the key has from bit `low` on; pairs beyond `buckets` are left out.
-// Reads: keys. Adds to: counts, by atomic_inc, whose order cannot matter.
-// After: counts, which were 0, say how many pairs each bucket has.
-kernel void bucket_count(u32 count, u32 low, u32 buckets, global const u64* keys, volatile global u32* counts) {
-  FOR_EACH(i, count) {
-    const u64 bucket = keys[i] >> low;
-    if (bucket < buckets) atomic_inc(counts + bucket);
-  }
-}
-
-// One work-item per pair.
-// Reads: keys, values. Writes: next[b], where bucket b begins at first: the next pair's place in it; the pair there, in
-//   keys_out and values_out.
-// atomic_inc gives each place once. In which order pairs of a bucket come is chance.
-// After: pairs stand bucket by bucket.
-kernel void bucket_move(u32 count, u32 low, u32 buckets, global const u64* keys, global const u32* values,
-                        volatile global u32* next, global u64* keys_out, global u32* values_out) {
-  FOR_EACH(i, count) {
-    const u64 key = keys[i], bucket = key >> low;
-    if (bucket >= buckets) continue;
-    const u32 at = atomic_inc(next + bucket);
-    keys_out[at] = key;
-    values_out[at] = values[i];
   }
 }
 

@@ -13,6 +13,7 @@ namespace {
 const ProgramInfo programs[] = {
     {"adopt", "adopt", false},
     {"arrange", "arrange", false},
+    {"buckets", "buckets", false},
     {"check", "core", false},
     {"check_forest", "check_forest", false},
     {"clean", "clean", true},

@@ -40,7 +40,7 @@ struct Tuning {
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
   /// 64-bit keys up to which groups sort blocks in local memory, which are merged two by two: a launch for each
-  /// doubling where a sort by digits has three for each four bits (NOTES, "Sorting few keys"). Keys of at most
+  /// doubling where a sort by digits has three for each five bits (NOTES, "Sorting few keys"). Keys of at most
   /// GCDT_MOST_BITS_BY_DIGIT bits are sorted by digits however few they are.
   std::uint32_t most_merged = 1u << 18;
   /// Rows of a table of maxima, or of quality, that are read back; more are folded on the device, so many of them to
@@ -64,7 +64,7 @@ struct Tuning {
   std::uint32_t one_group_edges = 2048;
   /// From so many edges on flips begin within patches, each by a work-group in its local memory; vertices of a patch at
   /// most, if there is room (NOTES, "Patches in local memory"); rounds of a patch or district at most.
-  std::uint32_t least_patched = 1u << 21, patch_vertices = 768, rounds_of_patch = 64;
+  std::uint32_t least_patched = 1u << 21, patch_vertices = 768, rounds_of_patch = 8;
   /// Local memory of a patch at most, and what kernels have besides.
   static constexpr std::uint32_t most_patch_bytes = 48u << 10, spare_local_bytes = 256;
   /// From so many edges on they go on within districts, instead of sweeps: of so many vertices first, then of four
@@ -205,9 +205,9 @@ struct Tuning {
   // ---- Scans and sorts --------------------------------------------------------------------------
   // (primitives.cpp; sizes of tiles and digits: kernels/sort/sizes.h)
 
-  /// Parts per compute unit: as many groups as a GPU unit holds at once; on CPUs enough to even out the load, and few,
-  /// because each sort part brings 256 counters (not measured).
-  static constexpr std::size_t gpu_scan_parts_per_unit = 16, cpu_scan_parts_per_unit = 4;
+  /// Parts per compute unit: more groups than a GPU unit holds at once (NOTES, "Sorts"); on CPUs enough to even out the
+  /// load, and few, because each sort part brings 256 counters (not measured).
+  static constexpr std::size_t gpu_scan_parts_per_unit = 32, cpu_scan_parts_per_unit = 4;
   /// Elements that are worth a part of their own: of a group's scan one tile, as small tables are scanned too (NOTES,
   /// "Scans and folds"); of a work-item's not measured.
   static constexpr std::size_t scan_span_group = 512, scan_span_serial = 4096, sort_span_serial = 4096;

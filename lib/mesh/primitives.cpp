@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches the kernels of primitives*.cl and sort*.cl.
+// Launches the kernels of primitives*.cl, sort*.cl and buckets.cl.
 #include "mesh/primitives.hpp"
 
 #include <algorithm>
@@ -135,22 +135,42 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
   sort_runs(keys, values, count, low, bits);
 }
 
-void Primitives::sort_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
-                                 unsigned bits, unsigned low, std::size_t buckets) {
+void Primitives::order_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
+                                  unsigned bits, unsigned low, std::size_t buckets) {
   if (walk_ == Walk::serial || count < Tuning::least_by_prefix)
     return sort_by_prefix(keys, values, count, bits, bits - low);
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
-  match(runtime_, other_values_, "other half of the values", values.size());
   const auto n = static_cast<cl_uint>(count), number = static_cast<cl_uint>(buckets);
   runtime_.reserve(buckets_, "buckets", buckets + 1);
+  runtime_.reserve(slots_, "places in buckets", count);
+  runtime_.reserve(long_runs_, "long buckets", 2 + kept / GCDT_SORT_IN_BUCKET);
   runtime_.fill<cl_uint>(buckets_, 0, buckets);
-  runtime_.launch("sort_finish", "bucket_count", runtime::over(count), n, cl_uint{low}, number, keys, buckets_);
+  runtime_.fill<cl_uint>(long_runs_, 0, 2);
+  runtime_.launch("buckets", "bucket_count", runtime::over(count), n, cl_uint{low}, number, keys, buckets_, slots_);
   exclusive_scan(buckets_, buckets_, buckets);
-  runtime_.launch("sort_finish", "bucket_move", runtime::over(count), n, cl_uint{low}, number, keys, values, buckets_,
-                  other_keys64_, other_values_);
-  std::swap(keys, other_keys64_);
-  std::swap(values, other_values_);
-  sort_runs(keys, values, kept, low, bits);
+  runtime_.launch("buckets", "bucket_move", runtime::over(count), n, cl_uint{low}, number, keys, values, buckets_,
+                  slots_, other_keys64_);
+  runtime_.launch("buckets", "bucket_order", runtime::over(buckets), number, buckets_, other_keys64_, values,
+                  long_runs_);
+  runtime_.launch("buckets", "bucket_sort_long", runtime_.over_groups(kept / GCDT_SORT_SMALL, runtime::Groups::wide),
+                  long_runs_, buckets_, other_keys64_, values);
+  if (runtime_.read_one(long_runs_) != 0) order_left_buckets(keys, values, kept, bits, low, number);
+}
+
+void Primitives::order_left_buckets(Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values, std::size_t kept,
+                                    unsigned bits, unsigned low, cl_uint buckets) {
+  runtime_.reserve(marks_, "pairs left", kept + 1);
+  runtime_.fill<cl_uint>(marks_, 0, kept);
+  runtime_.launch("buckets", "bucket_mark_left", runtime_.over_groups(kept / GCDT_SORT_SMALL), long_runs_, buckets_,
+                  marks_);
+  const cl_uint left = scan_total(marks_, kept);
+  auto places = runtime_.allocate<cl_uint>("places of pairs left", left);
+  compact_indices(marks_, places, kept);
+  // All pairs are entries now: these go where keys and slots were.
+  runtime_.launch("buckets", "bucket_take", runtime::over(left), left, cl_uint{low}, buckets, places, buckets_,
+                  other_keys64_, keys, slots_);
+  sort(keys, slots_, left, bits);
+  runtime_.launch("buckets", "bucket_put", runtime::over(left), left, places, slots_, values);
 }
 
 void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned low,
@@ -208,8 +228,8 @@ void Primitives::sort(Buffer<cl_uint>& keys, Buffer<cl_uint>& values, std::size_
 }
 
 void Primitives::release() {
-  for (auto* scratch :
-       {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_, &buckets_, &long_runs_, &marks_})
+  for (auto* scratch : {&part_sums_, &digit_table_, &other_values_, &other_keys32_, &unordered_, &buckets_, &slots_,
+                        &long_runs_, &marks_})
     *scratch = {};
   other_keys64_ = {};
 }

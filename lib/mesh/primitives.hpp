@@ -7,7 +7,7 @@
 namespace gcdt {
 
 /// Keeps the scratch buffers; one object per Runtime. Nothing here blocks the host but scan_total, sort_by_prefix and
-/// sort_by_buckets.
+/// order_by_buckets.
 class Primitives {
  public:
   /// How a part of the input is walked (kernels/sort/primitives.cl): `serial` by one work-item, which suits
@@ -45,13 +45,13 @@ class Primitives {
   void sort_by_prefix(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                       unsigned bits, unsigned prefix);
 
-  /// Sorts the pairs whose keys are below buckets * 2^low, of which there are `kept`, and leaves the others out: what
-  /// the buffers hold from `kept` on is undefined afterwards. Keys kept are distinct, and none has a bit from `bits`
-  /// on. On GPUs each pair goes to its bucket, its key from bit `low` on, in one pass, which is cheapest if buckets are
-  /// about as many as keys, and a pair's is near its place; pairs of buckets of thousands are sorted once more. May
-  /// block.
-  void sort_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
-                       std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
+  /// Puts the values in order whose keys are below buckets * 2^low, of which there are `kept`, and leaves the others
+  /// out: what `values` holds from `kept` on is undefined afterwards, and so are the keys. Keys kept are distinct, and
+  /// none has a bit from `bits` on; low <= 32. On GPUs each pair goes to its bucket, its key from bit `low` on, in one
+  /// pass, which is cheapest if buckets are about as many as keys, and a pair's is near its place; pairs of buckets of
+  /// thousands are sorted once more (kernels/sort/buckets.cl). May block.
+  void order_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
+                        std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
 
   /// Sorts each segment [first[s], first[s + 1]), of at most GCDT_SORT_SMALL pairs, where it stands, ascending by the
   /// whole key and stable: by groups, in local memory.
@@ -80,14 +80,17 @@ class Primitives {
   /// they are most.
   void sort_left_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                       unsigned low, unsigned bits);
+  /// Puts the values of buckets in order that are too long for a group.
+  void order_left_buckets(runtime::Buffer<cl_ulong>& keys, const runtime::Buffer<cl_uint>& values, std::size_t kept,
+                          unsigned bits, unsigned low, cl_uint buckets);
   /// Whether one work-item sorts few keys.
   bool by_one_item() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;
   Walk walk_;
-  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_, buckets_, long_runs_,
-      marks_;
+  runtime::Buffer<cl_uint> part_sums_, digit_table_, other_values_, other_keys32_, unordered_, buckets_, slots_,
+      long_runs_, marks_;
   runtime::Buffer<cl_ulong> other_keys64_;
 };
 

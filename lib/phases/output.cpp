@@ -26,7 +26,7 @@ std::uint32_t sort_faces(Runtime& runtime, Primitives& primitives, const Mesh& m
   const std::uint32_t triangles = runtime.read_one(finite);
   gather_ms += gathering.end();
   // The first corner's rank is a bucket: most vertices are the first of some triangles, few of many.
-  if (triangles != 0) primitives.sort_by_buckets(keys, refs, mesh.faces(), triangles, 2 * bits, bits, mesh.n);
+  if (triangles != 0) primitives.order_by_buckets(keys, refs, mesh.faces(), triangles, 2 * bits, bits, mesh.n);
   primitives.release();
   runtime.end_step();
   return triangles;
@@ -136,7 +136,7 @@ Buffer<cl_uint> number_by_input(Runtime& runtime, const Plan& plan, const Vertic
     return representatives;
   }
   if (inputs != 0)
-    runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.vertex_input,
+    runtime.launch("output", "number_representatives", over(inputs), inputs, vertices.n(), vertices.vertex_input,
                    vertices.input_vertex, representatives);
   number_corners(runtime, vertices, ordered);
   if (ends != 0)

@@ -33,6 +33,7 @@ constexpr Needed needed[] = {
     {"parts", true},
     {"stitch", true},
     {"retriangulate", true},
+    {"buckets"},
     {"output"},
     {"check"},
     {"check_forest", false, Meshes::many},
