@@ -96,6 +96,16 @@ TEST_CASE("what is asked of a result, and a mesh that is adopted, are the same o
   }
 }
 
+TEST_CASE("a device treated as a GPU sorts thousands of vertices that are close together") {
+  Tuning tuning;
+  tuning.most_merged = 1u << 12;  // more are sorted by their first digits, in which these agree
+  Workload problem = random_pslg(17000, 1 << 30, 0, 4);
+  for (int x = 0; x < 60; ++x)
+    for (int y = 0; y < 60; ++y) problem.points.push_back({double(x), double(y)});
+  Solver gpu = as_gpu(DeviceKind::threads, tuning);
+  CHECK(difference(gpu.triangulate(problem.points), solver().triangulate(problem.points)) == "");
+}
+
 TEST_CASE("a device treated as neither CPU nor GPU gives a CPU's bytes") {
   Tuning tuning;
   tuning.kind = DeviceKind::accelerator;
