@@ -105,7 +105,7 @@ typedef struct Counters {
   u32 existing_edges;
   u32 symbolic_chain_vertices;
   u32 hexagons;
-  u32 new_edges;
+  u32 new_edges, spare_edges;  // taken from the list of spare slots, and its length (slots.cl)
   u32 crossed_faces, crossed_edges;  // lengths of their lists (constrain.cl)
   u32 owned_left, owned_right;       // vertices of all chains
   u32 hits;                          // vertices inside constraints (clean.cl, enforce.cl)
@@ -127,7 +127,7 @@ typedef struct MinimaLayers {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(MinimaLayers) == (1 + 2 * GCDT_MINIMA_LAYERS) * sizeof(u32), "MinimaLayers has no padding");
-static_assert(sizeof(Counters) == 39 * sizeof(u32), "Counters has the same layout on host and device");
+static_assert(sizeof(Counters) == 40 * sizeof(u32), "Counters has the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -10,6 +10,7 @@
 #include "constrain/chains.h"
 #include "constrain/chunks.h"
 #include "constrain/near.h"
+#include "constrain/slots.h"
 
 // The edge a-b of the face, which has it; GCDT_NONE if it does not.
 static inline uint edge_of_face(Mesh mesh, uint face, uint a, uint b) {
@@ -119,11 +120,11 @@ GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* 
   if (get_local_id(0) == 0 && all > 0u) atomic_add(counter, all);
 }
 
-// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. Writes the
-// claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
-// After: counters->hexagons and pairs_of_two.
+// One work-item per face. Lists crossed faces, in any order (slots.cl). Writes the claim words of hexagons among them,
+// each its own face's (they are numbered by an atomic counter: any numbering does); counts the others by piece, by
+// atomic_inc. After: counters->hexagons and pairs_of_two.
 kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, volatile global uint* near,
-                                    global const uint2* ends, global uint* crossed,
+                                    global const uint2* ends, global uint* crossed, volatile global uint* of_pieces,
                                     volatile global Counters* counters) {
   local uint sum;
   uint4 pairs = (uint4)(0u);
@@ -136,7 +137,10 @@ kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_d
       const uint4 corners = face_data[GCDT_CORNERS(t)], sides = face_data[GCDT_SIDES(t)];
       pairs += intersection_case(near, corners, sides, 0u, ends) + intersection_case(near, corners, sides, 1u, ends) +
                intersection_case(near, corners, sides, 2u, ends);
-      if (is_hexagon(near, sides)) *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
+      if (is_hexagon(near, sides))
+        *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
+      else
+        atomic_inc(of_pieces + piece_of_face(near, sides));
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
@@ -147,30 +151,23 @@ kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_d
   add_count(&sum, counters->pairs_of_two + 3, pairs.w);
 }
 
-// One work-item per edge. Lists crossed edges, in any order; a crossed edge that is a piece means that two pieces
-// cross.
+// One work-item per edge. Lists crossed edges, in any order, and counts them by piece, by atomic_inc; a crossed edge that
+// is a piece means that two pieces cross.
 kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, global const uint* near,
-                                    global uint* crossed_edges, volatile global Counters* counters) {
+                                    global uint* crossed_edges, volatile global uint* of_pieces,
+                                    volatile global Counters* counters) {
   DECLARE_APPENDER(list);
   const Appender list = make_appender(list_items, list_gathered, crossed_edges, &counters->crossed_edges);
   FOR_EACH_TILE(tile, edges) {
     const uint e = tile + get_local_id(0);
     if (e < edges && near[2u * e] != GCDT_NONE) {
       append(list, e);
+      atomic_inc(of_pieces + near[2u * e]);
       if (edge_marks[e] & GCDT_MARK_CONSTRAINED) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);
-}
-
-// One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
-kernel void constrain_list_hexagons(uint count, uint claim, global const uint* crossed, global uint4* face_data,
-                                    global uint* hexagon_face) {
-  FOR_EACH(i, count) {
-    const uint word = *claim_word(face_data, crossed[i]);
-    if (word > claim) hexagon_face[word - claim - 1u] = crossed[i];
-  }
 }
 
 // ---- Chains ----------------------------------------------------------------------------------------

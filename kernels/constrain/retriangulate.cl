@@ -13,7 +13,8 @@
 //            Else it is the base of a child: the nearest vertex between them.
 // So each base makes a new edge and joins both its sides; a side is written once, by itself or by its child.
 #include "common/append.h"
-#include "common/mesh.h"
+#include "constrain/chains.h"
+#include "constrain/slots.h"
 
 // Long chains: a tree of minima, each of GCDT_MINIMA_RADIX entries of the layer below.
 static inline ulong layer_value(global const ulong* distances, global const ulong* minima,
@@ -97,14 +98,8 @@ typedef struct Chains {
   global const uint* vertex;
   global const ulong* distance;
   global const uint* piece;
-  uint right_begin, pieces;
+  uint right_begin;
 } Chains;
-
-// The number of the triangle at place i among all chains: owned vertices before it. 2c + 1 sentinels stand before it
-// among the left chains, 2 pieces + 2c + 1 among all.
-static inline uint triangle_number(Chains chains, uint i) {
-  return i - 2u * chains.piece[i] - 1u - (i < chains.right_begin ? 0u : 2u * chains.pieces);
-}
 
 // The triangle is (p, q, i) left of its piece and (q, p, i) right of it, counter-clockwise both: base across from
 // corner 2, and these are across from p and q.
@@ -124,69 +119,82 @@ static inline void join_along(global uint4* face_data, global uint* edge_faces, 
     join(face_data, edge_faces, t, k, code);
 }
 
-// One work-item per place in the chains. Writes the corners of one crossed slot, the owned vertex's number, so no two
-// write the same; its sides along the chain; and its base with the parent's side there, in a new edge, or
-// itself to roots: roots[c].x is the left one of piece c, roots[c].y the right one, GCDT_NONE before.
-kernel void retriangulate_chains(uint length, uint right_begin, uint pieces, constant MinimaLayers* layers,
+// One work-item per place in the chains. Writes the corners of one crossed slot, the owned vertex's number (slots.cl), so
+// no two write the same; its sides along the chain; and its base with the parent's side there, in a new edge, or
+// itself to roots: roots[c].x is the left one of piece c, roots[c].y the right one, GCDT_NONE before. Edges for which the
+// piece has no slot take spare ones.
+kernel void retriangulate_chains(uint length, uint right_begin, constant MinimaLayers* layers,
                                  global const uint* chain_vertex, global const ulong* chain_distances,
                                  global const uint* chain_piece, global const uint* chain_side,
-                                 global const ulong* minima, global const uint* crossed, uint free_edges,
-                                 global const uint* crossed_edges, global uint4* face_data, global uint* edge_faces,
-                                 global uint* edge_marks, global uint* roots, volatile global Counters* counters) {
+                                 global const ulong* minima, global const uint4* records, global const uint* crossed,
+                                 global const uint* crossed_edges, global const uint* spare, global uint4* face_data,
+                                 global uint* edge_faces, global uint* edge_marks, global uint* roots,
+                                 volatile global Counters* counters) {
   local uint taken[2];
-  const Chains chains = {.vertex = chain_vertex,
-                         .distance = chain_distances,
-                         .piece = chain_piece,
-                         .right_begin = right_begin,
-                         .pieces = pieces};
+  const Chains chains = {
+      .vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .right_begin = right_begin};
   FOR_EACH_TILE(tile, length) {
     const uint i = tile + get_local_id(0);
-    uint p = 0, q = 0, t = GCDT_NONE, parent = GCDT_NONE;
+    uint p = 0, q = 0, t = GCDT_NONE, parent = GCDT_NONE, number = 0, e = GCDT_NONE;
     const ulong d = i < length ? chain_distances[i] : 0u;
     if (d != 0u) {
+      const uint4 record = records[chain_piece[i]];
+      number = i < right_begin ? record.x : record.y;
       p = smaller_before(chain_distances, minima, layers, i, d);
       q = not_larger_after(chain_distances, minima, layers, i, d);
-      t = crossed[triangle_number(chains, i)];
+      t = crossed[number + i];
       parent = chain_distances[q] > chain_distances[p] ? q : chain_distances[p] > 0u ? p : GCDT_NONE;
+      const uint slot = number + (parent == q ? q - 1u : p) + record.z;
+      if (parent != GCDT_NONE && slot < record.w) e = crossed_edges[slot];
     }
-    const uint slot = take_numbers(taken, &counters->new_edges, parent != GCDT_NONE ? 1u : 0u);
+    const bool takes = parent != GCDT_NONE && e == GCDT_NONE;
+    const uint place = take_numbers(taken, &counters->new_edges, takes ? 1u : 0u);
     if (t == GCDT_NONE) continue;
     const uint kp = corner_of_p(chains, i), kq = corner_of_q(chains, i), v = chain_vertex[i];
     face_data[GCDT_CORNERS(t)] = i < right_begin ? (uint4)(chain_vertex[p], chain_vertex[q], v, 0u)
                                                  : (uint4)(chain_vertex[q], chain_vertex[p], v, 0u);
     if (p + 1u == i) join_along(face_data, edge_faces, t, kq, chain_side[i]);
     if (i + 1u == q) join_along(face_data, edge_faces, t, kp, chain_side[q]);
+    if (takes && place < counters->spare_edges) e = spare[place];
     if (parent == GCDT_NONE) {
       roots[2u * chain_piece[i] + (i < right_begin ? 0u : 1u)] = t;
       set_side(face_data, t, 2u, GCDT_NONE);
-    } else if (slot >= free_edges) {
+    } else if (e == GCDT_NONE) {
       atomic_or(&counters->failed, GCDT_FAILED_MATCH);
     } else {
-      const uint e = crossed_edges[slot];
       edge_marks[e] = 0u;
       join(face_data, edge_faces, t, 2u, GCDT_SIDE(e, 0u));
-      join(face_data, edge_faces, crossed[triangle_number(chains, parent)], parent == q ? kq : kp, GCDT_SIDE(e, 1u));
+      join(face_data, edge_faces, crossed[number + parent], parent == q ? kq : kp, GCDT_SIDE(e, 1u));
     }
   }
 }
 
 // One work-item per piece. Joins the triangles on its two sides, if both are of its own chains, in a new edge, and
 // names that in piece_edge. No race: roots are triangles of one piece. The bases of single roots are left to stitch.cl.
-kernel void retriangulate_pieces(uint pieces, global const uint2* roots, uint free_edges,
-                                 global const uint* crossed_edges, global uint4* face_data, global uint* edge_faces,
-                                 global uint* edge_marks, global uint* piece_edge, volatile global Counters* counters) {
+kernel void retriangulate_pieces(uint pieces, global const uint2* roots, global const uint* begins,
+                                 global const uint* starts, global const uint4* records,
+                                 global const uint* crossed_edges, global const uint* spare, global uint4* face_data,
+                                 global uint* edge_faces, global uint* edge_marks, global uint* piece_edge,
+                                 volatile global Counters* counters) {
   local uint taken[2];
   FOR_EACH_TILE(tile, pieces) {
     const uint c = tile + get_local_id(0);
     const uint2 root = c < pieces ? roots[c] : (uint2)(GCDT_NONE, GCDT_NONE);
     const bool both = root.x != GCDT_NONE && root.y != GCDT_NONE;
-    const uint slot = take_numbers(taken, &counters->new_edges, both ? 1u : 0u);
+    uint e = GCDT_NONE;
+    if (both) {
+      const uint4 record = records[c];
+      const uint slot = record.x + left_begin(starts, begins[c + 1u], c) + record.z;  // behind its last one left
+      if (slot < record.w) e = crossed_edges[slot];
+    }
+    const bool takes = both && e == GCDT_NONE;
+    const uint place = take_numbers(taken, &counters->new_edges, takes ? 1u : 0u);
     if (!both) continue;
-    if (slot >= free_edges) {
+    if (takes && place < counters->spare_edges) e = spare[place];
+    if (e == GCDT_NONE) {
       atomic_or(&counters->failed, GCDT_FAILED_MATCH);
       continue;
     }
-    const uint e = crossed_edges[slot];
     edge_marks[e] = GCDT_MARK_CONSTRAINED;
     piece_edge[c] = e;
     join(face_data, edge_faces, root.x, 2u, GCDT_SIDE(e, 0u));

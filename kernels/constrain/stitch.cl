@@ -97,14 +97,15 @@ static inline void join(uint t, uint k, uint code, global uint4* face_data, glob
 }
 
 // One work-item per new triangle: its open directions u -> v with u < v. A direction in the table takes the
-// side that waits there; otherwise it makes a new edge in the slot of a crossed one and enters the other
+// side that waits there; otherwise it makes a new edge in a spare slot (slots.cl) and enters the other
 // direction. A work-group takes slots for all its new edges at once (any numbering does). Writes its own
 // face's side words, the sides found (each direction occurs once among the new triangles of a valid mesh,
 // which stitch_prove checks), and new edges' words. After: no direction u < v is open.
-kernel void stitch_first(uint count, uint free_edges, global const uint* crossed, global uint4* face_data,
-                         global uint* edge_faces, global uint* edge_marks, global const uint* crossed_edges,
-                         TABLE_PARAMETERS, volatile global Counters* counters) {
+kernel void stitch_first(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
+                         global uint* edge_marks, global const uint* spare, TABLE_PARAMETERS,
+                         volatile global Counters* counters) {
   local uint taken[2];
+  const uint spare_edges = counters->spare_edges;
   const Table table = make_table(capacity, slots);
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
@@ -122,12 +123,12 @@ kernel void stitch_first(uint count, uint free_edges, global const uint* crossed
       if (!((open >> k) & 1u)) continue;
       uint code = found[k];
       if (code == GCDT_NONE) {
-        if (slot >= free_edges) {
+        if (slot >= spare_edges) {
           atomic_or(&counters->failed, GCDT_FAILED_MATCH);
           continue;
         }
         const uint4 c = face_data[GCDT_CORNERS(t)];
-        const uint e = crossed_edges[slot++];
+        const uint e = spare[slot++];
         code = GCDT_SIDE(e, 0u);
         edge_marks[e] = 0u;
         edge_faces[GCDT_SIDE(e, 1u)] = GCDT_NONE;

@@ -55,6 +55,7 @@ const ProgramInfo programs[] = {
     {"route", "route", true},
     {"select", "select", true},
     {"selftest", "core", false},
+    {"slots", "slots", true},
     {"sort32_group", "sort32_group", false},
     {"sort32_serial", "sort32_serial", false},
     {"sort64_group", "sort64_group", false},

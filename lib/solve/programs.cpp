@@ -32,6 +32,7 @@ constexpr Needed needed[] = {
     {"clean", true},
     {"flip"},
     {"parts", true},
+    {"slots", true},
     {"stitch", true},
     {"retriangulate", true},
     {"buckets"},
