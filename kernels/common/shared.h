@@ -105,7 +105,7 @@ typedef struct Counters {
   u32 existing_edges;
   u32 symbolic_chain_vertices;
   u32 hexagons;
-  u32 new_edges, spare_edges;  // taken from the list of spare slots, and its length (slots.cl)
+  u32 new_edges, spare_edges;        // taken from the list of spare slots, and its length (slots.cl)
   u32 crossed_faces, crossed_edges;  // lengths of their lists (constrain.cl)
   u32 owned_left, owned_right;       // vertices of all chains
   u32 hits;                          // vertices inside constraints (clean.cl, enforce.cl)

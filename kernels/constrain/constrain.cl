@@ -120,12 +120,12 @@ GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* 
   if (get_local_id(0) == 0 && all > 0u) atomic_add(counter, all);
 }
 
-// One work-item per face. Lists crossed faces, in any order (slots.cl). Writes the claim words of hexagons among them,
-// each its own face's (they are numbered by an atomic counter: any numbering does); counts the others by piece, by
-// atomic_inc. After: counters->hexagons and pairs_of_two.
-kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_data, volatile global uint* near,
-                                    global const uint2* ends, global uint* crossed, volatile global uint* of_pieces,
-                                    volatile global Counters* counters) {
+// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. Writes the
+// claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
+// If `grouped`, counts the others by piece, by atomic_inc (slots.cl). After: counters->hexagons and pairs_of_two.
+kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global uint4* face_data,
+                                    volatile global uint* near, global const uint2* ends, global uint* crossed,
+                                    volatile global uint* of_pieces, volatile global Counters* counters) {
   local uint sum;
   uint4 pairs = (uint4)(0u);
   DECLARE_APPENDER(list);
@@ -139,7 +139,7 @@ kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_d
                intersection_case(near, corners, sides, 2u, ends);
       if (is_hexagon(near, sides))
         *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
-      else
+      else if (grouped)
         atomic_inc(of_pieces + piece_of_face(near, sides));
     }
     append_flush(list, APPEND_CAPACITY / 2u);
@@ -151,9 +151,9 @@ kernel void constrain_crossed_faces(uint faces, uint claim, global uint4* face_d
   add_count(&sum, counters->pairs_of_two + 3, pairs.w);
 }
 
-// One work-item per edge. Lists crossed edges, in any order, and counts them by piece, by atomic_inc; a crossed edge that
-// is a piece means that two pieces cross.
-kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, global const uint* near,
+// One work-item per edge. Lists crossed edges, in any order, and counts them by piece, too; a crossed edge that is a
+// piece means that two pieces cross.
+kernel void constrain_crossed_edges(uint grouped, uint edges, global const uint* edge_marks, global const uint* near,
                                     global uint* crossed_edges, volatile global uint* of_pieces,
                                     volatile global Counters* counters) {
   DECLARE_APPENDER(list);
@@ -162,12 +162,21 @@ kernel void constrain_crossed_edges(uint edges, global const uint* edge_marks, g
     const uint e = tile + get_local_id(0);
     if (e < edges && near[2u * e] != GCDT_NONE) {
       append(list, e);
-      atomic_inc(of_pieces + near[2u * e]);
+      if (grouped) atomic_inc(of_pieces + near[2u * e]);
       if (edge_marks[e] & GCDT_MARK_CONSTRAINED) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);
+}
+
+// One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
+kernel void constrain_list_hexagons(uint count, uint claim, global const uint* crossed, global uint4* face_data,
+                                    global uint* hexagon_face) {
+  FOR_EACH(i, count) {
+    const uint word = *claim_word(face_data, crossed[i]);
+    if (word > claim) hexagon_face[word - claim - 1u] = crossed[i];
+  }
 }
 
 // ---- Chains ----------------------------------------------------------------------------------------

@@ -18,17 +18,16 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
   return low;
 }
 
-// One work-item per corner of a hexagon; these are the crossed faces from `first` on. Writes the place in the chains of the hole's corner there: the owned vertex
+// One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
 // just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
 // left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
-kernel void hole_corners(uint hexagons, uint pieces, uint capacity, uint first, GCDT_MESH_PARAMETERS,
-                         volatile global uint* near,
+kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
                          global const uint2* ends, global const uint* begins, global const int4* lines,
                          global const uint* part_face, global const uint* starts, global const uint* far,
-                         global const uint* crossed, global uint* hole_place, volatile global Counters* counters) {
+                         global const uint* hexagon_face, global uint* hole_place, volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   FOR_EACH(i, 3u * hexagons) {
-    const uint c = far[i], k = i % 3u, t = crossed[first + i / 3u];
+    const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
     hole_place[i] = 0u;
     if (c == GCDT_NONE) {
       atomic_or(&counters->failed, GCDT_FAILED_WALK);
@@ -55,7 +54,7 @@ kernel void hole_corners(uint hexagons, uint pieces, uint capacity, uint first, 
   }
 }
 
-// One work-item per hexagon. Writes the hole triangle into the hexagon's slot, after the chains' triangles. Its links
+// One work-item per hexagon. Writes the hole triangle into its own slot, after the chains' triangles. Its links
 // are left to stitch.cl.
 kernel void hole_triangles(uint hexagons, uint first, global const uint* hole_place, global const uint* chain_vertex,
                            global const uint* crossed, global uint4* face_data) {

@@ -119,17 +119,17 @@ static inline void join_along(global uint4* face_data, global uint* edge_faces, 
     join(face_data, edge_faces, t, k, code);
 }
 
-// One work-item per place in the chains. Writes the corners of one crossed slot, the owned vertex's number (slots.cl), so
-// no two write the same; its sides along the chain; and its base with the parent's side there, in a new edge, or
-// itself to roots: roots[c].x is the left one of piece c, roots[c].y the right one, GCDT_NONE before. Edges for which the
-// piece has no slot take spare ones.
-kernel void retriangulate_chains(uint length, uint right_begin, constant MinimaLayers* layers,
-                                 global const uint* chain_vertex, global const ulong* chain_distances,
-                                 global const uint* chain_piece, global const uint* chain_side,
-                                 global const ulong* minima, global const uint4* records, global const uint* crossed,
-                                 global const uint* crossed_edges, global const uint* spare, global uint4* face_data,
-                                 global uint* edge_faces, global uint* edge_marks, global uint* roots,
-                                 volatile global Counters* counters) {
+// One work-item per place in the chains. Writes the corners of one crossed slot, the owned vertex's number (slots.cl),
+// so no two write the same; its sides along the chain; and its base with the parent's side there, in a new edge, or
+// itself to roots: roots[c].x is the left one of piece c, roots[c].y the right one, GCDT_NONE before. Edges for which
+// the piece has no slot take spare ones.
+kernel void retriangulate_chains(uint grouped, uint length, uint right_begin, uint pieces,
+                                 constant MinimaLayers* layers, global const uint* chain_vertex,
+                                 global const ulong* chain_distances, global const uint* chain_piece,
+                                 global const uint* chain_side, global const ulong* minima, global const uint4* records,
+                                 global const uint* crossed, global const uint* crossed_edges, global const uint* spare,
+                                 global uint4* face_data, global uint* edge_faces, global uint* edge_marks,
+                                 global uint* roots, volatile global Counters* counters) {
   local uint taken[2];
   const Chains chains = {
       .vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .right_begin = right_begin};
@@ -138,7 +138,7 @@ kernel void retriangulate_chains(uint length, uint right_begin, constant MinimaL
     uint p = 0, q = 0, t = GCDT_NONE, parent = GCDT_NONE, number = 0, e = GCDT_NONE;
     const ulong d = i < length ? chain_distances[i] : 0u;
     if (d != 0u) {
-      const uint4 record = records[chain_piece[i]];
+      const uint4 record = slots_of_piece(grouped, pieces, records, chain_piece[i]);
       number = i < right_begin ? record.x : record.y;
       p = smaller_before(chain_distances, minima, layers, i, d);
       q = not_larger_after(chain_distances, minima, layers, i, d);
@@ -147,15 +147,14 @@ kernel void retriangulate_chains(uint length, uint right_begin, constant MinimaL
       const uint slot = number + (parent == q ? q - 1u : p) + record.z;
       if (parent != GCDT_NONE && slot < record.w) e = crossed_edges[slot];
     }
-    const bool takes = parent != GCDT_NONE && e == GCDT_NONE;
-    const uint place = take_numbers(taken, &counters->new_edges, takes ? 1u : 0u);
+    const uint other = take_spare(taken, grouped, parent != GCDT_NONE && e == GCDT_NONE, spare, counters);
     if (t == GCDT_NONE) continue;
+    if (e == GCDT_NONE) e = other;
     const uint kp = corner_of_p(chains, i), kq = corner_of_q(chains, i), v = chain_vertex[i];
     face_data[GCDT_CORNERS(t)] = i < right_begin ? (uint4)(chain_vertex[p], chain_vertex[q], v, 0u)
                                                  : (uint4)(chain_vertex[q], chain_vertex[p], v, 0u);
     if (p + 1u == i) join_along(face_data, edge_faces, t, kq, chain_side[i]);
     if (i + 1u == q) join_along(face_data, edge_faces, t, kp, chain_side[q]);
-    if (takes && place < counters->spare_edges) e = spare[place];
     if (parent == GCDT_NONE) {
       roots[2u * chain_piece[i] + (i < right_begin ? 0u : 1u)] = t;
       set_side(face_data, t, 2u, GCDT_NONE);
@@ -171,7 +170,7 @@ kernel void retriangulate_chains(uint length, uint right_begin, constant MinimaL
 
 // One work-item per piece. Joins the triangles on its two sides, if both are of its own chains, in a new edge, and
 // names that in piece_edge. No race: roots are triangles of one piece. The bases of single roots are left to stitch.cl.
-kernel void retriangulate_pieces(uint pieces, global const uint2* roots, global const uint* begins,
+kernel void retriangulate_pieces(uint grouped, uint pieces, global const uint2* roots, global const uint* begins,
                                  global const uint* starts, global const uint4* records,
                                  global const uint* crossed_edges, global const uint* spare, global uint4* face_data,
                                  global uint* edge_faces, global uint* edge_marks, global uint* piece_edge,
@@ -182,15 +181,14 @@ kernel void retriangulate_pieces(uint pieces, global const uint2* roots, global 
     const uint2 root = c < pieces ? roots[c] : (uint2)(GCDT_NONE, GCDT_NONE);
     const bool both = root.x != GCDT_NONE && root.y != GCDT_NONE;
     uint e = GCDT_NONE;
-    if (both) {
+    if (both && grouped) {
       const uint4 record = records[c];
       const uint slot = record.x + left_begin(starts, begins[c + 1u], c) + record.z;  // behind its last one left
       if (slot < record.w) e = crossed_edges[slot];
     }
-    const bool takes = both && e == GCDT_NONE;
-    const uint place = take_numbers(taken, &counters->new_edges, takes ? 1u : 0u);
+    const uint other = take_spare(taken, grouped, both && e == GCDT_NONE, spare, counters);
     if (!both) continue;
-    if (takes && place < counters->spare_edges) e = spare[place];
+    if (e == GCDT_NONE) e = other;
     if (e == GCDT_NONE) {
       atomic_or(&counters->failed, GCDT_FAILED_MATCH);
       continue;

@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Phase 2: which slots new triangles and edges get, those of crossed ones. Any are right; but where flips begin within
-// parts of the mesh that own faces by number (flip/span.h), it pays that a triangle has the slot of a face that was
-// there. So crossed faces and edges are listed piece by piece, as pieces stand along the curve, and in order of pieces
-// new triangles are numbered.
+// Phase 2: which slots new triangles and edges get, of those of crossed ones. Any are right; but flips begin within
+// parts of the mesh that own faces and edges by number (flip/span.h), so in a large mesh it pays that a triangle has
+// the slot of a face that was there, and an edge an edge's. So crossed faces and edges are listed piece by piece, as
+// pieces stand along the curve, where triangles are numbered in that order, too. In a small mesh all that is left out:
+// faces are listed as they come, and all edges are spare.
 //
-// Triangles: those of a piece's left chain, then of its right one. As many as the crossed faces that are no hexagons: the
-// triangle with number i has the slot of the i-th. That of a hexagon's hole has the hexagon's, behind all others.
+// Triangles: those of a piece's left chain, then of its right one. As many as the crossed faces that are no hexagons:
+// the triangle with number i has the slot of the i-th. Those of hexagons' holes have the hexagons', behind all others.
 //
-// Edges: one between each two triangles of a piece whose vertices are neighbours in its numbering. In a chain that is
-// the edge between a triangle and its parent (retriangulate.cl): of two neighbours x, x + 1 of a chain one has the
-// smaller distance, say x + 1; then the one with the smallest distance between the last place before x + 1 that has a
-// smaller one, and x + 1, is a child of x + 1, the only one on that side. Between the last triangle left and the first
-// one right of a piece it is the piece itself. A piece with k triangles so has k - 1 edges, in the slots of the edges
-// that are listed with it, while there are any. Further ones, and those between chains of different pieces (stitch.cl),
-// have slots that their pieces have no use for.
+// Edges: one between each two triangles of a piece that follow one another. In a chain that is an edge between a
+// triangle and its parent (retriangulate.cl): of two neighbours x, x + 1 in the chain one comes before the other in the
+// tree of minima, say x + 1; then the triangles of the places behind the last one before x + 1 with a smaller distance,
+// up to x, are one subtree, whose root has x + 1 for its parent. No other triangle has x + 1 for its parent on that
+// side. Between the last triangle left of a piece and the first one right of it the edge is the piece. So a piece with
+// k triangles has k - 1 edges, in the slots of the edges that are listed with it, while there are any. Further ones,
+// and those between chains of different pieces (stitch.cl), have spare slots, which their pieces have no use for.
 #include "common/append.h"
 #include "constrain/chains.h"
 #include "constrain/slots.h"
 
-// One work-item per crossed face in any order. Writes it to its place in `grouped`: hexagons behind all others, by number;
-// the others by next[c], which is where piece c's begin, and afterwards where they end: atomic_inc gives each place once.
+// One work-item per crossed face in any order. Writes it to its place in `grouped`: hexagons behind all others, by
+// number; the others by next[c], which is where piece c's begin, and afterwards where they end: atomic_inc gives each
+// place once.
 kernel void slots_of_faces(uint count, uint hexagons, uint claim, global uint4* face_data, global const uint* near,
                            global const uint* crossed, volatile global uint* next, global uint* grouped) {
   FOR_EACH(i, count) {
@@ -54,34 +56,27 @@ static inline PieceTriangles triangles_of_piece(global const uint* begins, globa
   return t;
 }
 
-// Where piece c's edges begin: where those of the piece before end.
-static inline uint first_edge_slot(global const uint* edge_ends, uint c) { return c == 0u ? 0u : edge_ends[c - 1u]; }
-
-// One work-item per piece. Writes its own record (slots.h). edge_ends: `next` of slots_of_edges.
+// One work-item per piece. Writes its own record (slots.h): of its slots of edges it has use for one less than it has
+// triangles. edge_ends: `next` of slots_of_edges.
 kernel void slots_of_pieces(uint pieces, uint capacity, global const uint* begins, global const uint* starts,
                             global const uint* edge_ends, global uint4* records) {
   FOR_EACH(c, pieces) {
     const PieceTriangles t = triangles_of_piece(begins, starts, capacity, c);
+    const uint slot = c == 0u ? 0u : edge_ends[c - 1u], made = max(t.left + t.right, 1u) - 1u;
     records[c] = (uint4)(t.before - (left_begin(starts, begins[c], c) + 1u),
                          t.before + t.left - (right_begin(starts, capacity, pieces, begins[c], c) + 1u),
-                         first_edge_slot(edge_ends, c) - t.before, edge_ends[c]);
+                         slot - t.before, min(slot + made, edge_ends[c]));
   }
 }
 
-// One work-item per listed edge, which piece near[2e] has. Lists it as spare if the piece has less edges to make.
-kernel void slots_spare(uint count, uint capacity, global const uint* near, global const uint* begins,
-                        global const uint* starts, global const uint* edge_ends, global const uint* grouped,
+// One work-item per listed edge, which piece near[2e] has. Lists it as spare if the piece has no use for it.
+kernel void slots_spare(uint count, global const uint* near, global const uint4* records, global const uint* grouped,
                         global uint* spare, volatile global Counters* counters) {
   DECLARE_APPENDER(list);
   const Appender list = make_appender(list_items, list_gathered, spare, &counters->spare_edges);
   FOR_EACH_TILE(tile, count) {
-    const uint i = tile + get_local_id(0);
-    if (i < count) {
-      const uint e = grouped[i], c = near[2u * e];
-      const PieceTriangles t = triangles_of_piece(begins, starts, capacity, c);
-      const uint made = t.left + t.right > 0u ? t.left + t.right - 1u : 0u;
-      if (i - first_edge_slot(edge_ends, c) >= made) append(list, e);
-    }
+    const uint i = tile + get_local_id(0), e = i < count ? grouped[i] : 0u;
+    if (i < count && i >= records[near[2u * e]].w) append(list, e);
     append_flush(list, APPEND_CAPACITY / 2u);
   }
   append_flush(list, 0u);

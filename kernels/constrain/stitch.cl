@@ -6,7 +6,7 @@
 // chain (it stays, and its side waits for the new triangle that has it), and for every new edge {u, v}, u < v, that is
 // made here, the direction v -> u, whose triangle comes second.
 #include "common/append.h"
-#include "common/mesh.h"
+#include "constrain/slots.h"
 
 typedef struct Table {
   u32 capacity;
@@ -101,11 +101,11 @@ static inline void join(uint t, uint k, uint code, global uint4* face_data, glob
 // direction. A work-group takes slots for all its new edges at once (any numbering does). Writes its own
 // face's side words, the sides found (each direction occurs once among the new triangles of a valid mesh,
 // which stitch_prove checks), and new edges' words. After: no direction u < v is open.
-kernel void stitch_first(uint count, global const uint* crossed, global uint4* face_data, global uint* edge_faces,
-                         global uint* edge_marks, global const uint* spare, TABLE_PARAMETERS,
+kernel void stitch_first(uint grouped, uint count, global const uint* crossed, global uint4* face_data,
+                         global uint* edge_faces, global uint* edge_marks, global const uint* spare, TABLE_PARAMETERS,
                          volatile global Counters* counters) {
   local uint taken[2];
-  const uint spare_edges = counters->spare_edges;
+  const uint spare_edges = grouped ? counters->spare_edges : counters->crossed_edges;
   const Table table = make_table(capacity, slots);
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);

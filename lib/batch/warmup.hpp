@@ -30,19 +30,25 @@ class WarmupBatch {
 /// How many vertices the problems of each run of a warm-up have, on a device of so many compute units.
 std::vector<std::vector<std::uint32_t>> warmup_runs(std::uint32_t compute_units, Crossing crossing);
 
-/// While it lives, few constraints take the way of many that are edges already.
+/// While it lives, few constraints take the ways of many that are edges already, and of large meshes.
 class FewAsMany {
  public:
-  explicit FewAsMany(Tuning& tuning) : least_existing_(tuning.least_existing), before_(least_existing_) {
-    least_existing_ = 0;
+  explicit FewAsMany(Tuning& tuning)
+      : tuning_(tuning), least_existing_(tuning.least_existing), least_grouped_(tuning.least_grouped) {
+    tuning_.least_existing = 0;
+    tuning_.least_grouped = 0;
   }
-  ~FewAsMany() { least_existing_ = before_; }
+  ~FewAsMany() {
+    tuning_.least_existing = least_existing_;
+    tuning_.least_grouped = least_grouped_;
+  }
   FewAsMany(const FewAsMany&) = delete;
   FewAsMany& operator=(const FewAsMany&) = delete;
 
  private:
-  std::optional<std::uint32_t>& least_existing_;
-  const std::optional<std::uint32_t> before_;
+  Tuning& tuning_;
+  const std::optional<std::uint32_t> least_existing_;
+  const std::uint32_t least_grouped_;
 };
 
 /// The options that decide which kernels a warm-up launches.

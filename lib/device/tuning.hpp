@@ -85,6 +85,10 @@ struct Tuning {
   /// Constraints that are edges already from which on they are left out of what is enforced, if they are a quarter of
   /// all; 0: always; none: by the device, below.
   std::optional<std::uint32_t> least_existing;
+  /// Edges of the mesh from which on, where vertices come in rounds, new triangles have slots of faces that their own
+  /// piece crosses, if a piece crosses so many at most: later flips find them where they look
+  /// (kernels/constrain/slots.cl).
+  std::uint32_t least_grouped = 1u << 22, grouped_crossings = 8;
   /// Crossed faces, as many times as the mesh has faces, from which on some pieces are enforced ahead of the others;
   /// none: by the device, below.
   std::optional<std::uint32_t> crossings_ahead;

@@ -89,6 +89,8 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
       tuning.crossings_ahead.value_or(gpu ? Tuning::gpu_crossings_ahead : Tuning::cpu_crossings_ahead);
   plan.step_ahead = gpu ? Tuning::gpu_step_ahead : Tuning::cpu_step_ahead;
   plan.least_existing = tuning.least_existing.value_or(gpu ? Tuning::gpu_least_existing : Tuning::cpu_least_existing);
+  plan.least_grouped = threads ? UINT32_MAX : tuning.least_grouped;
+  plan.grouped_crossings = tuning.grouped_crossings;
   plan.all_pairs = lanes ? Tuning::most_of_all_pairs_of_lanes : Tuning::most_of_all_pairs;
 
   plan.output = each ? By::each : by_one(sizes.vertices);

@@ -77,7 +77,9 @@ struct Plan {
   /// the others.
   std::uint32_t crossings_ahead = 0, step_ahead = 0;
   std::uint32_t least_existing = 0;  ///< pieces that are edges already from which on these are left out
-  std::uint32_t all_pairs = 0;       ///< pieces of a problem up to which all pairs may be tested for crossings
+  /// Edges of the mesh from which on pieces have slots of their own, and crossed faces of a piece up to which.
+  std::uint32_t least_grouped = 0, grouped_crossings = 0;
+  std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings
 
   // Output and check.
   By output = By::all;        ///< triangles in canonical order: all, one, or each, who does the domain, too

@@ -83,30 +83,45 @@ class Constraining {
     mesh_.claims_below = claim_ + wanted;
   }
 
-  // Crossed faces and edges, as they come, and how many are each piece's.
-  void list_crossed() {
-    crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
-    crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
-    face_ends_ = runtime_.filled<cl_uint>("slots of faces", std::size_t{pieces_.count} + 1, 0);
-    edge_ends_ = runtime_.filled<cl_uint>("slots of edges", std::size_t{pieces_.count} + 1, 0);
-    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), mesh_.faces(), claim_, mesh_.face_data,
-                    near_, pieces_.ends, crossed_, face_ends_, counters_.buffer());
-    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), mesh_.edges(), mesh_.edge_marks, near_,
-                    crossed_edges_, edge_ends_, counters_.buffer());
-    primitives_.exclusive_scan(face_ends_, face_ends_, pieces_.count);
-    primitives_.exclusive_scan(edge_ends_, edge_ends_, pieces_.count);
+  // Whether later flips look for triangles where they are, and pieces do not cross so much that they all wait for the
+  // counts of a few.
+  bool wants_groups() const {
+    const WalkedPieces& walked = pieces_.walked;
+    return mesh_.edges() >= walked_.plan.least_grouped &&
+           walked.crossed <= std::uint64_t{walked_.plan.grouped_crossings} * pieces_.count;
   }
 
-  // The same, piece by piece; hexagons behind all others.
+  // Crossed faces and edges, as they come, and how many are each piece's.
+  void list_crossed() {
+    grouped_ = wants_groups();
+    const std::size_t counts = grouped_ ? std::size_t{pieces_.count} + 1 : 0;
+    crossed_ = runtime_.allocate<cl_uint>("crossed faces", mesh_.faces());
+    crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges", mesh_.edges());
+    face_ends_ = runtime_.filled<cl_uint>("slots of faces", counts, 0);
+    edge_ends_ = runtime_.filled<cl_uint>("slots of edges", counts, 0);
+    runtime_.launch("constrain", "constrain_crossed_faces", over(mesh_.faces()), grouped_, mesh_.faces(), claim_,
+                    mesh_.face_data, near_, pieces_.ends, crossed_, face_ends_, counters_.buffer());
+    runtime_.launch("constrain", "constrain_crossed_edges", over(mesh_.edges()), grouped_, mesh_.edges(),
+                    mesh_.edge_marks, near_, crossed_edges_, edge_ends_, counters_.buffer());
+  }
+
+  // Crossed faces and edges piece by piece, hexagons behind all others.
   void group_crossed() {
     crossed_faces_ = counters_.last().crossed_faces;
-    crossed_edges_count_ = counters_.last().crossed_edges;
+    crossed_edge_count_ = counters_.last().crossed_edges;
     hexagons_ = counters_.last().hexagons;
+    hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
+    if (hexagons_ > 0)
+      runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, claim_, crossed_,
+                      mesh_.face_data, hexagon_face_);
+    if (!grouped_) return;
+    primitives_.exclusive_scan(face_ends_, face_ends_, pieces_.count);
+    primitives_.exclusive_scan(edge_ends_, edge_ends_, pieces_.count);
     auto faces = runtime_.allocate<cl_uint>("crossed faces by piece", crossed_faces_);
-    auto edges = runtime_.allocate<cl_uint>("crossed edges by piece", crossed_edges_count_);
+    auto edges = runtime_.allocate<cl_uint>("crossed edges by piece", crossed_edge_count_);
     runtime_.launch("slots", "slots_of_faces", over(crossed_faces_), crossed_faces_, hexagons_, claim_, mesh_.face_data,
                     near_, crossed_, face_ends_, faces);
-    runtime_.launch("slots", "slots_of_edges", over(crossed_edges_count_), crossed_edges_count_, near_, crossed_edges_,
+    runtime_.launch("slots", "slots_of_edges", over(crossed_edge_count_), crossed_edge_count_, near_, crossed_edges_,
                     edge_ends_, edges);
     crossed_ = std::move(faces);
     crossed_edges_ = std::move(edges);
@@ -143,9 +158,8 @@ class Constraining {
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
     if (hexagons_ > 0)
       runtime_.launch("holes", "hole_corners", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
-                      parts_.capacity, cl_uint(left_total_ + right_total_), mesh_.n, walked_.vertices.points,
-                      mesh_.face_data, mesh_.edge_faces, near_, pieces_.ends, parts_.begins, begins_.lines,
-                      begins_.faces, starts_, far_, crossed_,
+                      parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
+                      pieces_.ends, parts_.begins, begins_.lines, begins_.faces, starts_, far_, hexagon_face_,
                       hole_place_, counters_.buffer());
   }
 
@@ -182,20 +196,26 @@ class Constraining {
     }
   }
 
-  // Which slots pieces have, and which are spare.
+  // Which slots pieces have, and which are spare: all edges, if pieces have none.
   void give_slots() {
-    records_ = runtime_.allocate<cl_uint4>("slots of pieces", pieces_.count);
-    spare_ = runtime_.allocate<cl_uint>("spare slots of edges", crossed_edges_count_);
+    records_ = runtime_.allocate<cl_uint4>("slots of pieces", grouped_ ? pieces_.count : 0);
+    if (!grouped_) {
+      std::swap(spare_, crossed_edges_);
+      crossed_edges_ = runtime_.allocate<cl_uint>("crossed edges by piece", 0);
+      return;
+    }
+    spare_ = runtime_.allocate<cl_uint>("spare slots of edges", crossed_edge_count_);
     runtime_.launch("slots", "slots_of_pieces", over(pieces_.count), pieces_.count, parts_.capacity, parts_.begins,
                     starts_, edge_ends_, records_);
-    runtime_.launch("slots", "slots_spare", over(crossed_edges_count_), crossed_edges_count_, parts_.capacity, near_,
-                    parts_.begins, starts_, edge_ends_, crossed_edges_, spare_, counters_.buffer());
+    runtime_.launch("slots", "slots_spare", over(crossed_edge_count_), crossed_edge_count_, near_, records_,
+                    crossed_edges_, spare_, counters_.buffer());
+    edge_ends_ = {};
   }
 
   // Entries: at most 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
   // is entered for the new edge in its place). A third more slots keeps probes short.
   void keep_boundary() {
-    const std::uint64_t entries = 3ull * crossed_faces_ - crossed_edges_count_;
+    const std::uint64_t entries = 3ull * crossed_faces_ - crossed_edge_count_;
     capacity_ = cl_uint(entries + entries / 2 + 1);
     table_ = runtime_.filled<cl_uint>("table of directions", 3 * std::size_t{capacity_}, GCDT_NONE);
     runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data, near_,
@@ -205,20 +225,20 @@ class Constraining {
 
   void retriangulate() {
     roots_ = runtime_.filled<cl_uint2>("roots of chains", pieces_.count, {{GCDT_NONE, GCDT_NONE}});
-    runtime_.launch("retriangulate", "retriangulate_chains", over(length_), length_, right_begin_, layers_buffer_,
-                    chain_vertex_, chain_distances_, chain_piece_, chain_side_, minima_, records_, crossed_,
-                    crossed_edges_, spare_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, roots_,
-                    counters_.buffer());
-    runtime_.launch("retriangulate", "retriangulate_pieces", over(pieces_.count), pieces_.count, roots_, parts_.begins,
-                    starts_, records_, crossed_edges_, spare_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
-                    piece_edge_, counters_.buffer());
+    runtime_.launch("retriangulate", "retriangulate_chains", over(length_), grouped_, length_, right_begin_,
+                    pieces_.count, layers_buffer_, chain_vertex_, chain_distances_, chain_piece_, chain_side_, minima_,
+                    records_, crossed_, crossed_edges_, spare_, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
+                    roots_, counters_.buffer());
+    runtime_.launch("retriangulate", "retriangulate_pieces", over(pieces_.count), grouped_, pieces_.count, roots_,
+                    parts_.begins, starts_, records_, crossed_edges_, spare_, mesh_.face_data, mesh_.edge_faces,
+                    mesh_.edge_marks, piece_edge_, counters_.buffer());
     if (hexagons_ > 0)
       runtime_.launch("holes", "hole_triangles", over(hexagons_), hexagons_, cl_uint(left_total_ + right_total_),
                       hole_place_, chain_vertex_, crossed_, mesh_.face_data);
   }
 
   void stitch() {
-    runtime_.launch("stitch", "stitch_first", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
+    runtime_.launch("stitch", "stitch_first", over(crossed_faces_), grouped_, crossed_faces_, crossed_, mesh_.face_data,
                     mesh_.edge_faces, mesh_.edge_marks, spare_, capacity_, table_, counters_.buffer());
     runtime_.launch("stitch", "stitch_second", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data,
                     mesh_.edge_faces, capacity_, table_, counters_.buffer());
@@ -237,14 +257,16 @@ class Constraining {
   PhaseCounters& counters_;
   PieceParts parts_;
   PartBegins begins_;
-  runtime::Buffer<cl_uint> near_, piece_edge_, crossed_, crossed_edges_, face_ends_, edge_ends_, spare_, starts_, far_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, crossed_, crossed_edges_, face_ends_, edge_ends_, spare_, starts_, far_,
+      hexagon_face_;
   runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_, records_;
   runtime::Buffer<cl_uint2> chunk_entries_;
   runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, chain_side_, hole_place_, table_;
   runtime::Buffer<cl_ulong> chain_distances_, minima_;
   runtime::Buffer<device::MinimaLayers> layers_buffer_;
-  cl_uint crossed_faces_ = 0, crossed_edges_count_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
+  cl_uint crossed_faces_ = 0, crossed_edge_count_ = 0, hexagons_ = 0, left_total_ = 0, right_total_ = 0;
+  cl_uint grouped_ = 0;  // whether pieces have slots of their own (kernels/constrain/slots.cl)
   cl_uint claim_ = 1;
   cl_uint right_begin_ = 0, length_ = 0, capacity_ = 1, chunk_capacity_ = 0;
 };

@@ -57,6 +57,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
       std::count_if(expected.begin(), expected.end(),
                     [edges = edges_of(made.now())](const Constraint& piece) { return edges.count(piece) == 1; }));
   made.plan.least_existing = seed / 2 % 2 == 0 ? 0 : UINT32_MAX;  // and then none is left out
+  made.plan.least_grouped = seed % 5 < 3 ? 0 : UINT32_MAX, made.plan.grouped_crossings = UINT32_MAX;
   if (seed % 3 == 0) use_up_claims(runtime, made.mesh);
   const ConstrainResult result =
       constrain(runtime, primitives, made.plan, made.vertices, made.mesh, made.history, clean.pieces, made.counters);

@@ -51,6 +51,7 @@ Tuning small_thresholds() {
   tuning.most_ranked_by_count = tuning.most_by_teams = 16;
   tuning.curve_crossings = tuning.crossings_ahead = 0;
   tuning.least_existing = 0;
+  tuning.least_grouped = 0, tuning.grouped_crossings = UINT32_MAX;
   return tuning;
 }
 

@@ -109,6 +109,7 @@ Tuning small_thresholds() {
   tuning.most_stamps = 3;
   tuning.rounds_of_group = 2;
   tuning.rows_read = 3, tuning.rows_folded = 4;
+  tuning.least_grouped = 0, tuning.grouped_crossings = UINT32_MAX;
   return tuning;
 }
 
