@@ -32,7 +32,6 @@ constexpr Needed needed[] = {
     {"clean", true},
     {"flip"},
     {"parts", true},
-    {"slots", true},
     {"stitch", true},
     {"retriangulate", true},
     {"buckets"},
@@ -43,10 +42,11 @@ constexpr Needed needed[] = {
 
 }  // namespace
 
-std::vector<const char*> programs_of_call(Meshes meshes, bool constrained, bool patched) {
+std::vector<const char*> programs_of_call(Meshes meshes, bool constrained, bool patched, bool grouped) {
   std::vector<const char*> programs;
   for (const Needed& n : needed)
     if ((constrained || !n.by_constraints) && n.of.value_or(meshes) == meshes) programs.push_back(n.program);
+  if (constrained && grouped) programs.push_back("slots");
   if (patched) programs.push_back("patches");
   return programs;
 }

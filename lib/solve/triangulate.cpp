@@ -143,8 +143,10 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
                                 const Options& options) {
   if (options.refine) check_refinement(*options.refine, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
-  const bool patched = 3 * std::uint64_t{source.n} >= runtime.tuning().least_patched;
-  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::one, source.m > 0, patched));
+  const std::uint64_t edges = 3 * std::uint64_t{source.n};
+  const runtime::Builders ahead(
+      runtime, programs_of_call(runtime::Meshes::one, source.m > 0, edges >= runtime.tuning().least_patched,
+                                edges >= runtime.tuning().least_grouped));
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);

@@ -57,12 +57,14 @@ struct Listener {
 
 // What a call builds itself, but for the self-test's.
 std::string built_by(const Workload& input, std::uint32_t most_merged,
-                     std::uint32_t least_patched = Tuning().least_patched) {
+                     std::uint32_t least_patched = Tuning().least_patched,
+                     std::uint32_t least_grouped = Tuning().least_grouped) {
   Listener listener;
   auto handle = std::make_unique<gcdt_solver>();
   runtime::CallHook hook = compiles_programs(1);
   hook.tuning.most_merged = most_merged;
   hook.tuning.least_patched = least_patched;
+  hook.tuning.least_grouped = least_grouped;
   handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), hook);
   Solver solver(handle.release());
   listener.built.clear();
@@ -92,6 +94,8 @@ TEST_CASE("the programs that a call is said to need are those that it builds") {
   CHECK(built_by(workload("row", 20000), Tuning().most_merged) == in_order(programs_of_call(Meshes::one, false)));
   CHECK(built_by(workload("uniform", 20000), fewer_merged, 60000) ==
         in_order(programs_of_call(Meshes::one, false, true)));
+  CHECK(built_by(workload("letters", 20000), fewer_merged, 60000, 50000) ==
+        in_order(programs_of_call(Meshes::one, true, true, true)));
   std::vector<Workload> points, graphs;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     points.push_back(uniform(100, seed));
