@@ -6,6 +6,7 @@
 //
 // Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted by one work-item each, of up to GCDT_SORT_SMALL by a group in
 // local memory; pairs of longer ones are taken out, sorted by all of their keys, and put back.
+#include "common/search.h"
 #include "sort/sort_in_group.h"
 
 // The list of long buckets: how many are longer than GCDT_SORT_SMALL; how many there are; their numbers.
@@ -83,26 +84,13 @@ kernel void bucket_mark_left(global const u32* long_buckets, global const u32* f
   }
 }
 
-// The bucket that holds this place. Ends: the range halves.
-GCDT_INLINE u32 bucket_of_place(u32 buckets, global const u32* first, u32 place) {
-  u32 low = 0, high = buckets;  // first[low] <= place < first[high]
-  while (high - low > 1u) {
-    const u32 middle = low + (high - low) / 2u;
-    if (first[middle] <= place)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 // One work-item per place, of `count` in ascending order. Writes the pairs whose entries stand there, one after the
 // other.
 kernel void bucket_take(u32 count, u32 low, u32 buckets, global const u32* places, global const u32* first,
                         global const u64* entries, global u64* taken_keys, global u32* taken_values) {
   FOR_EACH(i, count) {
     const u64 entry = entries[places[i]];
-    taken_keys[i] = (u64)bucket_of_place(buckets, first, places[i]) << low | entry >> 32;
+    taken_keys[i] = (u64)last_begin(first, buckets, places[i]) << low | entry >> 32;
     taken_values[i] = (u32)entry;
   }
 }
