@@ -3,6 +3,7 @@
 // launches and with what theory expects.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -65,13 +66,18 @@ bool cross(const std::vector<std::array<std::int32_t, 2>>& at, Constraint c, std
          apart(turn(at[r], at[s], at[c[0]]), turn(at[r], at[s], at[c[1]]));
 }
 
-/// Pairs of a triangle and a piece that crosses an edge of it, by trying all.
+/// Pairs of a triangle and a piece that crosses an edge of it, by trying all that are not left or right of each other.
 std::uint64_t pairs_crossed(const Workload& work, const Triangulation& enforced, const Triangulation& delaunay) {
   const auto at = grid_points(enforced.statistics.grid, work.points);
   std::uint64_t pairs = 0;
-  for (const Constraint& piece : enforced.pieces)
-    for (const auto& t : delaunay.triangles)
+  for (const Constraint& piece : enforced.pieces) {
+    const auto [left, right] = std::minmax(at[piece[0]][0], at[piece[1]][0]);
+    for (const auto& t : delaunay.triangles) {
+      const auto [first, last] = std::minmax({at[t[0]][0], at[t[1]][0], at[t[2]][0]});
+      if (first > right || last < left) continue;
       pairs += cross(at, piece, t[0], t[1]) || cross(at, piece, t[1], t[2]) || cross(at, piece, t[2], t[0]);
+    }
+  }
   return pairs;
 }
 
