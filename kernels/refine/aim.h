@@ -26,10 +26,10 @@ static bool fits_face(Mesh mesh, volatile global const uint* marks, uint ref, Ve
   const Vertex p = corner_vertex(mesh, c, next_corner(k)), q = corner_vertex(mesh, c, previous_corner(k)),
                r = corner_vertex(mesh, c, k);
   const i64 beside_p = gcdt_orient2d(q, r, m), beside_q = gcdt_orient2d(r, p, m);
-  if (s.w == 0u && beside_p < 0 && beside_q > 0)
-    return gcdt_orient2d(p, m, r) > 0 && fits_beyond(mesh, marks, element(s, next_corner(k)), m);
-  if (s.w == 0u && beside_q < 0 && beside_p > 0)
-    return gcdt_orient2d(m, q, r) > 0 && fits_beyond(mesh, marks, element(s, previous_corner(k)), m);
+  const bool beyond_qr = beside_p < 0 && beside_q > 0, beyond_rp = beside_q < 0 && beside_p > 0;
+  if (s.w == 0u && (beyond_qr || beyond_rp))
+    return gcdt_orient2d(beyond_qr ? p : m, beyond_qr ? m : q, r) > 0 &&
+           fits_beyond(mesh, marks, element(s, beyond_qr ? next_corner(k) : previous_corner(k)), m);
   if (beside_p < 0 || beside_q < 0 || (beside_p == 0 && beside_q == 0)) return false;
   // The side across from p ends in q and r.
   if (beside_p == 0) return !is_constrained(marks, element(s, next_corner(k)));

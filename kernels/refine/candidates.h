@@ -14,6 +14,7 @@
 #define GCDT_TIED 16u          // added to the first two: x may be on the circle of a face beside the cavity
 
 static inline uint kind_of_candidate(uint4 candidate) { return candidate.w & 7u; }
+static inline Vertex candidate_point(uint4 candidate) { return gcdt_finite_vertex(candidate.x, candidate.y); }
 
 // ---- Lists of cavities ------------------------------------------------------------------------------------
 // The faces of cavities in blocks of eight words: seven faces, less in the last one, which has GCDT_NONE behind them,
@@ -124,6 +125,38 @@ static uint code_beyond(Mesh mesh, uint ref, Vertex x) {
   return GCDT_NONE;
 }
 
+// Where what a candidate needs begins: a face of a cavity, which it needs whole, or a face that it needs alone.
+typedef struct Root {
+  uint face;
+  bool of_cavity;
+} Root;
+
+#define GCDT_ROOTS 4u
+
+// Root i of a candidate; its face is GCDT_NONE if there is none. Of a subsegment: the faces on both sides, whose flags
+// change, and behind each the face that x is in if it is not that one. A face in which x is, or on whose unconstrained
+// side, is of a cavity: strictly inside a circle is all of the closed face but its corners.
+static Root candidate_root(Mesh mesh, uint4 candidate, uint i) {
+  Root root;
+  const uint kind = kind_of_candidate(candidate);
+  root.face = GCDT_NONE;
+  root.of_cavity = true;
+  if (kind & GCDT_ON_SUBSEGMENT) {
+    const Vertex x = candidate_point(candidate);
+    const uint ref = mesh.edge_faces[2u * candidate.z + i / 2u];
+    if (i % 2u == 0u) {
+      root.face = GCDT_REF_FACE(ref);
+      root.of_cavity = side_of_circle(mesh, root.face, x) > 0;
+    } else {
+      const uint beyond = code_beyond(mesh, ref, x);
+      if (beyond != GCDT_NONE) root.face = GCDT_REF_FACE(mesh.edge_faces[beyond ^ 1u]);
+    }
+  } else if (i == 0u) {
+    root.face = kind == GCDT_IN_FACE ? candidate.z : GCDT_REF_FACE(mesh.edge_faces[candidate.z]);
+  }
+  return root;
+}
+
 // The side of the face that x lies on, as the corner across from it; 3 if x is strictly inside, GCDT_NONE if it is
 // outside or a corner.
 static uint side_under(Mesh mesh, uint face, Vertex x) {
@@ -137,7 +170,5 @@ static uint side_under(Mesh mesh, uint face, Vertex x) {
   }
   return on;
 }
-
-static inline Vertex candidate_point(uint4 candidate) { return gcdt_finite_vertex(candidate.x, candidate.y); }
 
 #endif

@@ -38,52 +38,89 @@ static void insert_on_edge(Insertion in, uint v, uint e, uint claim) {
   }
 }
 
-// v in the face beyond a side of face t that is across from pq's corner r; then the side is flipped, so that v is
-// joined to both p and q (fits_beyond).
-static void insert_beyond(Insertion in, uint v, uint code, Vertex x, uint claim) {
+// Where a vertex goes in.
+typedef struct Spot {
+  bool on_edge;
+  uint what;     // the edge, or the face
+  uint flipped;  // a side code: then that edge is flipped (fits_beyond); else GCDT_NONE
+} Spot;
+
+static inline Spot make_spot(bool on_edge, uint what) {
+  Spot spot;
+  spot.on_edge = on_edge;
+  spot.what = what;
+  spot.flipped = GCDT_NONE;
+  return spot;
+}
+
+static void insert_at(Insertion in, uint v, Spot spot, uint claim) {
   const Mesh mesh = in.mesh;
-  uint around[4];
-  const uint face = GCDT_REF_FACE(mesh.edge_faces[code ^ 1u]), on = side_under(mesh, face, x);
-  if (on == 3u)
-    insert_in_face(in, v, face, claim);
+  if (spot.on_edge)
+    insert_on_edge(in, v, spot.what, claim);
   else
-    insert_on_edge(in, v, GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(face)], on)), claim);
-  const uint e = GCDT_SIDE_EDGE(code);
+    insert_in_face(in, v, spot.what, claim);
+  if (spot.flipped == GCDT_NONE) return;
+  uint around[4];
+  const uint e = GCDT_SIDE_EDGE(spot.flipped);
   const uint2 refs = ((global const uint2*)mesh.edge_faces)[e];
   flip_edge(mesh, e, refs, mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
             mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))], around);
 }
 
-// v for subsegment e = pq: on it, or beside it. Then the triangle v, p, q takes the label from beyond pq, its sides pv
-// and vq are the subsegments, and pq is an edge like others.
-static void insert_for_subsegment(Insertion in, uint v, uint e, Vertex x, uint claim) {
-  const Mesh mesh = in.mesh;
-  const uint piece = in.edge_pieces[e], ref = mesh.edge_faces[2u * e];
+// The side of subsegment e that x is beside; GCDT_NONE: x is on it.
+static uint side_beside(Mesh mesh, uint e, Vertex x) {
+  const uint ref = mesh.edge_faces[2u * e];
   const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];
   const i64 side = gcdt_orient2d_finite(corner_vertex(mesh, c, next_corner(GCDT_REF_CORNER(ref))),
                                         corner_vertex(mesh, c, previous_corner(GCDT_REF_CORNER(ref))), x);
-  if (side == 0) {
-    insert_on_edge(in, v, e, claim);
+  return side == 0 ? GCDT_NONE : GCDT_SIDE(e, side > 0 ? 0u : 1u);
+}
+
+// For x beside a subsegment, in the face (p, q, r) of its side `near`, on one of that face's other sides, or in the
+// face beyond one of these. In the last case that side is flipped, so that the vertex is joined to both p and q.
+static Spot spot_beside(Mesh mesh, uint near, Vertex x) {
+  const uint ref = mesh.edge_faces[near], t = GCDT_REF_FACE(ref), k = GCDT_REF_CORNER(ref);
+  const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
+  const Vertex p = corner_vertex(mesh, c, next_corner(k)), q = corner_vertex(mesh, c, previous_corner(k)),
+               r = corner_vertex(mesh, c, k);
+  const uint other = code_beyond(mesh, ref, x);
+  if (other != GCDT_NONE) {
+    const uint face = GCDT_REF_FACE(mesh.edge_faces[other ^ 1u]), on = side_under(mesh, face, x);
+    Spot spot = make_spot(on != 3u, on == 3u ? face : GCDT_SIDE_EDGE(element(mesh.face_data[GCDT_SIDES(face)], on)));
+    spot.flipped = other;
+    return spot;
+  }
+  if (gcdt_orient2d(q, r, x) == 0) return make_spot(true, GCDT_SIDE_EDGE(element(s, next_corner(k))));
+  if (gcdt_orient2d(r, p, x) == 0) return make_spot(true, GCDT_SIDE_EDGE(element(s, previous_corner(k))));
+  return make_spot(false, t);
+}
+
+// v where its candidate is. For a subsegment pq that is on it, or beside it: then the triangle v, p, q takes the label
+// from beyond pq, its sides pv and vq are the subsegments, and pq is an edge like others. There is one place in the
+// text where meshes are changed: compilers put a function's text wherever it is called, and take long over long
+// kernels.
+static void insert_in_place(Insertion in, uint v, uint4 candidate, uint claim) {
+  const Mesh mesh = in.mesh;
+  const uint kind = kind_of_candidate(candidate), e = candidate.z;
+  const Vertex x = candidate_point(candidate);
+  const bool of_subsegment = (kind & GCDT_ON_SUBSEGMENT) != 0u;
+  const uint near = of_subsegment ? side_beside(mesh, e, x) : GCDT_NONE, piece = of_subsegment ? in.edge_pieces[e] : 0u;
+  uint beyond = 0u;
+  Spot spot;
+  if (near != GCDT_NONE) {
+    beyond = label_of(mesh, GCDT_REF_FACE(mesh.edge_faces[near ^ 1u]));
+    spot = spot_beside(mesh, near, x);
+  } else {
+    spot = make_spot(kind != GCDT_IN_FACE, kind == GCDT_ON_EDGE ? GCDT_SIDE_EDGE(candidate.z) : candidate.z);
+  }
+  insert_at(in, v, spot, claim);
+  if (!of_subsegment) return;
+  if (near == GCDT_NONE) {
     make_subsegment(in, GCDT_SIDE(new_edge(mesh, v, 0u), 0u), piece);
     return;
   }
-  const uint near = GCDT_SIDE(e, side > 0 ? 0u : 1u);
-  const uint near_ref = mesh.edge_faces[near], t = GCDT_REF_FACE(near_ref), k = GCDT_REF_CORNER(near_ref);
-  const uint4 corners = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
-  const uint beyond = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(mesh.edge_faces[near ^ 1u]))].w;
-  const Vertex p = corner_vertex(mesh, corners, next_corner(k)), q = corner_vertex(mesh, corners, previous_corner(k)),
-               r = corner_vertex(mesh, corners, k);
   atomic_and(in.marks + e, ~GCDT_MARK_CONSTRAINED);
   in.edge_pieces[e] = GCDT_NONE;
-  const uint other = code_beyond(mesh, near_ref, x);
-  if (other != GCDT_NONE)
-    insert_beyond(in, v, other, x, claim);
-  else if (gcdt_orient2d(q, r, x) == 0)
-    insert_on_edge(in, v, GCDT_SIDE_EDGE(element(s, next_corner(k))), claim);
-  else if (gcdt_orient2d(r, p, x) == 0)
-    insert_on_edge(in, v, GCDT_SIDE_EDGE(element(s, previous_corner(k))), claim);
-  else
-    insert_in_face(in, v, t, claim);
   const uint between = mesh.edge_faces[near], at = GCDT_REF_CORNER(between);
   const uint4 sides = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(between))];
   set_label(mesh, GCDT_REF_FACE(between), beyond);
@@ -183,17 +220,13 @@ static uint insert_winner(Insertion in, uint number, uint v) {
   }
   const uint kind = kind_of_candidate(candidate);
   const bool of_subsegment = (kind & GCDT_ON_SUBSEGMENT) != 0u;
-  if (kind == GCDT_IN_FACE) {
-    insert_in_face(in, v, candidate.z, claim);
-  } else if (kind == GCDT_ON_EDGE) {
-    insert_on_edge(in, v, GCDT_SIDE_EDGE(candidate.z), claim);
-  } else {
+  if (of_subsegment) {
     atomic_inc(&in.report->on_subsegments);
     if (gcdt_orient2d_finite(vertex_at(mesh.points, origin.x), vertex_at(mesh.points, origin.y), x) != 0)
       atomic_inc(&in.report->bent);
     if (kind & GCDT_FAR) atomic_inc(&in.report->far);
-    insert_for_subsegment(in, v, candidate.z, x, claim);
   }
+  insert_in_place(in, v, candidate, claim);
   const uint flips = settle_star(in, v, x, claim, of_subsegment, (candidate.w & GCDT_TIED) != 0u);
   if (of_subsegment && leaves_subsegment(mesh, candidate.z, v)) atomic_or(&in.counters->lost, 1u);
   return flips;

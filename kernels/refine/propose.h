@@ -177,9 +177,15 @@ static inline void take_turn(Mesh mesh, uint face, uint urgency, uint round, uin
     aiming[atomic_inc(&report->aiming)] = face;
 }
 
-// refine_wait.
+// refine_wait. All triangles are looked at by one work-item each, or none are and teams do it, which is why these are
+// two loops. That of teams stands last, and behind no branch: where a branch has barriers, PoCL 3.1 gives work-items
+// wrong numbers after it (docs/devices.md).
 GCDT_GIVEN_LOCAL void wait_for_worse(Search s, uint count, uint round, uint all, TeamMemory memory) {
-  const uint alone = without_teams(count, s.teamed);
+#ifdef GCDT_GPU
+  const uint alone = count <= s.teamed ? 0u : count;
+#else
+  const uint alone = count;
+#endif
   FOR_EACH(i, alone) {
     const uint face = bad_face(s.bad[i]),
                found = way_to_worse(s.judge.mesh, s.judge.marks, face, s.ways[face], s.urgency);
@@ -240,9 +246,9 @@ static uint conclude(Judge judge, Lists lists, global uint* urgency, uint face, 
 
 static inline bool is_to_be_mended(Judged j) { return j.verdict == VERDICT_SHARP || j.verdict == VERDICT_LARGE; }
 
-// The tour for an aim by one work-item, that with number `owner`. Returns GCDT_LISTED if the cavity's faces are listed.
-static uint tour_alone(Search s, Judged j, Aim* aim, ulong most, uint owner) {
 #ifdef GCDT_CONTIGUOUS
+// The tour for an aim by a thread, that with number `owner`. Returns GCDT_LISTED if the cavity's faces are listed.
+static uint tour_by_thread(Search s, Judged j, Aim* aim, ulong most, uint owner) {
   StackTour tour;
   tour_by_stack(s.judge, &j, aim->at.face, aim->target, most, &tour);
   if (tour.full) {
@@ -256,40 +262,23 @@ static uint tour_alone(Search s, Judged j, Aim* aim, ulong most, uint owner) {
   aim->fixed += tour.fixed;
   aim->wanted = !tour.near && aim->in_way == 0u && aim->fixed == 0u;
   return aim->wanted ? list_faces(&tour, owner, s.cavities, s.blocks, s.lists.report) : 0u;
-#else
-  CavityList cavity = begin_list(s.cavities, s.blocks, owner);
-  tour_cavity(s.judge, j, aim, false, most, &cavity, s.lists);
-  return aim->wanted ? end_list(&cavity) : 0u;
-#endif
 }
+#endif
 
 // refine_aim.
 GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round, TeamMemory memory) {
-  const uint alone = without_teams(count, s.teamed);
-  FOR_EACH(i, alone) {
-    const uint t = s.aiming[i];
-    s.chosen[i] = GCDT_NONE;
-    const Judged j = judge_face(s.judge, t);
-    if (!is_to_be_mended(j)) continue;
-    const uint number = draw(s.judge.mesh, j.corners, round);
-    Aim aim = begin_aim(s.judge, t, j, false);
-    const uint listed = has_cavity(aim) ? tour_alone(s, j, &aim, (ulong)most << number, i) : 0u;
-    const uint candidate = conclude(s.judge, s.lists, s.urgency, t, number, j, aim, true, listed);
-    if (listed) s.chosen[i] = candidate;
-  }
 #ifdef GCDT_GPU
-  const TeamOf of = team_of(memory.teams);
+  const TeamOf of = team_of(memory.teams, count, s.teamed);
   const TeamList list = {.words = s.cavities, .blocks = s.blocks, .report = s.lists.report};
   const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
-  FOR_EACH_TILE_OF(tile, of.teams, count - alone) {
+  FOR_EACH_TILE_OF(tile, of.at_once, count) {
     const uint i = tile + of.number;
-    const bool leads = of.lane == 0u && of.number < of.teams && i < count;
     Judged j;
     Aim aim;
     uint t = 0u, number = 0u, listed = 0u;
-    bool aims = false;
-    if (of.lane == 0u && of.number < of.teams) of.team->pending = 0u;
-    if (leads) {
+    bool aims = false, tours = false;
+    if (of.leads && of.member) of.team->pending = 0u;
+    if (of.leads && i < count) {
       t = s.aiming[i];
       s.chosen[i] = GCDT_NONE;
       j = judge_face(s.judge, t);
@@ -297,26 +286,50 @@ GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round
       if (aims) {
         number = draw(s.judge.mesh, j.corners, round);
         aim = begin_aim(s.judge, t, j, false);
-        if (has_cavity(aim)) {
-          begin_team(of.team, aim.target, (ulong)most << number, i);
-          of.team->verdict = j.verdict;
-          of.team->shortest = j.shape.shortest;
-          add_root(s.judge.mesh, of.team, aim.at.face, true, list, nothing);
-        }
+        tours = has_cavity(aim);
       }
+    }
+    if (tours && of.member) {
+      begin_team(of.team, aim.target, (ulong)most << number, i);
+      of.team->verdict = j.verdict;
+      of.team->shortest = j.shape.shortest;
+      add_root(s.judge.mesh, of.team, aim.at.face, true, list, nothing);
     }
     tour_by_teams(of, s.judge, list, nothing, memory.busy);
     if (aims) {
       bool asks = true;
-      if (has_cavity(aim)) {
-        if (of.team->flags & TEAM_FULL)
-          tour_cavity(s.judge, j, &aim, false, (ulong)most << number, 0, s.lists);
-        else
-          asks = end_team(of.team, &aim, s.lists, s.cavities, &listed);
+      if (tours && (of.alone || (of.team->flags & TEAM_FULL))) {
+        CavityList cavity = begin_list(s.cavities, s.blocks, i);
+        tour_cavity(s.judge, j, &aim, false, (ulong)most << number, of.alone ? &cavity : 0, s.lists);
+        listed = of.alone && aim.wanted ? end_list(&cavity) : 0u;
+      } else if (tours) {
+        asks = end_team(of.team, &aim, s.lists, s.cavities, &listed);
       }
       const uint candidate = conclude(s.judge, s.lists, s.urgency, t, number, j, aim, asks, listed);
       if (listed) s.chosen[i] = candidate;
     }
+  }
+#else
+  (void)memory;
+  FOR_EACH(i, count) {
+    const uint t = s.aiming[i];
+    s.chosen[i] = GCDT_NONE;
+    const Judged j = judge_face(s.judge, t);
+    if (!is_to_be_mended(j)) continue;
+    const uint number = draw(s.judge.mesh, j.corners, round);
+    Aim aim = begin_aim(s.judge, t, j, false);
+    uint listed = 0u;
+    if (has_cavity(aim)) {
+#ifdef GCDT_CONTIGUOUS
+      listed = tour_by_thread(s, j, &aim, (ulong)most << number, i);
+#else
+      CavityList cavity = begin_list(s.cavities, s.blocks, i);
+      tour_cavity(s.judge, j, &aim, false, (ulong)most << number, &cavity, s.lists);
+      listed = aim.wanted ? end_list(&cavity) : 0u;
+#endif
+    }
+    const uint candidate = conclude(s.judge, s.lists, s.urgency, t, number, j, aim, true, listed);
+    if (listed) s.chosen[i] = candidate;
   }
 #endif
 }
@@ -333,31 +346,29 @@ static uint add_place(Lists lists, Place place, uint edge) {
                        place.far ? GCDT_ON_SUBSEGMENT | GCDT_FAR : GCDT_ON_SUBSEGMENT);
 }
 
-// refine_place.
+// refine_place. Where there are teams, each lists what its candidate claims.
 GCDT_GIVEN_LOCAL void find_places(Search s, uint count, TeamMemory memory) {
-  const uint alone = without_teams(count, s.teamed);
-  FOR_EACH(i, alone) add_place(s.lists, find_place(s.judge, s.lists.asked[i]), s.lists.asked[i]);
 #ifdef GCDT_GPU
-  const TeamOf of = team_of(memory.teams);
+  const TeamOf of = team_of(memory.teams, count, s.teamed);
   const TeamList list = {.words = s.cavities, .blocks = s.blocks, .report = s.lists.report};
   const Ticket nothing = {.stamp = 0u, .bits = 0u, .place = 0u, .numbers = 0, .won = 0};
-  FOR_EACH_TILE_OF(tile, of.teams, count - alone) {
+  FOR_EACH_TILE_OF(tile, of.at_once, count) {
     const uint i = tile + of.number;
     uint candidate = GCDT_NONE;
-    if (of.lane == 0u && of.number < of.teams) {
-      of.team->pending = 0u;
-      if (i < count) {
-        const Place place = find_place(s.judge, s.lists.asked[i]);
-        candidate = add_place(s.lists, place, s.lists.asked[i]);
-        if (candidate < s.lists.capacity) {
-          begin_team(of.team, place.at, ~0ul, GCDT_OF_SUBSEGMENT | candidate);
-          add_roots_of_subsegment(s.judge.mesh, of.team, s.lists.asked[i], place.at, list, nothing);
-        }
-      }
+    if (of.leads && of.member) of.team->pending = 0u;
+    if (of.leads && i < count) candidate = add_place(s.lists, find_place(s.judge, s.lists.asked[i]), s.lists.asked[i]);
+    const bool tours = of.member && candidate < s.lists.capacity;
+    if (tours) {
+      const uint4 what = s.lists.candidates[candidate];
+      begin_team(of.team, candidate_point(what), ~0ul, GCDT_OF_SUBSEGMENT | candidate);
+      add_roots(s.judge.mesh, of.team, what, list, nothing);
     }
     tour_by_teams(of, s.judge, list, nothing, memory.busy);
-    if (candidate < s.lists.capacity) s.lists.candidates[candidate].w |= end_team_list(of.team, s.cavities);
+    if (tours) s.lists.candidates[candidate].w |= end_team_list(of.team, s.cavities);
   }
+#else
+  (void)memory;
+  FOR_EACH(i, count) add_place(s.lists, find_place(s.judge, s.lists.asked[i]), s.lists.asked[i]);
 #endif
 }
 

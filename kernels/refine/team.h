@@ -13,18 +13,6 @@
 #include "refine/aim.h"
 #include "refine/claim.h"
 
-// How many of `count` things are each done by one work-item; teams do the others. All of them, or none, which is why
-// the parts of a kernel for these are two loops. That for teams stands last, and behind no branch: where a branch has
-// barriers, PoCL 3.1 gives work-items wrong numbers after it (docs/devices.md).
-static inline uint without_teams(uint count, uint teamed) {
-#ifdef GCDT_GPU
-  return count <= teamed ? 0u : count;
-#else
-  (void)teamed;
-  return count;
-#endif
-}
-
 #ifdef GCDT_GPU
 
 #define GCDT_TEAM 8u     // work-items of a team
@@ -56,20 +44,27 @@ typedef struct Team {
 } Team;
 
 typedef struct TeamOf {
-  uint teams, number, lane, lanes;
+  bool alone;  // there are no teams: each work-item makes its tours by itself
+  bool member;
+  bool leads;  // the first of its team, or alone
+  uint number, lane, lanes;
+  uint at_once;  // tours of a work-group
   volatile local Team* team;
 } TeamOf;
 
-// The team of a work-item. Work-items whose number is not below `teams` are in none, and have the last one's memory,
-// which they do not touch.
-static inline TeamOf team_of(volatile local Team* memory) {
+// The team of a work-item, if there are `count` tours in all; no teams make more than `teamed`. Work-items that are in
+// none have the memory of one, which they do not touch.
+static inline TeamOf team_of(volatile local Team* memory, uint count, uint teamed) {
   TeamOf of;
-  const uint items = (uint)get_local_size(0);
-  of.lanes = min(GCDT_TEAM, items);
-  of.teams = min(GCDT_TEAMS, items / of.lanes);
-  of.number = (uint)get_local_id(0) / of.lanes;
-  of.lane = (uint)get_local_id(0) % of.lanes;
-  of.team = memory + min(of.number, of.teams - 1u);
+  const uint items = (uint)get_local_size(0), item = (uint)get_local_id(0);
+  of.alone = count > teamed;
+  of.lanes = of.alone ? 1u : min(GCDT_TEAM, items);
+  of.at_once = of.alone ? items : min(GCDT_TEAMS, items / of.lanes);
+  of.number = item / of.lanes;
+  of.lane = item % of.lanes;
+  of.leads = of.lane == 0u && of.number < of.at_once;
+  of.member = !of.alone && of.number < of.at_once;
+  of.team = memory + min(of.number, GCDT_TEAMS - 1u);
   return of;
 }
 
@@ -120,12 +115,11 @@ static inline void add_root(Mesh mesh, volatile local Team* team, uint face, boo
   for (uint k = 0; of_cavity && k < 3u; ++k) team->stack[team->pending++] = GCDT_FACE_REF(face, k);
 }
 
-// The two faces of subsegment e, and those in which the cavities of x on it or beside it begin (claim_all).
-static void add_roots_of_subsegment(Mesh mesh, volatile local Team* team, uint e, Vertex x, TeamList list, Ticket t) {
-  for (uint side = 0; side < 2u; ++side) {
-    const uint ref = mesh.edge_faces[2u * e + side], face = GCDT_REF_FACE(ref), beyond = code_beyond(mesh, ref, x);
-    add_root(mesh, team, face, side_of_circle(mesh, face, x) > 0, list, t);
-    if (beyond != GCDT_NONE) add_root(mesh, team, GCDT_REF_FACE(mesh.edge_faces[beyond ^ 1u]), true, list, t);
+// All that a candidate needs.
+static void add_roots(Mesh mesh, volatile local Team* team, uint4 candidate, TeamList list, Ticket t) {
+  for (uint i = 0; i < GCDT_ROOTS; ++i) {
+    const Root root = candidate_root(mesh, candidate, i);
+    if (root.face != GCDT_NONE) add_root(mesh, team, root.face, root.of_cavity, list, t);
   }
 }
 
@@ -157,23 +151,22 @@ static uint look_over(Judge judge, volatile local Team* team, uint ref) {
   return side > 0 ? far : GCDT_NONE;
 }
 
-// The tours of all teams of a work-group, which have begun or have no side to look over. Faces are listed, or claimed
-// with the ticket t, which has each team's place. Called by all of it. No race:
-// barriers stand between what one work-item writes and others read, and what several write in a step they write by
-// atomics. Ends: each face is entered once from each of at most four roots; a team with more faces gives up.
+// The tours of all teams of a work-group, which have begun or have no side to look over, if there are teams. Faces are
+// listed, or claimed with the ticket t, which has each team's place. Called by all of it. No race: barriers stand
+// between what one work-item writes and others read, and what several write in a step they write by atomics. Ends: each
+// face is entered once from each of at most four roots; a team with more faces gives up.
 GCDT_GIVEN_LOCAL void tour_by_teams(TeamOf of, Judge judge, TeamList list, Ticket t, volatile local uint* busy) {
   volatile local Team* const team = of.team;
-  const bool member = of.number < of.teams;
   const uint all_faces = 4u * gcdt_forest_faces(judge.mesh.n, 1u);
   for (;;) {
     if (get_local_id(0) == 0) *busy = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
-    const uint pending = member ? team->pending : 0u;
+    const uint pending = of.member ? team->pending : 0u;
     const uint ref = of.lane < pending ? team->stack[pending - 1u - of.lane] : GCDT_NONE;
     if (ref != GCDT_NONE) atomic_or(busy, 1u);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (*busy == 0u) break;
-    if (member && of.lane == 0u) team->pending = pending - min(pending, of.lanes);
+    if (of.member && of.lane == 0u) team->pending = pending - min(pending, of.lanes);
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint beyond = ref == GCDT_NONE ? GCDT_NONE : look_over(judge, team, ref);
     uint number = 0u;
@@ -195,7 +188,7 @@ GCDT_GIVEN_LOCAL void tour_by_teams(TeamOf of, Judge judge, TeamList list, Ticke
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (list.words && beyond != GCDT_NONE) put_in_list(team, number, GCDT_REF_FACE(beyond), list);
-    if (member && of.lane == 0u) {
+    if (of.member && of.lane == 0u) {
       if (team->faces > team->most) atomic_or(&team->flags, TEAM_OUT);
       if (team->faces > all_faces) atomic_or(&team->flags, TEAM_FAILED);
       if (team->flags & (TEAM_OUT | TEAM_FULL | TEAM_FAILED)) team->pending = 0u;

@@ -117,27 +117,15 @@ static void claim_cavity(Mesh mesh, volatile global const uint* marks, uint root
   if (tour.steps == 0u) atomic_or(&report->failed, 1u);
 }
 
-// All that a candidate needs. Of a subsegment: the faces on both sides, whose flags change; the face that x is in if it
-// is not these; and the cavities of all. A face in which x is, or on whose unconstrained side, is of a cavity: strictly
-// inside a circle is all of the closed face but its corners.
+// All that a candidate needs.
 static void claim_all(Mesh mesh, volatile global const uint* marks, uint4 candidate, Ticket t,
                       volatile global RefineReport* report) {
-  const Vertex x = candidate_point(candidate);
-  const uint kind = kind_of_candidate(candidate);
-  if (kind == GCDT_IN_FACE) {
-    claim_cavity(mesh, marks, candidate.z, x, t, report);
-  } else if (kind == GCDT_ON_EDGE) {
-    claim_cavity(mesh, marks, GCDT_REF_FACE(mesh.edge_faces[candidate.z]), x, t, report);
-  } else {
-    for (uint side = 0; side < 2u; ++side) {
-      const uint ref = mesh.edge_faces[2u * candidate.z + side], face = GCDT_REF_FACE(ref);
-      if (side_of_circle(mesh, face, x) > 0)
-        claim_cavity(mesh, marks, face, x, t, report);
-      else
-        claim_face(mesh, face, t);
-      const uint beyond = code_beyond(mesh, ref, x);
-      if (beyond != GCDT_NONE) claim_cavity(mesh, marks, GCDT_REF_FACE(mesh.edge_faces[beyond ^ 1u]), x, t, report);
-    }
+  for (uint i = 0; i < GCDT_ROOTS; ++i) {
+    const Root root = candidate_root(mesh, candidate, i);
+    if (root.face != GCDT_NONE && root.of_cavity)
+      claim_cavity(mesh, marks, root.face, candidate_point(candidate), t, report);
+    else if (root.face != GCDT_NONE)
+      claim_face(mesh, root.face, t);
   }
 }
 
@@ -148,45 +136,43 @@ static inline uint candidate_of(global const uint* block, global const uint* cho
   return candidates[owner & ~GCDT_OF_SUBSEGMENT].w & GCDT_LISTED ? owner & ~GCDT_OF_SUBSEGMENT : GCDT_NONE;
 }
 
+// The candidates that are not listed, each by a work-item or a team.
+GCDT_GIVEN_LOCAL void claim_unlisted(Candidates c, uint count, Ticket t, volatile global const uint* marks,
+                                     volatile global RefineReport* report, uint teamed, TeamMemory memory) {
 #ifdef GCDT_GPU
-// The candidates that are not listed, one by a team.
-GCDT_GIVEN_LOCAL void claim_by_teams(Judge judge, uint count, global const uint* ranks, global const uint4* candidates,
-                                     Ticket t, volatile global RefineReport* report, volatile local Team* memory,
-                                     volatile local uint* busy) {
-  const Mesh mesh = judge.mesh;
-  const TeamOf of = team_of(memory);
+  const Mesh mesh = c.mesh;
+  Judge judge;
+  judge.mesh = mesh;
+  judge.marks = (volatile global uint*)marks;
+  const TeamOf of = team_of(memory.teams, count, teamed);
   const TeamList none = {.words = 0, .blocks = 0u, .report = report};
-  FOR_EACH_TILE_OF(tile, of.teams, count) {
+  FOR_EACH_TILE_OF(tile, of.at_once, count) {
     const uint i = tile + of.number;
-    const bool leads = of.lane == 0u && of.number < of.teams;
-    const bool claims = leads && i < count && !(candidates[i].w & GCDT_LISTED);
-    if (leads) of.team->pending = 0u;
-    if (claims) {
-      const uint4 candidate = candidates[i];
-      const uint kind = kind_of_candidate(candidate);
-      t.place = ranks[i];
-      begin_team(of.team, candidate_point(candidate), ~0ul, t.place);
-      if (kind & GCDT_ON_SUBSEGMENT)
-        add_roots_of_subsegment(mesh, of.team, candidate.z, candidate_point(candidate), none, t);
-      else
-        add_root(mesh, of.team, kind == GCDT_IN_FACE ? candidate.z : GCDT_REF_FACE(mesh.edge_faces[candidate.z]), true,
-                 none, t);
+    const bool claims = of.leads && i < count && !(c.candidates[i].w & GCDT_LISTED);
+    if (of.leads && of.member) of.team->pending = 0u;
+    if (claims) t.place = c.ranks[i];
+    if (claims && of.member) {
+      begin_team(of.team, candidate_point(c.candidates[i]), ~0ul, t.place);
+      add_roots(mesh, of.team, c.candidates[i], none, t);
     }
-    tour_by_teams(of, judge, none, t, busy);
-    if (claims && (of.team->flags & (TEAM_FULL | TEAM_FAILED))) claim_all(mesh, judge.marks, candidates[i], t, report);
+    tour_by_teams(of, judge, none, t, memory.busy);
+    if (claims && (of.alone || (of.team->flags & (TEAM_FULL | TEAM_FAILED))))
+      claim_all(mesh, marks, c.candidates[i], t, report);
   }
-}
+#else
+  (void)teamed;
+  (void)memory;
+  FOR_EACH(i, count) {
+    t.place = c.ranks[i];
+    if (!(c.candidates[i].w & GCDT_LISTED)) claim_all(c.mesh, marks, c.candidates[i], t, report);
+  }
 #endif
+}
 
 // refine_claim. `blocks`: of the lists.
 GCDT_GIVEN_LOCAL void claim_faces(Candidates c, uint count, Ticket t, volatile global const uint* marks, uint blocks,
                                   global const uint* cavities, global const uint* chosen,
                                   volatile global RefineReport* report, uint teamed, TeamMemory memory) {
-  const uint alone = without_teams(count, teamed);
-  FOR_EACH(i, alone) {
-    t.place = c.ranks[i];
-    if (!(c.candidates[i].w & GCDT_LISTED)) claim_all(c.mesh, marks, c.candidates[i], t, report);
-  }
   FOR_EACH(b, blocks) {
     global const uint* block = cavities + GCDT_BLOCK * b;
     const uint candidate = candidate_of(block, chosen, c.candidates);
@@ -194,12 +180,7 @@ GCDT_GIVEN_LOCAL void claim_faces(Candidates c, uint count, Ticket t, volatile g
     t.place = c.ranks[candidate];
     for (uint k = 0; k + 1u < GCDT_BLOCK && block[k] != GCDT_NONE; ++k) claim_face(c.mesh, block[k], t);
   }
-#ifdef GCDT_GPU
-  Judge judge;
-  judge.mesh = c.mesh;
-  judge.marks = (volatile global uint*)marks;
-  claim_by_teams(judge, count - alone, c.ranks, c.candidates, t, report, memory.teams, memory.busy);
-#endif
+  claim_unlisted(c, count, t, marks, report, teamed, memory);
 }
 
 #endif
