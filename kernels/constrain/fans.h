@@ -2,7 +2,7 @@
 // The fans of all vertices with many faces (kernels/constrain/fan.h), of whatever mesh the program that includes this
 // reads. What follows a face around a vertex is known face by face; its place in the fan is found by list ranking: each
 // corner of such a vertex is an element, which points to the next one counter-clockwise, and in each round to the one
-// twice as far (Wyllie 1979). OpenCL C only.
+// four times as far (Wyllie 1979, two steps of whose at once). OpenCL C only.
 //
 // The program defines
 //   FACES_PARAMETERS, FACES          the arrays of its mesh as parameters and as arguments
@@ -18,6 +18,9 @@
 
 #include "constrain/fan.h"
 
+// Vertices that a group counts for itself: a power of two.
+#define GCDT_DEGREES_OF_GROUP 1024u
+
 // Elements are numbered by face and corner: those of face t are offsets[t] ...
 typedef struct Elements {
   global const uint* begins;   // of fans
@@ -32,13 +35,37 @@ static inline uint element_of(Elements e, uint n, uint t, uint4 c, uint k) {
          (k > 1u && is_centre(e.begins, n, c.y) ? 1u : 0u);
 }
 
-// One work-item per face. Counts the faces of each vertex. No race: atomic additions, whose order cannot matter.
+// One work-item per face. Counts the faces of each vertex. A vertex that many faces have would be waited for, so a
+// group counts for itself, in a table that has room for one vertex in each place: the first that comes there. No race:
+// atomic additions, whose order cannot matter.
 kernel void fans_degrees(uint faces, uint n, FACES_PARAMETERS, volatile global uint* degrees) {
+#ifdef GCDT_CONTIGUOUS
   FOR_EACH(t, faces) {
     const uint4 c = corners_of_face(FACES, t);
     for (uint k = 0; k < 3u; ++k)
       if (element(c, k) < n) atomic_inc(degrees + element(c, k));
   }
+#else
+  local uint vertices[GCDT_DEGREES_OF_GROUP], counts[GCDT_DEGREES_OF_GROUP];
+  for (uint i = get_local_id(0); i < GCDT_DEGREES_OF_GROUP; i += get_local_size(0))
+    vertices[i] = GCDT_NONE, counts[i] = 0u;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  FOR_EACH(t, faces) {
+    const uint4 c = corners_of_face(FACES, t);
+    for (uint k = 0; k < 3u; ++k) {
+      const uint v = element(c, k), i = v % GCDT_DEGREES_OF_GROUP;
+      if (v >= n) continue;
+      const uint there = atomic_cmpxchg((volatile local uint*)vertices + i, GCDT_NONE, v);
+      if (there == GCDT_NONE || there == v)
+        atomic_inc((volatile local uint*)counts + i);
+      else
+        atomic_inc(degrees + v);
+    }
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint i = get_local_id(0); i < GCDT_DEGREES_OF_GROUP; i += get_local_size(0))
+    if (counts[i] > 0u) atomic_add(degrees + vertices[i], counts[i]);
+#endif
 }
 
 // One work-item per vertex. Keeps the number of faces where it is at least GCDT_FAN_LEAST. No race: its own word.
@@ -58,8 +85,8 @@ kernel void fans_count(uint faces, uint n, FACES_PARAMETERS, global const uint* 
 }
 
 // One work-item per face. Writes its elements: their face and corner, and the element of the next face
-// counter-clockwise around the same vertex; and at the begin of each fan, by atomic_min, with which element it begins.
-// No other race: elements have one face each.
+// counter-clockwise around the same vertex; and at the begin of each fan, by atomic_min, with which element it begins:
+// those ask which the next one is not before, as the first of all is. No other race: elements have one face each.
 kernel void fans_link(uint faces, uint n, FACES_PARAMETERS, global const uint* begins, global const uint* offsets,
                       global uint* corners, global uint2* links, volatile global uint* fan_faces,
                       volatile global Counters* counters) {
@@ -72,11 +99,18 @@ kernel void fans_link(uint faces, uint n, FACES_PARAMETERS, global const uint* b
       const uint v = element(c, k);
       if (!is_centre(begins, n, v)) continue;
       corners[at] = 4u * t + k;
-      const uint next = next_around(FACES, t, k, counters), other = next >> 2;
-      links[at] = next == GCDT_NONE ? (uint2)(at, 0u)
-                                    : (uint2)(element_of(e, n, other, corners_of_face(FACES, other), next & 3u), 1u);
       const uint begin = begin_of_fan(FACES, t, k, c, n, at);
-      if (begin != GCDT_NONE) atomic_min(fan_faces + 2u * begins[v], begin);
+      uint begin_of_next = GCDT_NONE;
+      uint2 link = (uint2)(at, 0u);
+      const uint next = next_around(FACES, t, k, counters);
+      if (next != GCDT_NONE) {
+        const uint other = next >> 2, corner = next & 3u;
+        const uint4 corners_there = corners_of_face(FACES, other);
+        link = (uint2)(element_of(e, n, other, corners_there, corner), 1u);
+        begin_of_next = begin_of_fan(FACES, other, corner, corners_there, n, link.x);
+      }
+      links[at] = link;
+      if (begin < begin_of_next) atomic_min(fan_faces + 2u * begins[v], begin);
       ++at;
     }
   }
@@ -96,12 +130,16 @@ kernel void fans_cut(uint count, FACES_PARAMETERS, global const uint* begins, gl
   }
 }
 
-// One work-item per element. Points twice as far as before: links say to which, and how far that is. No race: reads one
-// buffer and writes its own word of the other.
-kernel void fans_double(uint count, global const uint2* links, global uint2* doubled) {
+// One work-item per element. Points GCDT_FAN_REACH times as far as before: links say to which, and how far that is. No
+// race: reads one buffer and writes its own word of the other.
+kernel void fans_reach(uint count, global const uint2* links, global uint2* farther) {
   FOR_EACH(i, count) {
-    const uint2 near = links[i], far = links[near.x];
-    doubled[i] = (uint2)(far.x, near.y + far.y);
+    uint2 link = links[i];
+    for (uint k = 1; k < GCDT_FAN_REACH; ++k) {
+      const uint2 next = links[link.x];
+      link = (uint2)(next.x, link.y + next.y);
+    }
+    farther[i] = link;
   }
 }
 

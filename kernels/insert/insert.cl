@@ -173,22 +173,27 @@ static uint split_if_won(Mesh mesh, History h, Round r, uint tree, uint v, volat
   return 0u;
 }
 
-// One work-item per face of the coarser mesh. Reads the mesh; writes the frozen top layer, and for
-// each vertex the face of the greatest number (vertex_face starts at 0; atomic_max, so the order of
-// work-items cannot matter). After: the top layer stands apart from the mesh, each face a leaf.
-kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS) {
+// One work-item per face of the coarser mesh. Reads the mesh; writes the frozen top layer, and for each vertex the face
+// of the greatest number: of the faces around it those that are greater than both beside them, one of which is the
+// greatest, ask by atomic_max, so the order of work-items cannot matter (vertex_face starts at 0). After: the top layer
+// stands apart from the mesh, each face a leaf; the counters, which nobody else uses in this launch, are zero.
+kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  FOR_EACH(i, (uint)(sizeof(Counters) / sizeof(uint)))((global uint*)counters)[i] = 0u;
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   FOR_EACH(t, faces) {
     const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
     const uint a0 = mesh.edge_faces[s.x ^ 1u], a1 = mesh.edge_faces[s.y ^ 1u], a2 = mesh.edge_faces[s.z ^ 1u];
     h.top[GCDT_CORNERS(t)] = (uint4)(c.x, c.y, c.z, HISTORY_REF(t, HISTORY_LEAF));
-    h.top[GCDT_SIDES(t)] = (uint4)(a0 == GCDT_NONE ? a0 : GCDT_REF_FACE(a0), a1 == GCDT_NONE ? a1 : GCDT_REF_FACE(a1),
-                                   a2 == GCDT_NONE ? a2 : GCDT_REF_FACE(a2), 0u);
+    const uint3 across = (uint3)(a0 == GCDT_NONE ? a0 : GCDT_REF_FACE(a0), a1 == GCDT_NONE ? a1 : GCDT_REF_FACE(a1),
+                                 a2 == GCDT_NONE ? a2 : GCDT_REF_FACE(a2));
+    h.top[GCDT_SIDES(t)] = (uint4)(across.x, across.y, across.z, 0u);
     mesh.face_data[GCDT_CORNERS(t)].w = 0u;
-    if (c.x < n) atomic_max(h.vertex_face + c.x, t);
-    if (c.y < n) atomic_max(h.vertex_face + c.y, t);
-    if (c.z < n) atomic_max(h.vertex_face + c.z, t);
+    const bool above_x = a0 == GCDT_NONE || t > across.x, above_y = a1 == GCDT_NONE || t > across.y,
+               above_z = a2 == GCDT_NONE || t > across.z;
+    if (c.x < n && above_y && above_z) atomic_max(h.vertex_face + c.x, t);
+    if (c.y < n && above_x && above_z) atomic_max(h.vertex_face + c.y, t);
+    if (c.z < n && above_x && above_y) atomic_max(h.vertex_face + c.z, t);
   }
 }
 

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The order phase where coordinates may be decimals: a program of its own, which inputs of other numbers do not wait
 // for.
+#include "order/maxima.h"
 #include "order/vertices.h"
 
-// One work-item per row of the table, over its share of the vertices.
+// One work-group per row of the table, over its share of the vertices.
 // Reads: coordinates, all finite. Writes: maxima[row]: the most decimals that a coordinate needs to be
-//   written, `limit` + 1 if one of them cannot be written with `limit`.
-// A row has one work-item.
-// After this kernel the folded table holds the number of decimals of the whole input.
+//   written, `limit` + 1 if one of them cannot be written with `limit`. `memory`: see put_greatest.
+// A row has one work-group.
+// After this kernel the maximum of the table is the number of decimals of the whole input.
 kernel void count_decimals(uint n, uint type, global const ulong* coordinates, int limit, uint rows,
-                           global ulong* maxima) {
-  FOR_EACH(row, rows)
-  maxima[row] = (ulong)decimals_of_items(items_of_share(n, row, rows), type, coordinates, limit);
+                           global ulong* maxima, local ulong* memory) {
+  FOR_EACH_OF_GROUPS(row, 0u, rows) {
+    const ulong digits = (ulong)decimals_of_items(items_of_row(n, row, rows), type, coordinates, limit);
+    put_greatest(&digits, 1u, memory, maxima + row);
+  }
 }
 
 // One work-item per vertex.

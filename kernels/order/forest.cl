@@ -19,8 +19,9 @@ kernel void forest_survey(uint chunks, global const Chunk* chunk, global const u
                           global const ulong* coordinates, global ulong* maxima) {
   FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
-    survey_items((Items)(c.first, c.end, 1u), first_input[c.problem], type, coordinates,
-                 maxima + (size_t)i * GCDT_SURVEY_COLUMNS);
+    ulong columns[GCDT_SURVEY_COLUMNS];
+    survey_items((Items)(c.first, c.end, 1u), first_input[c.problem], type, coordinates, columns);
+    put_columns(columns, GCDT_SURVEY_COLUMNS, maxima + (size_t)i * GCDT_SURVEY_COLUMNS);
   }
 }
 
@@ -62,14 +63,15 @@ kernel void forest_quantise(uint chunks, global const Chunk* chunk, global const
   FOR_EACH(i, chunks) {
     const Chunk c = chunk[i];
     global const ProblemGrid* grid = grids + c.problem;
-    global ulong* out = maxima + (size_t)i * GCDT_QUANTISE_COLUMNS;
+    ulong columns[GCDT_QUANTISE_COLUMNS];
     if (grid->is_decimal) {
       for (uint v = c.first; v < c.end; ++v) quantise_decimal(v, type, coordinates, &grid->decimals, keys, values);
-      out[GCDT_QUANTISE_MOVE] = out[GCDT_QUANTISE_OUTSIDE] = 0;
+      columns[GCDT_QUANTISE_MOVE] = columns[GCDT_QUANTISE_OUTSIDE] = 0;
     } else {
       quantise_items((Items)(c.first, c.end, 1u), first_input[c.problem], type, coordinates, &grid->scale, keys, values,
-                     out);
+                     columns);
     }
+    put_columns(columns, GCDT_QUANTISE_COLUMNS, maxima + (size_t)i * GCDT_QUANTISE_COLUMNS);
     for (uint v = c.first; v < c.end; ++v) input_problem[v] = c.problem;
   }
 }

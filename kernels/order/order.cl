@@ -1,40 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 // The order phase: survey the coordinates, put them on the grid, number the distinct vertices along
-// the Z-order curve. Integer arithmetic only; 64-bit maxima are folded in two steps, since not every
-// device has 64-bit atomics, and a maximum does not depend on the order of folding.
+// the Z-order curve. Integer arithmetic only.
 #include "order/isolation.h"
+#include "order/maxima.h"
 #include "order/vertices.h"
 #include "sort/mark_first.h"
 
-// One work-item per row of the table, over its share of the vertices.
-// Reads: coordinates. Writes: maxima[row], the columns of order.h.
-// A row has one work-item. A coordinate that is not finite counts in its own column only.
-// After this kernel the folded table describes the whole input.
-kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows, global ulong* maxima) {
-  FOR_EACH(row, rows)
-  survey_items(items_of_share(n, row, rows), 0u, type, coordinates, maxima + (size_t)row * GCDT_SURVEY_COLUMNS);
+// One work-group per row of the table, over its share of the vertices.
+// Reads: coordinates. Writes: maxima[row], the columns of order.h. `memory`: see put_greatest.
+// A row has one work-group. A coordinate that is not finite counts in its own column only.
+// After this kernel the maxima of the table's columns describe the whole input.
+kernel void survey(uint n, uint type, global const ulong* coordinates, uint rows, global ulong* maxima,
+                   local ulong* memory) {
+  FOR_EACH_OF_GROUPS(row, 0u, rows) {
+    ulong columns[GCDT_SURVEY_COLUMNS];
+    survey_items(items_of_row(n, row, rows), 0u, type, coordinates, columns);
+    put_greatest(columns, GCDT_SURVEY_COLUMNS, memory, maxima + (size_t)row * GCDT_SURVEY_COLUMNS);
+  }
 }
 
-// One work-item per element of the smaller table `folded`.
-// Reads: maxima. Writes: folded[row][column], the maximum of that column over the rows of maxima
-//   congruent to `row` modulo folded_rows.
-// An element has one work-item.
-// After this kernel the maxima of the columns of both tables are the same.
-kernel void fold_maxima(uint rows, uint columns, global const ulong* maxima, uint folded_rows, global ulong* folded) {
-  FOR_EACH(i, folded_rows * columns)
-  folded[i] = greatest_of_items((Items)(i / columns, rows, folded_rows), i % columns, columns, maxima);
-}
-
-// One work-item per row of the table, over its share of the vertices.
+// One work-group per row of the table, over its share of the vertices.
 // Reads: coordinates, all finite; scale. Writes: keys[v], the Morton code of v's grid point; values[v] = v;
-//   maxima[row], the columns of order.h (if one is outside, the keys are void).
-// A row has one work-item, and a vertex belongs to one row.
+//   maxima[row], the columns of order.h (if one is outside, the keys are void). `memory`: see put_greatest.
+// A row has one work-group, and a vertex one work-item.
 // After this kernel a stable sort of the keys gives the order along the curve.
 kernel void quantise(uint n, uint type, global const ulong* coordinates, global const Scale* scale, uint rows,
-                     global ulong* keys, global uint* values, global ulong* maxima) {
-  FOR_EACH(row, rows)
-  quantise_items(items_of_share(n, row, rows), 0u, type, coordinates, scale, keys, values,
-                 maxima + (size_t)row * GCDT_QUANTISE_COLUMNS);
+                     global ulong* keys, global uint* values, global ulong* maxima, local ulong* memory) {
+  FOR_EACH_OF_GROUPS(row, 0u, rows) {
+    ulong columns[GCDT_QUANTISE_COLUMNS];
+    quantise_items(items_of_row(n, row, rows), 0u, type, coordinates, scale, keys, values, columns);
+    put_greatest(columns, GCDT_QUANTISE_COLUMNS, memory, maxima + (size_t)row * GCDT_QUANTISE_COLUMNS);
+  }
 }
 
 // One work-item per place in the sorted order.

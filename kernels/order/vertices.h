@@ -9,9 +9,9 @@
 #include "common/levels.h"
 #include "order/order.h"
 
-// Writes the columns of a survey of these vertices.
+// The columns of a survey of these vertices.
 static inline void survey_items(Items items, uint first, uint type, global const ulong* coordinates,
-                                global ulong* out) {
+                                private ulong* out) {
   ulong least[2] = {0, 0}, most[2] = {0, 0}, trailing = 0, bad = 0;
   FOR_ITEMS(v, items) {
     for (uint axis = 0; axis < 2; ++axis) {
@@ -46,6 +46,10 @@ static inline int decimals_of_items(Items items, uint type, global const ulong* 
   return digits;
 }
 
+static inline void put_columns(private const ulong* from, uint columns, global ulong* to) {
+  for (uint c = 0; c < columns; ++c) to[c] = from[c];
+}
+
 // The greatest of a column over these rows, 0 without any. Asks for four rows before it waits for the first.
 static inline ulong greatest_of_items(Items rows, uint column, uint columns, global const ulong* maxima) {
   const size_t step = (size_t)rows.z * columns;
@@ -60,11 +64,11 @@ static inline ulong greatest_of_items(Items rows, uint column, uint columns, glo
   return most;
 }
 
-// Writes keys[v], the Morton code of v's grid point, and values[v] = v of these vertices, and the columns of
-// quantising; if one is outside the grid, the keys are void.
+// Writes keys[v], the Morton code of v's grid point, and values[v] = v of these vertices. The columns of quantising: if
+// one is outside the grid, the keys are void.
 static inline void quantise_items(Items items, uint first, uint type, global const ulong* coordinates,
                                   global const Scale* scale, global ulong* keys, global uint* values,
-                                  global ulong* out) {
+                                  private ulong* out) {
   ulong move = 0, outside = 0;
   if (type == GCDT_COORDINATES_INT32 && scale->whole) {
     FOR_ITEMS(v, items) {

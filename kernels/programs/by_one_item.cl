@@ -43,14 +43,16 @@ kernel void order_by_one_item(uint n, uint type, global const ulong* coordinates
                               global int2* points, global uint* vertex_input, global uint* input_vertex) {
   if (get_local_id(0) != 0) return;
   report->decimal_digits = -1;
-  survey_items((Items)(0u, n, 1u), 0u, type, coordinates, report->surveyed);
+  ulong surveyed[GCDT_SURVEY_COLUMNS], quantised[GCDT_QUANTISE_COLUMNS] = {0, 0};
+  survey_items((Items)(0u, n, 1u), 0u, type, coordinates, surveyed);
+  put_columns(surveyed, GCDT_SURVEY_COLUMNS, report->surveyed);
   if (report->surveyed[GCDT_SURVEY_BAD] != 0) return;
   if (!given) choose_grid(n, type, coordinates, report);
-  report->quantised[GCDT_QUANTISE_MOVE] = report->quantised[GCDT_QUANTISE_OUTSIDE] = 0;
   if (report->decimal_digits >= 0)
     for (uint v = 0; v < n; ++v) quantise_decimal(v, type, coordinates, &report->decimals, keys, values);
   else
-    quantise_items((Items)(0u, n, 1u), 0u, type, coordinates, &report->scale, keys, values, report->quantised);
+    quantise_items((Items)(0u, n, 1u), 0u, type, coordinates, &report->scale, keys, values, quantised);
+  put_columns(quantised, GCDT_QUANTISE_COLUMNS, report->quantised);
   if (report->quantised[GCDT_QUANTISE_OUTSIDE] != 0) return;
   if (sort_by_digits(n, GCDT_MORTON_BITS, keys, values, other_keys, other_values))
     keys = other_keys, values = other_values;

@@ -4,6 +4,7 @@
 // numbers that were given, too (KeyBox of lib/tiles/placed.hpp).
 #include "common/levels.h"
 #include "order/decimals.h"
+#include "order/maxima.h"
 #include "order/order.h"
 
 // Whether both coordinates, as the bits of doubles, are in the box, as keys in the order of doubles: least x, most x,
@@ -13,14 +14,14 @@ static inline bool is_near(ulong x, ulong y, ulong4 near) {
   return kx >= near.x && kx <= near.y && ky >= near.z && ky <= near.w;
 }
 
-// One work-item per row of the table, over its share of the points. Reads coordinates, all finite, and the scale.
+// One work-group per row of the table, over its share of the points. Reads coordinates, all finite, and the scale.
 // Writes flags[v]: whether point v is the tile's, then its code to codes[v]; maxima[row]: the greatest move key of the
-// row's own. A row has one work-item, and a point belongs to one row.
+// row's own. `memory`: see put_greatest. A row has one work-group, and a point one work-item.
 kernel void take_codes(const uint count, const uint type, global const ulong* coordinates, global const Scale* scale,
                        const ulong4 near, const ulong first_code, const ulong last_code, const uint rows,
-                       global uint* flags, global ulong* codes, global ulong* maxima) {
-  FOR_EACH(row, rows) {
-    const Items items = items_of_share(count, row, rows);
+                       global uint* flags, global ulong* codes, global ulong* maxima, local ulong* memory) {
+  FOR_EACH_OF_GROUPS(row, 0u, rows) {
+    const Items items = items_of_row(count, row, rows);
     ulong move = 0, most_rest = 0;
     FOR_ITEMS(v, items) {
       const ulong x = gcdt_coordinate(coordinates, type, 2 * v), y = gcdt_coordinate(coordinates, type, 2 * v + 1);
@@ -36,7 +37,8 @@ kernel void take_codes(const uint count, const uint type, global const ulong* co
       move = max(move, max(on_x.move, on_y.move));
       most_rest = max(most_rest, max(rest_x, rest_y));
     }
-    maxima[row] = max(move, gcdt_rest_key(most_rest));
+    const ulong most = max(move, gcdt_rest_key(most_rest));
+    put_greatest(&most, 1u, memory, maxima + row);
   }
 }
 

@@ -123,7 +123,7 @@ void follow_crossing_policy(ForestRun& run, const std::vector<cl_uint>& crosses)
     run.to_split = problems;
     return;
   }
-  run.history = freeze_all(run.runtime, run.vertices, run.mesh);
+  run.history = freeze_all(run.runtime, run.vertices, run.mesh, run.counters);
   run.clean(run.constraints, run.n, constraints_of(run, problems));
   if (refuse(run, find_crossings(run, {})) != problems) fail_without_crossings({});
 }

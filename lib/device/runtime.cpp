@@ -148,13 +148,22 @@ unsigned Runtime::most_builds() const {
   return tuning().builds_at_once.value_or(kind_ == DeviceKind::gpu ? Tuning::builds_of_gpu : 1);
 }
 
+// A table of names costs a launch 0.4 microseconds, a tenth of what the driver takes. Launches name kernels by
+// literals, so the one that was launched by a literal at the same address is the one wanted, if its names are.
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
+  Kernel*& recent = recent_[(reinterpret_cast<std::uintptr_t>(kernel) >> 3) % recent_.size()];
+  if (!recent || recent->meshes != meshes_ || recent->name != kernel || recent->program != program)
+    recent = &make_kernel(program, kernel);
+  return *recent;
+}
+
+Runtime::Kernel& Runtime::make_kernel(const char* program, const char* kernel) {
   const auto key = std::make_tuple(std::string(program), std::string(kernel), meshes_);
   auto found = kernels_.find(key);
   if (found != kernels_.end()) return found->second;
   const cl::Program& built = find_program(contiguous() ? info_of(program).bundle : program);
   Kernel k;
-  k.name = kernel;
+  k.name = kernel, k.program = program, k.meshes = meshes_;
   call("clCreateKernel", kernel, [&] {
     cl_int code;
     k.handle = cl::Kernel(built, kernel, &code);
@@ -259,11 +268,26 @@ TransferChunks* Runtime::chunks_for(std::size_t bytes) {
   return chunks_ && !chunks_->lent() ? chunks_.get() : nullptr;
 }
 
+// Null if a read of so many bytes does not go through the page of pinned memory: NVIDIA's driver takes 3 of 15
+// microseconds more for a read that waits and goes elsewhere (bench/NOTES.md).
+TransferChunks* Runtime::page_for(std::size_t bytes) {
+  if (no_page_ || shares_context_ || bytes > Tuning::page || !prepares_host_memory(*this)) return nullptr;
+  if (!page_) page_ = std::make_unique<TransferChunks>(*this, 1, Tuning::page, true);
+  if (!page_->pinned()) page_.reset(), no_page_ = true;
+  return page_.get();
+}
+
 void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
   ++read_backs_;
   if (TransferChunks* chunks = chunks_for(bytes))
     settled(*this, chunks, [&] { read_large(*chunks, {{from, to, bytes, offset}}); });
+  else if (TransferChunks* page = page_for(bytes))
+    settled(*this, page, [&] {
+      page->read(0, from, offset, bytes);
+      page->take(0);
+      std::memcpy(to, page->memory(0), bytes);
+    });
   else
     call("clEnqueueReadBuffer", "",
          [&] { return clEnqueueReadBuffer(queue_(), from, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr); });

@@ -4,6 +4,7 @@
 // where launches are timed and counted.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -256,6 +257,10 @@ class Runtime {
   }
   /// Work-items among which `items` are shared out, for kernels of which each keeps a row of a table.
   std::size_t rows_of(std::size_t items) const;
+  /// Work-groups of those, for kernels of which each group keeps a row.
+  std::size_t row_groups_of(std::size_t items) const {
+    return (rows_of(items) + geometry_.local - 1) / geometry_.local;
+  }
   /// Rows to which a launch folds a table of so many; as many: it is to be read. Less than before: a loop ends.
   cl_uint fewer_rows(cl_uint rows) const;
   /// Work-items of a launch at most, whatever it wants.
@@ -306,7 +311,8 @@ class Runtime {
           const Runtime* sibling);
 
   struct Kernel {
-    std::string name;
+    std::string name, program;
+    Meshes meshes = Meshes::one;
     cl::Kernel handle;
     cl_uint arguments = 0;
     std::size_t largest_group = 0;
@@ -320,7 +326,9 @@ class Runtime {
   cl_int ask_until_done(cl_event event);
   bool transfers_for_many() const { return shares_context_ && !alone_; }
   TransferChunks* chunks_for(std::size_t bytes);
+  TransferChunks* page_for(std::size_t bytes);
   Kernel& find_kernel(const char* program, const char* kernel);
+  Kernel& make_kernel(const char* program, const char* kernel);  ///< or finds it by its name
   BuiltPrograms::Key key_of(const char* program) const { return {program, meshes_of(program)}; }
   const cl::Program& find_program(const char* program);
   void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
@@ -365,6 +373,7 @@ class Runtime {
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
   std::shared_ptr<BuiltPrograms> programs_;
   std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
+  std::array<Kernel*, 256> recent_ = {};  ///< launched by a literal at such an address; null: none
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
@@ -373,6 +382,8 @@ class Runtime {
   bool shares_context_ = false, wants_chunks_ = false, alone_ = false;  ///< shared: it asks, and does not wait
   std::shared_ptr<const PinnedRanges> pinned_;                          ///< may be null
   std::unique_ptr<TransferChunks> shared_chunks_, chunks_;  ///< if the context is; if a large transfer has been made
+  std::unique_ptr<TransferChunks> page_;                    ///< of small reads; null before the first
+  bool no_page_ = false;                                    ///< the driver has none
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).

@@ -43,8 +43,8 @@ struct Tuning {
   /// doubling where a sort by digits has three for each five bits (NOTES, "Sorting few keys"). Keys of at most
   /// GCDT_MOST_BITS_BY_DIGIT bits are sorted by digits however few they are.
   std::uint32_t most_merged = 1u << 18;
-  /// Rows of a table of maxima, or of quality, that are read back; more are folded on the device, so many of them to
-  /// one in a launch: an H200's 135,000 in two, by work-items with few rows each (NOTES, "Scans and folds").
+  /// Rows of a table of quality that are read back; more are folded on the device, so many of them to one in a launch:
+  /// an H200's 135,000 in two, by work-items with few rows each (NOTES, "Scans and folds").
   std::uint32_t rows_read = 1024, rows_folded = 32;
   /// Candidates of a round of refinement that a GPU ranks by comparing all with all, in one launch instead of a sort's.
   std::uint32_t most_ranked_by_count = 1u << 13;
@@ -159,6 +159,9 @@ struct Tuning {
   /// leave, after each round: guesses, by which the host goes without reads. And rounds between two reads at most,
   /// where guesses fail because flips depend on each other (NOTES, "Reads").
   static constexpr std::uint32_t flipped_between_reads = 6, flipped_after_sweeps = 2, most_between_reads = 16;
+  /// Rounds of insertion between two reads at most: uniform vertices take seven where a level has sixteen times as many
+  /// as the one before (NOTES, "Launches").
+  static constexpr std::uint32_t most_insertion_rounds = 8;
 
   // ---- Launches (runtime.cpp) -------------------------------------------------------------------
 
@@ -195,6 +198,8 @@ struct Tuning {
   /// Bytes of a write that is copied and not waited for, where threads take longer to wake up than the copy does
   /// (NOTES, "CPUs": small writes).
   static constexpr std::size_t most_copied = std::size_t{1} << 16;
+  /// Bytes of a read that goes through memory of the driver's own: counters and reports (NOTES, "Launches").
+  static constexpr std::size_t page = 4096;
   /// How long a wait yields before it sleeps, and how long it sleeps: a thread that sleeps comes back some 70
   /// microseconds later, which a run of small problems would feel; one that yields takes a core.
   static constexpr std::chrono::microseconds patience{200}, nap{20};

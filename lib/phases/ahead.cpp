@@ -64,7 +64,7 @@ ConstrainResult constrain_in_turn(runtime::Runtime& runtime, Primitives& primiti
   Pieces chosen = chosen_of(runtime, pieces, plan.step_ahead);
   const ConstrainResult ahead = enforce(chosen);
   if (ahead.failed) return ahead;
-  history = freeze_all(runtime, vertices, mesh);
+  history = freeze_all(runtime, vertices, mesh, counters);
   history.fans = make_fans(runtime, primitives, vertices, mesh, counters);
   lighten(runtime, pieces, 2 * plan.step_ahead);
   ConstrainResult all = enforce(pieces);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "phases/fans.hpp"
 
+#include "constrain/fan.h"
+
 namespace gcdt {
 
 using runtime::over;
@@ -32,8 +34,8 @@ Fans make(runtime::Runtime& runtime, Primitives& primitives, const char* program
                  fans.faces, counters.buffer());
   runtime.launch(program, "fans_cut", over(count), count, face_arrays..., fans.begins, corners, fans.faces, links);
   // The first elements are not needed any more: links and faces take turns. Ends: no fan is longer than all of them.
-  for (std::uint64_t reach = 1; reach < count; reach *= 2) {
-    runtime.launch(program, "fans_double", over(count), count, links, fans.faces);
+  for (std::uint64_t reach = 1; reach < count; reach *= GCDT_FAN_REACH) {
+    runtime.launch(program, "fans_reach", over(count), count, links, fans.faces);
     std::swap(links, fans.faces);
   }
   runtime.launch(program, "fans_place", over(count), count, face_arrays..., fans.begins, corners, links, fans.faces,

@@ -83,14 +83,15 @@ class Flipping {
     return result;
   }
 
-  /// The rounds of all problems, each by one work-group. The counters are zero. Ends: see run().
+  /// The rounds of all problems, each by one work-group. Ends: see run().
   FlipResult by_problem(Ticker& ticker) {
     const auto lengths = runtime_.allocate<cl_uint>("lists of problems", mesh_.roots);
     runtime_.fill<cl_uint>(lengths, 0, lengths.size());
     runtime_.launch("flip", "flip_deal", runtime::over(edges_), edges_, mesh_.n, vertices_.points, mesh_.face_data,
                     mesh_.edge_faces, mesh_.edge_marks, lists_.first, lengths);
     FlipResult result;
-    for (;; counters_.zero()) {
+    for (;;) {
+      counters_.zero();
       renew_stamps();
       const cl_uint stamp = stamps_.current() + 1, most = std::min(stamps_.left(), plan_.group_flip_rounds);
       for_launches(plan_, vertices_.roots, [&](cl_uint begin, cl_uint end) {
@@ -297,7 +298,6 @@ class Flipping {
 
 FlipResult flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                 const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker) {
-  counters.zero();
   Flipping flipping(runtime, plan, vertices, mesh, lists, counters, vertices_in_mesh);
   return plan.problems == Plan::By::groups ? flipping.by_problem(ticker) : flipping.run(ticker);
 }

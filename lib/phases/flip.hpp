@@ -12,7 +12,7 @@ struct FlipResult {
 };
 
 /// Makes the mesh of the first `vertices_in_mesh` finite vertices (constrained) Delaunay with the tie rule.
-/// The mesh must be valid. Throws round_limit.
+/// The mesh must be valid. The counters are zero, or as insert_level left them. Throws round_limit.
 FlipResult flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                 const WorkLists& lists, PhaseCounters& counters, std::uint32_t vertices_in_mesh, Ticker& ticker);
 

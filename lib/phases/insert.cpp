@@ -60,7 +60,8 @@ class LevelInsertion {
 
   /// Ends: see round_limit.
   std::uint64_t finish(Ticker& ticker) {
-    for (std::uint32_t rounds = plan_.rounds_per_read; remaining_ > 0; rounds = rounds_to_few()) {
+    for (std::uint32_t rounds = rounds_at_first(); remaining_ > 0;
+         rounds = between_reads(rounds_to_few(remaining_ / 4))) {
       if (remaining_ > plan_.group_vertices)
         for (std::uint32_t i = 0; i < rounds; ++i) round();
       rounds_in_one_group();
@@ -79,7 +80,8 @@ class LevelInsertion {
   void freeze() {
     const cl_uint faces = mesh_.faces(history_.begin);
     runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
-    launch("insert_freeze", runtime::over(faces), std::tie(faces));
+    launch("insert_freeze", runtime::over(faces), std::tie(faces), counters_.buffer());
+    counters_.are_zero();
   }
 
   void check(const device::Counters& c, Ticker& ticker) const {
@@ -88,12 +90,23 @@ class LevelInsertion {
     ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
   }
 
-  // Rounds after the first ones after which few vertices are probably left: each leaves about a quarter, since most
-  // faces with vertices have one. Ends: `left` falls.
-  std::uint32_t rounds_to_few() const {
+  // Rounds after which few vertices are probably left, if a round leaves `left` and each further one a quarter, since
+  // most faces with vertices have one. Ends: `left` falls.
+  std::uint32_t rounds_to_few(std::uint32_t left) const {
     std::uint32_t rounds = 1;
-    for (std::uint32_t left = remaining_ / 4; left > plan_.group_vertices && left > 0; left /= 4) ++rounds;
-    return std::min(rounds, plan_.rounds_per_read);
+    for (; left > plan_.group_vertices && left > 0; left /= 4) ++rounds;
+    return rounds;
+  }
+
+  // The same of a level's first rounds, of which the first leaves more, and those in which most faces have more than
+  // one vertex a half.
+  std::uint32_t rounds_at_first() const {
+    std::uint32_t crowded = 0;
+    for (std::uint32_t left = remaining_ / 6; left > history_.begin / 8 * 9 && left > 0; left /= 2) ++crowded;
+    return between_reads(rounds_to_few(remaining_ / 3) + crowded);
+  }
+  std::uint32_t between_reads(std::uint32_t rounds) const {
+    return plan_.rounds_per_read == 1 ? 1 : std::min(rounds, Tuning::most_insertion_rounds);
   }
 
   void round() {
@@ -170,7 +183,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
   return history;
 }
 
-History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh) {
+History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh, PhaseCounters& counters) {
   History history;
   history.level = vertices.levels.count;
   history.begin = history.end = mesh.n;
@@ -183,7 +196,8 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& me
   runtime.fill<cl_uint>(history.vertex_face, 0, mesh.n);
   runtime.launch("insert", "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face, history.nodes,
-                 history.shape);
+                 history.shape, counters.buffer());
+  counters.are_zero();
   mesh.claims_below = 1;
   return history;
 }
@@ -200,7 +214,6 @@ std::uint64_t insert_level(runtime::Runtime& runtime, const Plan& plan, const Ve
   history.level = level;
   history.begin = vertices.levels.begin[level];
   history.end = vertices.levels.begin[level + 1];
-  counters.zero();
   if (plan.problems == Plan::By::groups)
     return LevelInsertion(runtime, plan, vertices, mesh, history, located_in, lists, counters, vertices.largest)
         .by_problem(ticker);

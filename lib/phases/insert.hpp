@@ -18,16 +18,16 @@ struct History {
 /// Buffers for the largest level; sizes in `required_bytes`.
 History make_history(runtime::Runtime& runtime, const device::Levels& levels, std::uint32_t roots = 1);
 
-/// A history without splits, of a Delaunay mesh with all vertices: all of it is top layer.
-History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh);
+/// A history without splits, of a Delaunay mesh with all vertices: all of it is top layer. Zeroes the counters.
+History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh, PhaseCounters& counters);
 
 /// Makes the mesh hold the symbolic triangles alone, no edge constrained.
 void insert_root(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh);
 
 /// Inserts the vertices of `level` into the mesh of the levels before, which must be Delaunay.
 /// After: every vertex of the level is in the mesh, which is a valid triangulation, and `history` locates
-/// points in it if it is to be `located_in`. Adds to counters: edge_splits, steps, history_depth. Returns the number of
-/// rounds. Throws round_limit.
+/// points in it if it is to be `located_in`. Zeroes the counters, then adds to edge_splits, steps, history_depth and
+/// rounds; those of flips stay zero. Returns the number of rounds. Throws round_limit.
 std::uint64_t insert_level(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                            History& history, bool located_in, const WorkLists& lists, PhaseCounters& counters,
                            unsigned level, Ticker& ticker);

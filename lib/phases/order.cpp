@@ -136,8 +136,8 @@ void check_outside(cl_ulong outside) {
 
 std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtime, const InputPoints& points) {
   Maxima maxima(runtime, points.n, GCDT_SURVEY_COLUMNS);
-  runtime.launch("order", "survey", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
-                 maxima.rows, maxima.table);
+  runtime.launch("order", "survey", maxima.groups, points.n, points.type, points.coordinates, maxima.rows, maxima.table,
+                 maxima.memory);
   const std::vector<cl_ulong> most = maxima.read(runtime);
   std::array<cl_ulong, GCDT_SURVEY_COLUMNS> columns{};
   std::copy(most.begin(), most.end(), columns.begin());
@@ -146,8 +146,8 @@ std::array<cl_ulong, GCDT_SURVEY_COLUMNS> survey_maxima(runtime::Runtime& runtim
 
 int count_decimals(runtime::Runtime& runtime, const InputPoints& points, cl_int limit) {
   Maxima maxima(runtime, points.n, 1);
-  runtime.launch("decimals", "count_decimals", runtime::over_large(maxima.rows), points.n, points.type,
-                 points.coordinates, limit, maxima.rows, maxima.table);
+  runtime.launch("decimals", "count_decimals", maxima.groups, points.n, points.type, points.coordinates, limit,
+                 maxima.rows, maxima.table, maxima.memory);
   return static_cast<int>(maxima.read(runtime)[0]);
 }
 
@@ -163,8 +163,8 @@ Codes codes_on(runtime::Runtime& runtime, const InputPoints& points, const Chose
   }
   const auto scale = runtime.upload_one("scale", chosen.scale);
   Maxima maxima(runtime, points.n, GCDT_QUANTISE_COLUMNS);
-  runtime.launch("order", "quantise", runtime::over_large(maxima.rows), points.n, points.type, points.coordinates,
-                 scale, maxima.rows, made.codes, made.numbers, maxima.table);
+  runtime.launch("order", "quantise", maxima.groups, points.n, points.type, points.coordinates, scale, maxima.rows,
+                 made.codes, made.numbers, maxima.table, maxima.memory);
   const std::vector<cl_ulong> most = maxima.read(runtime);
   std::copy(most.begin(), most.end(), made.maxima.begin());
   return made;

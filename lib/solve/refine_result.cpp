@@ -91,6 +91,7 @@ Subsegments release_adopted(Run& run, const DeviceTriangulation& made, const Buf
   Runtime& runtime = run.runtime;
   Subsegments found = find_adopted_subsegments(runtime, run.vertices, run.mesh, run.pieces, refs, made.kept);
   const WorkLists lists = make_work_lists(runtime, run.vertices.n());
+  run.counters.zero();
   const FlipResult flipped =
       flip(runtime, run.plan, run.vertices, run.mesh, lists, run.counters, run.vertices.n(), run.ticker);
   run.statistics.flips += flipped.flips;

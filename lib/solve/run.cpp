@@ -70,7 +70,7 @@ void Run::grow_all() {
   statistics.cases.edge_splits += grown.edge_splits;
   statistics.location_steps += grown.steps;
   count(grown.flips);
-  if (m > 0 && plan.constraints == Plan::By::all) history = freeze_all(runtime, vertices, mesh);
+  if (m > 0 && plan.constraints == Plan::By::all) history = freeze_all(runtime, vertices, mesh, counters);
 }
 
 void Run::need_lists() {
@@ -144,8 +144,9 @@ void Run::flip() {
   // Grown Delaunay, and unchanged, or kept so.
   if (plan.grows && (m == 0 || plan.constraints != Plan::By::all)) return;
   need_lists();
-  count(plan.grows ? grow_flip(runtime, plan, vertices, mesh, lists, counters, ticker)
-                   : gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker));
+  if (plan.grows) return count(grow_flip(runtime, plan, vertices, mesh, lists, counters, ticker));
+  counters.zero();
+  count(gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker));
 }
 
 SelectedDomain Run::select(OrderedMesh& ordered) {

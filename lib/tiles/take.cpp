@@ -76,8 +76,8 @@ class Taker {
     }
     const auto scale = runtime_.upload_one("scale", chosen.scale);
     Maxima moves(runtime_, points.n, 1);
-    runtime_.launch("take", "take_codes", runtime::over_large(moves.rows), points.n, points.type, points.coordinates,
-                    scale, near, cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, moves.rows, flags, codes, moves.table);
+    runtime_.launch("take", "take_codes", moves.groups, points.n, points.type, points.coordinates, scale, near,
+                    cl_ulong{codes_[0]}, cl_ulong{codes_[1]}, moves.rows, flags, codes, moves.table, moves.memory);
     taken_.move_key = std::max<std::uint64_t>(taken_.move_key, moves.read(runtime_)[0]);
   }
 
