@@ -14,6 +14,13 @@ typedef ulong u64;
 // variable that all its calls are given into it, where every group then shares it (tests/device/local_memory.sh looks
 // for it).
 #define GCDT_GIVEN_LOCAL static inline __attribute__((always_inline))
+// Before kernels that one work-group does by itself: how many work-items it has, where the host says so to the
+// compiler.
+#ifdef GCDT_ONE_GROUP
+#define GCDT_BY_ONE_GROUP __attribute__((reqd_work_group_size(GCDT_ONE_GROUP, 1, 1)))
+#else
+#define GCDT_BY_ONE_GROUP
+#endif
 #include "common/loops.h"
 #else
 #include <cstdint>

@@ -15,8 +15,8 @@
 // below this.
 #define GCDT_RING_CLOSED 0x80000000u
 
-// What a round of list ranking multiplies reaches by (fans.h): two loads more than twice as far takes, but half of the
-// launches.
+// How many times as far links reach after a round of list ranking (fans.h): by four, a round has the loads of two
+// rounds by two, in one launch.
 #define GCDT_FAN_REACH 4u
 
 #ifdef __OPENCL_VERSION__

@@ -2,7 +2,7 @@
 // The fans of all vertices with many faces (kernels/constrain/fan.h), of whatever mesh the program that includes this
 // reads. What follows a face around a vertex is known face by face; its place in the fan is found by list ranking: each
 // corner of such a vertex is an element, which points to the next one counter-clockwise, and in each round to the one
-// four times as far (Wyllie 1979, two steps of whose at once). OpenCL C only.
+// four times as far (Wyllie 1979, two of whose steps are one here). OpenCL C only.
 //
 // The program defines
 //   FACES_PARAMETERS, FACES          the arrays of its mesh as parameters and as arguments
@@ -35,6 +35,17 @@ static inline uint element_of(Elements e, uint n, uint t, uint4 c, uint k) {
          (k > 1u && is_centre(e.begins, n, c.y) ? 1u : 0u);
 }
 
+// Counts a face of vertex v: in the group's table, if v has its place there, or takes it, else in `degrees`.
+static inline void count_face(uint v, uint n, volatile local uint* vertices, volatile local uint* counts,
+                              volatile global uint* degrees) {
+  if (v >= n) return;
+  const uint place = v % GCDT_DEGREES_OF_GROUP, there = atomic_cmpxchg(vertices + place, GCDT_NONE, v);
+  if (there == GCDT_NONE || there == v)
+    atomic_inc(counts + place);
+  else
+    atomic_inc(degrees + v);
+}
+
 // One work-item per face. Counts the faces of each vertex. A vertex that many faces have would be waited for, so a
 // group counts for itself, in a table that has room for one vertex in each place: the first that comes there. No race:
 // atomic additions, whose order cannot matter.
@@ -52,15 +63,9 @@ kernel void fans_degrees(uint faces, uint n, FACES_PARAMETERS, volatile global u
   barrier(CLK_LOCAL_MEM_FENCE);
   FOR_EACH(t, faces) {
     const uint4 c = corners_of_face(FACES, t);
-    for (uint k = 0; k < 3u; ++k) {
-      const uint v = element(c, k), i = v % GCDT_DEGREES_OF_GROUP;
-      if (v >= n) continue;
-      const uint there = atomic_cmpxchg((volatile local uint*)vertices + i, GCDT_NONE, v);
-      if (there == GCDT_NONE || there == v)
-        atomic_inc((volatile local uint*)counts + i);
-      else
-        atomic_inc(degrees + v);
-    }
+    count_face(c.x, n, vertices, counts, degrees);
+    count_face(c.y, n, vertices, counts, degrees);
+    count_face(c.z, n, vertices, counts, degrees);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = get_local_id(0); i < GCDT_DEGREES_OF_GROUP; i += get_local_size(0))

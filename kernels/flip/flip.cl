@@ -157,9 +157,9 @@ kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETE
 
 // One work-group. Does up to `most` rounds from `round` on, but none if more than `few` edges are listed: the host
 // launches it before it knows. After: list_test of the next round holds what is left; counters->rounds the rounds done.
-kernel void flip_rounds(uint round, uint stamp, uint bits, uint few, uint most, GCDT_MESH_PARAMETERS,
-                        global uint* edge_marks, global uint* list, global uint* illegal,
-                        volatile global Counters* counters) {
+GCDT_BY_ONE_GROUP kernel void flip_rounds(uint round, uint stamp, uint bits, uint few, uint most, GCDT_MESH_PARAMETERS,
+                                          global uint* edge_marks, global uint* list, global uint* illegal,
+                                          volatile global Counters* counters) {
   DECLARE_ROUNDS(memory);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);

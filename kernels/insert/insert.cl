@@ -177,9 +177,10 @@ static uint split_if_won(Mesh mesh, History h, Round r, uint tree, uint v, volat
 // of the greatest number: of the faces around it those that are greater than both beside them, one of which is the
 // greatest, ask by atomic_max, so the order of work-items cannot matter (vertex_face starts at 0). After: the top layer
 // stands apart from the mesh, each face a leaf; the counters, which nobody else uses in this launch, are zero.
-kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, global Counters* counters) {
+// (They come as words: of a pointer to words that is made of one to a struct, Mesa 22.3 stores the first alone.)
+kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, global uint* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH(i, (uint)(sizeof(Counters) / sizeof(uint)))((global uint*)counters)[i] = 0u;
+  FOR_EACH(i, (uint)(sizeof(Counters) / sizeof(uint))) { counters[i] = 0u; }
   const History h = make_history(begin, end, top, vertex_face, nodes, shape);
   FOR_EACH(t, faces) {
     const uint4 c = mesh.face_data[GCDT_CORNERS(t)], s = mesh.face_data[GCDT_SIDES(t)];
@@ -327,9 +328,9 @@ GCDT_GIVEN_LOCAL uint insert_in_group(Mesh mesh, History h, Round r, uint tree, 
 // One work-group. Does up to `most` rounds, but none if more than `few` vertices are listed: the host launches it
 // before it knows. After: list_insert of the next round's parity counts the vertices left, counters->rounds the rounds
 // done.
-kernel void insert_rounds(uint tree, uint number, uint stamp, uint bits, uint few, uint most, GCDT_MESH_PARAMETERS,
-                          GCDT_HISTORY_PARAMETERS, global uint* list_even, global uint* list_odd,
-                          volatile global Counters* counters) {
+GCDT_BY_ONE_GROUP kernel void insert_rounds(uint tree, uint number, uint stamp, uint bits, uint few, uint most,
+                                            GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMETERS, global uint* list_even,
+                                            global uint* list_odd, volatile global Counters* counters) {
   DECLARE_APPENDER(left);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);

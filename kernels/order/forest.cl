@@ -38,6 +38,19 @@ kernel void forest_decimals(uint chunks, global const Chunk* chunk, uint type, g
   }
 }
 
+// The greatest of a column over rows begin .. end - 1, 0 without any. Asks for four rows before it waits for the first.
+static inline ulong greatest_of_rows(uint begin, uint end, uint column, uint columns, global const ulong* maxima) {
+  ulong most = 0;
+  uint row = begin;
+  for (; end - row > 3u; row += 4u) {
+    global const ulong* at = maxima + (size_t)row * columns + column;
+    const ulong a = at[0], b = at[columns], c = at[2u * columns], d = at[3u * columns];
+    most = max(most, max(max(a, b), max(c, d)));
+  }
+  for (; row < end; ++row) most = max(most, maxima[(size_t)row * columns + column]);
+  return most;
+}
+
 // One work-item per problem and column.
 // Reads: maxima of the problem's chunks. Writes: folded[problem][column], the greatest; 0 without chunks.
 // An element has one work-item.
@@ -46,8 +59,7 @@ kernel void forest_fold(uint problems, uint columns, global const uint* first_ch
                         global ulong* folded) {
   FOR_EACH(i, problems * columns) {
     const uint problem = i / columns;
-    folded[i] =
-        greatest_of_items((Items)(first_chunk[problem], first_chunk[problem + 1u], 1u), i % columns, columns, maxima);
+    folded[i] = greatest_of_rows(first_chunk[problem], first_chunk[problem + 1u], i % columns, columns, maxima);
   }
 }
 

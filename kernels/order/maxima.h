@@ -21,14 +21,14 @@ GCDT_GIVEN_LOCAL void put_greatest(private const ulong* own, uint columns, local
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint left = size; left > 1u;) {
     const uint half_of_left = (left + 1u) / 2u;
-    if (i + half_of_left < left)
-      for (uint c = 0; c < columns; ++c)
+    for (uint c = 0; c < columns; ++c)
+      if (i + half_of_left < left)
         memory[c * size + i] = max(memory[c * size + i], memory[c * size + i + half_of_left]);
     barrier(CLK_LOCAL_MEM_FENCE);
     left = half_of_left;
   }
-  if (i == 0u)
-    for (uint c = 0; c < columns; ++c) row[c] = memory[c * size];
+  for (uint c = 0; c < columns; ++c)
+    if (i == 0u) row[c] = memory[c * size];
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 

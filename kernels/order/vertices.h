@@ -50,20 +50,6 @@ static inline void put_columns(private const ulong* from, uint columns, global u
   for (uint c = 0; c < columns; ++c) to[c] = from[c];
 }
 
-// The greatest of a column over these rows, 0 without any. Asks for four rows before it waits for the first.
-static inline ulong greatest_of_items(Items rows, uint column, uint columns, global const ulong* maxima) {
-  const size_t step = (size_t)rows.z * columns;
-  ulong most = 0;
-  uint row = rows.x;
-  for (; row < rows.y && rows.y - row > 3u * rows.z; row += 4u * rows.z) {
-    global const ulong* at = maxima + (size_t)row * columns + column;
-    const ulong a = at[0], b = at[step], c = at[2u * step], d = at[3u * step];
-    most = max(most, max(max(a, b), max(c, d)));
-  }
-  for (; row < rows.y; row += rows.z) most = max(most, maxima[(size_t)row * columns + column]);
-  return most;
-}
-
 // Writes keys[v], the Morton code of v's grid point, and values[v] = v of these vertices. The columns of quantising: if
 // one is outside the grid, the keys are void.
 static inline void quantise_items(Items items, uint first, uint type, global const ulong* coordinates,

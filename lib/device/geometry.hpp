@@ -32,7 +32,7 @@ struct Geometry {
   /// Items of a work-item at most, of large ones one, however many groups that takes; 0: any number.
   std::size_t most_items = 0;
   std::size_t wide = 0;        ///< work-items of a wide group (Groups::wide); 0: as `local`
-  std::size_t row_groups = 0;  ///< groups of which each work-item keeps a row of a table; 0: as `max_groups`
+  std::size_t row_groups = 0;  ///< groups of kernels that keep tables of rows; 0: as `max_groups`
 };
 
 /// An argument of a kernel: local memory of each work-group.

@@ -18,6 +18,7 @@ std::string Runtime::build_options(const char* program) const {
   if (contiguous()) options += " -DGCDT_CONTIGUOUS";
   if (meshes_of(program) == Meshes::many) options += " -DGCDT_FOREST";
   if (emulate_mul_hi_) options += " -DGCDT_EMULATE_MUL_HI";
+  if (states_one_group()) options += " -DGCDT_ONE_GROUP=" + std::to_string(geometry_.single);
   if (!hook_.options.empty()) options += " " + hook_.options;
   return options;
 }

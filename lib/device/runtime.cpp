@@ -148,8 +148,8 @@ unsigned Runtime::most_builds() const {
   return tuning().builds_at_once.value_or(kind_ == DeviceKind::gpu ? Tuning::builds_of_gpu : 1);
 }
 
-// A table of names costs a launch 0.4 microseconds, a tenth of what the driver takes. Launches name kernels by
-// literals, so the one that was launched by a literal at the same address is the one wanted, if its names are.
+// A search by names costs a launch 0.4 microseconds, a tenth of what the driver takes. Launches name kernels by
+// literals, whose addresses choose one of a few slots; where another kernel has it, the names are searched.
 Runtime::Kernel& Runtime::find_kernel(const char* program, const char* kernel) {
   Kernel*& recent = recent_[(reinterpret_cast<std::uintptr_t>(kernel) >> 3) % recent_.size()];
   if (!recent || recent->meshes != meshes_ || recent->name != kernel || recent->program != program)
@@ -163,7 +163,9 @@ Runtime::Kernel& Runtime::make_kernel(const char* program, const char* kernel) {
   if (found != kernels_.end()) return found->second;
   const cl::Program& built = find_program(contiguous() ? info_of(program).bundle : program);
   Kernel k;
-  k.name = kernel, k.program = program, k.meshes = meshes_;
+  k.name = kernel;
+  k.program = program;
+  k.meshes = meshes_;
   call("clCreateKernel", kernel, [&] {
     cl_int code;
     k.handle = cl::Kernel(built, kernel, &code);
@@ -172,6 +174,12 @@ Runtime::Kernel& Runtime::make_kernel(const char* program, const char* kernel) {
   call("clGetKernelInfo", kernel, [&] { return k.handle.getInfo(CL_KERNEL_NUM_ARGS, &k.arguments); });
   call("clGetKernelWorkGroupInfo", kernel,
        [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_WORK_GROUP_SIZE, &k.largest_group); });
+  if (states_one_group()) {
+    std::array<std::size_t, 3> stated = {};
+    call("clGetKernelWorkGroupInfo", kernel,
+         [&] { return k.handle.getWorkGroupInfo(device_, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, &stated); });
+    k.stated_group = stated[0];
+  }
   return kernels_.emplace(key, std::move(k)).first->second;
 }
 
@@ -251,7 +259,15 @@ void Runtime::share_context() {
 
 void Runtime::use_transfer_chunks() { wants_chunks_ = prepares_host_memory(*this); }
 
-void Runtime::release_transfer_chunks() { chunks_.reset(); }
+void Runtime::release_transfer_chunks() {
+  chunks_.reset();
+  page_.reset();
+}
+
+void Runtime::give_chunks_up() {
+  wants_chunks_ = alone_ = false;
+  log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: transfers are slow");
+}
 
 // Null if a transfer of so many bytes does not go through chunks.
 TransferChunks* Runtime::chunks_for(std::size_t bytes) {
@@ -261,8 +277,7 @@ TransferChunks* Runtime::chunks_for(std::size_t bytes) {
     chunks_ = std::make_unique<TransferChunks>(*this, tuning().transfer_chunks, tuning().transfer_chunk, true);
     if (!chunks_->pinned()) {
       chunks_.reset();
-      wants_chunks_ = alone_ = false;
-      log(GCDT_LOG_WARNING, info_.name + " has no pinned host memory: transfers are slow");
+      give_chunks_up();
     }
   }
   return chunks_ && !chunks_->lent() ? chunks_.get() : nullptr;
@@ -271,9 +286,14 @@ TransferChunks* Runtime::chunks_for(std::size_t bytes) {
 // Null if a read of so many bytes does not go through the page of pinned memory: NVIDIA's driver takes 3 of 15
 // microseconds more for a read that waits and goes elsewhere (bench/NOTES.md).
 TransferChunks* Runtime::page_for(std::size_t bytes) {
-  if (no_page_ || shares_context_ || bytes > Tuning::page || !prepares_host_memory(*this)) return nullptr;
-  if (!page_) page_ = std::make_unique<TransferChunks>(*this, 1, Tuning::page, true);
-  if (!page_->pinned()) page_.reset(), no_page_ = true;
+  if (!wants_chunks_ || shares_context_ || bytes > Tuning::page) return nullptr;
+  if (!page_) {
+    page_ = std::make_unique<TransferChunks>(*this, 1, Tuning::page, true);
+    if (!page_->pinned()) {
+      page_.reset();
+      give_chunks_up();
+    }
+  }
   return page_.get();
 }
 
@@ -352,6 +372,7 @@ Geometry Runtime::geometry_of(std::size_t units) const {
   switch (kind_) {
     case DeviceKind::gpu:
       geometry = {Tuning::gpu_group, units * Tuning::gpu_groups_per_unit, Tuning::gpu_single_group};
+      geometry.single = std::min<std::size_t>(geometry.single, info_.largest_work_group);
       geometry.wide = std::min<std::size_t>(Tuning::gpu_wide_group, info_.largest_work_group);
       geometry.row_groups = units * Tuning::gpu_row_groups_per_unit;
       break;
@@ -373,7 +394,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
     throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
                                            std::to_string(arguments));
   const bool one_group = range.groups == Groups::one;
-  const std::size_t local = std::min(group_size(range.groups), kernel.largest_group);
+  const std::size_t local =
+      kernel.stated_group > 0 ? kernel.stated_group : std::min(group_size(range.groups), kernel.largest_group);
   const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
   const std::size_t wanted = (range.items + each - 1) / each;
   std::size_t most = geometry_.max_groups;

@@ -217,11 +217,12 @@ class Runtime {
   /// From now on, reads and waits keep no other thread out of the context (download.hpp), nor do small writes. Large
   /// writes that are not write_later() do, and what follows an error.
   void share_context();
-  /// From now on, large transfers go through pinned memory, made by the first, where prepares_host_memory() says so.
+  /// From now on, large transfers and small reads go through pinned memory, made by the first, where
+  /// prepares_host_memory() says so.
   void use_transfer_chunks();
   /// Those chunks, of pinned memory; null if there are none, or others use the device.
   TransferChunks* pinned_chunks() { return transfers_for_many() ? nullptr : chunks_for(~std::size_t{0}); }
-  void release_transfer_chunks();  ///< until the next large transfer
+  void release_transfer_chunks();  ///< until the next such transfer
   /// From now on, large transfers to and from what lies there go straight, where others go through chunks.
   void know_pinned(std::shared_ptr<const PinnedRanges> ranges) { pinned_ = std::move(ranges); }
   bool is_pinned(const void* first, std::size_t bytes) const { return pinned_ && pinned_->contains(first, bytes); }
@@ -276,6 +277,11 @@ class Runtime {
   void use_programs(Meshes meshes) { meshes_ = meshes; }
   /// Whether built programs go into the library's cache.
   bool keeps_programs() const;
+  /// See Tuning::states_one_group.
+  bool states_one_group() const {
+    return hook_.tuning.states_one_group.value_or(kind_ == DeviceKind::gpu &&
+                                                  info_.vendor.find("NVIDIA") != std::string::npos);
+  }
   /// Options that a program is built with (device/program_table.cpp); part of the cache key.
   std::string build_options(const char* program) const;
 
@@ -315,7 +321,7 @@ class Runtime {
     Meshes meshes = Meshes::one;
     cl::Kernel handle;
     cl_uint arguments = 0;
-    std::size_t largest_group = 0;
+    std::size_t largest_group = 0, stated_group = 0;  ///< stated: by the kernel itself; 0: by none
     bool launched = false;
   };
 
@@ -327,6 +333,7 @@ class Runtime {
   bool transfers_for_many() const { return shares_context_ && !alone_; }
   TransferChunks* chunks_for(std::size_t bytes);
   TransferChunks* page_for(std::size_t bytes);
+  void give_chunks_up();
   Kernel& find_kernel(const char* program, const char* kernel);
   Kernel& make_kernel(const char* program, const char* kernel);  ///< or finds it by its name
   BuiltPrograms::Key key_of(const char* program) const { return {program, meshes_of(program)}; }
@@ -373,7 +380,7 @@ class Runtime {
   std::vector<std::vector<unsigned char>> unwritten_;  ///< what the queue may still have to write; see write_bytes
   std::shared_ptr<BuiltPrograms> programs_;
   std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
-  std::array<Kernel*, 256> recent_ = {};  ///< launched by a literal at such an address; null: none
+  std::array<Kernel*, 256> recent_ = {};  ///< of kernels_, launched by a literal at such an address; null: none
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
@@ -383,7 +390,6 @@ class Runtime {
   std::shared_ptr<const PinnedRanges> pinned_;                          ///< may be null
   std::unique_ptr<TransferChunks> shared_chunks_, chunks_;  ///< if the context is; if a large transfer has been made
   std::unique_ptr<TransferChunks> page_;                    ///< of small reads; null before the first
-  bool no_page_ = false;                                    ///< the driver has none
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).

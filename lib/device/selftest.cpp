@@ -111,6 +111,7 @@ void Runtime::self_test() {
     log(GCDT_LOG_WARNING, info_.name + " computes mul_hi wrongly: emulated");
     emulate_mul_hi_ = true;
     programs_->clear();
+    recent_ = {};
     kernels_.clear();
     wrong = first_wrong_word(*this);
   }

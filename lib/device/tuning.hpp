@@ -34,8 +34,9 @@ struct Tuning {
   /// There are dense rows where so many times as many vertices are deep as of evenly spread ones, and so many more: a
   /// thin ring of random vertices has 26 times as many, and no chains of flips; few vertices make short chains.
   std::uint32_t times_evenly = 64, least_row = 256;
-  /// Rounds of insertion and of flips between two blocking reads: reads cost about as much as one or two rounds. (More
-  /// on a pool's GPUs: pool_plan.cpp.)
+  /// Rounds of flips between two blocking reads, and of insertion at most, if that is more than
+  /// `most_insertion_rounds`: reads cost about as much as one or two rounds. 1: read after each. (More on a pool's
+  /// GPUs: pool_plan.cpp.)
   std::uint32_t rounds_per_read = 4;
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
@@ -120,6 +121,10 @@ struct Tuning {
   /// Whether each block is a buffer of its own, of just the bytes asked for, and gone when it is handed back: so a test
   /// sees what is written beside it, and what is read that nobody wrote (docs/testing.md).
   bool fresh_buffers = false;
+  /// Whether rounds of insertion and flips by one work-group tell the compiler how many work-items that has
+  /// (kernels/common/shared.h, GCDT_ONE_GROUP); none: on NVIDIA's GPUs, whose compiler takes 256 at most for granted
+  /// otherwise, so that rounds of one group take twice as long (NOTES, "Launches").
+  std::optional<bool> states_one_group;
   /// Programs that threads build at once (built_programs.hpp); none: on GPUs, if their drivers compile a program when
   /// it is built, five, after which NVIDIA's compiler is no faster (NOTES, "First call"); elsewhere one.
   std::optional<std::uint32_t> builds_at_once;
@@ -159,25 +164,27 @@ struct Tuning {
   /// leave, after each round: guesses, by which the host goes without reads. And rounds between two reads at most,
   /// where guesses fail because flips depend on each other (NOTES, "Reads").
   static constexpr std::uint32_t flipped_between_reads = 6, flipped_after_sweeps = 2, most_between_reads = 16;
-  /// Rounds of insertion between two reads at most: uniform vertices take seven where a level has sixteen times as many
-  /// as the one before (NOTES, "Launches").
-  static constexpr std::uint32_t most_insertion_rounds = 8;
+  /// Rounds of insertion between two reads at most, or `rounds_per_read`, if that is more: uniform vertices take seven
+  /// where a level has fifteen for each coarser one. Where there are more than so many for each, most faces have more
+  /// than one to begin with (NOTES, "Launches").
+  static constexpr std::uint32_t most_insertion_rounds = 8, crowded_level = 7;
 
   // ---- Launches (runtime.cpp) -------------------------------------------------------------------
 
   /// Work-items of a group. 128 keep occupancy on GPUs with kernels of 64 or more registers (NOTES, "Single problems":
   /// 64 and 256 are no faster); on CPUs whose groups are lanes of vectors 64 amortise a group's start (not measured).
   static constexpr std::size_t gpu_group = 128, cpu_group = 64;
-  /// Work-items of the group that does whole rounds by itself: as wide as a GPU's unit takes with the kernels'
-  /// registers (not measured).
+  /// Work-items of the group that does whole rounds by itself: 256 are slower, and 1024, with fewer registers each, too
+  /// (NOTES, "Launches").
   static constexpr std::size_t gpu_single_group = 512;
   /// Work-items of a group that flips within a patch, or sorts a block: few such groups at a time fill a unit, whose
-  /// caches have room for them (NOTES, "Fewer levels, larger patches" and "Scans and folds": 512 are no faster).
+  /// caches have room for them (NOTES, "Fewer levels, larger patches" and "Scans and folds"; 512: not
+  /// measured).
   static constexpr std::size_t gpu_wide_group = 256;
   /// Groups per compute unit: enough to fill a GPU's schedulers (NOTES, "Single problems": 6 to 4096 tried); on CPUs
   /// enough to even out the load (not measured).
   static constexpr std::size_t gpu_groups_per_unit = 32, cpu_groups_per_unit = 64;
-  /// The same of groups whose work-items keep rows of tables: enough to read at the memory's speed, as few rows as that
+  /// The same of groups that keep rows of tables: enough to read at the memory's speed, as few rows as that
   /// takes (NOTES, "Scans and folds").
   static constexpr std::size_t gpu_row_groups_per_unit = 8;
   /// Where a group is one work-item that loops over its share by itself: items of a share at least, which amortise its
@@ -198,8 +205,8 @@ struct Tuning {
   /// Bytes of a write that is copied and not waited for, where threads take longer to wake up than the copy does
   /// (NOTES, "CPUs": small writes).
   static constexpr std::size_t most_copied = std::size_t{1} << 16;
-  /// Bytes of a read that goes through memory of the driver's own: counters and reports (NOTES, "Launches").
-  static constexpr std::size_t page = 4096;
+  /// Bytes of a read that goes through memory of the driver's own: counters, reports, maxima (NOTES, "Launches").
+  static constexpr std::size_t page = std::size_t{1} << 16;
   /// How long a wait yields before it sleeps, and how long it sleeps: a thread that sleeps comes back some 70
   /// microseconds later, which a run of small problems would feel; one that yields takes a core.
   static constexpr std::chrono::microseconds patience{200}, nap{20};

@@ -33,7 +33,8 @@ Fans make(runtime::Runtime& runtime, Primitives& primitives, const char* program
   runtime.launch(program, "fans_link", over(faces), faces, n, face_arrays..., fans.begins, offsets, corners, links,
                  fans.faces, counters.buffer());
   runtime.launch(program, "fans_cut", over(count), count, face_arrays..., fans.begins, corners, fans.faces, links);
-  // The first elements are not needed any more: links and faces take turns. Ends: no fan is longer than all of them.
+  // The first elements are not needed any more: links and faces take turns. Ends: `reach` grows. No fan is longer than
+  // all of them.
   for (std::uint64_t reach = 1; reach < count; reach *= GCDT_FAN_REACH) {
     runtime.launch(program, "fans_reach", over(count), count, links, fans.faces);
     std::swap(links, fans.faces);

@@ -90,23 +90,27 @@ class LevelInsertion {
     ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
   }
 
-  // Rounds after which few vertices are probably left, if a round leaves `left` and each further one a quarter, since
-  // most faces with vertices have one. Ends: `left` falls.
+  // Rounds after which few vertices are probably left, if the first of them leaves `left`, and each further one a
+  // quarter, since most faces with vertices have one. Ends: `left` falls.
   std::uint32_t rounds_to_few(std::uint32_t left) const {
     std::uint32_t rounds = 1;
     for (; left > plan_.group_vertices && left > 0; left /= 4) ++rounds;
     return rounds;
   }
 
-  // The same of a level's first rounds, of which the first leaves more, and those in which most faces have more than
-  // one vertex a half.
+  // The same of a level's first rounds: one leaves a third; and before that, while most faces have more than one
+  // vertex, a half. Ends: `left` falls.
   std::uint32_t rounds_at_first() const {
     std::uint32_t crowded = 0;
-    for (std::uint32_t left = remaining_ / 6; left > history_.begin / 8 * 9 && left > 0; left /= 2) ++crowded;
+    for (std::uint64_t left = remaining_; left > std::uint64_t{Tuning::crowded_level} * history_.begin && left > 1;
+         left /= 2)
+      ++crowded;
     return between_reads(rounds_to_few(remaining_ / 3) + crowded);
   }
   std::uint32_t between_reads(std::uint32_t rounds) const {
-    return plan_.rounds_per_read == 1 ? 1 : std::min(rounds, Tuning::most_insertion_rounds);
+    return plan_.rounds_per_read == 1
+               ? 1
+               : std::min(rounds, std::max(plan_.rounds_per_read, Tuning::most_insertion_rounds));
   }
 
   void round() {

@@ -40,7 +40,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   const std::vector<Constraint> constraints = random_constraints(made.points, constraint_count, random);
   Primitives primitives(runtime);
   made.insert_all(flipped_before);
-  if (flipped_before) made.history = freeze_all(runtime, made.vertices, made.mesh);
+  if (flipped_before) made.history = freeze_all(runtime, made.vertices, made.mesh, made.counters);
   made.counters.zero();
   const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
   Cleaner cleaner(runtime, primitives, made.vertices, staged, n);

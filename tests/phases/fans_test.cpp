@@ -109,7 +109,7 @@ struct Walked : MeshOnDevice {
   Walked(runtime::Runtime& on, const Input& input, bool flipped)
       : MeshOnDevice(on, input.points, coarsest), constraints(renumbered(input, points)) {
     insert_all(flipped);
-    if (flipped) history = freeze_all(runtime, vertices, mesh);
+    if (flipped) history = freeze_all(runtime, vertices, mesh, counters);
     counters.zero();
   }
   CleanResult clean(Primitives& primitives) {

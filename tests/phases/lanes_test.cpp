@@ -102,7 +102,7 @@ TEST_CASE("a walk that meets more than its loop may have rounds fails where loop
       REQUIRE_MESSAGE(runtime.kind() == DeviceKind::lanes, "its loops end early, and the library does not mind");
     MeshOnDevice made(runtime, all, 256);
     made.insert_all(true);
-    made.history = freeze_all(runtime, made.vertices, made.mesh);
+    made.history = freeze_all(runtime, made.vertices, made.mesh, made.counters);
     const auto end = [&](const Point& p) {
       return std::uint32_t(std::find(made.points.begin(), made.points.end(), p) - made.points.begin());
     };

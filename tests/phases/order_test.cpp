@@ -147,37 +147,13 @@ TEST_CASE("the launch geometry does not matter") {
   for (auto& device : devices_under_test()) {
     const runtime::Geometry before = device->runtime.geometry();
     const Read expected = run(*device, points), expected_rounded = run(*device, rounded);
-    for (const runtime::Geometry& geometry :
-         {runtime::Geometry{1, 1}, runtime::Geometry{7, 3}, runtime::Geometry{64, 1000}}) {
+    for (const runtime::Geometry& geometry : {runtime::Geometry{1, 1}, runtime::Geometry{3, 5}, runtime::Geometry{7, 3},
+                                              runtime::Geometry{64, 1000}, runtime::Geometry{100, 2}}) {
       device->runtime.geometry() = geometry;
       check_same(expected, run(*device, points));
       check_same(expected_rounded, run(*device, rounded));
     }
     device->runtime.geometry() = before;
-  }
-}
-
-TEST_CASE("the maxima of a table are those of all its rows, folded once, twice or not at all") {
-  Engine e(6);
-  for (auto& device : devices_under_test()) {
-    const runtime::Geometry before = device->runtime.geometry();
-    for (const std::size_t rows : {1u, 1000u, 1025u, 7 * 1024u + 3, 150001u}) {
-      CAPTURE(rows);
-      device->runtime.geometry() = {1, rows};
-      Maxima maxima(device->runtime, rows, 3);
-      REQUIRE(maxima.rows == rows);
-      // The greatest of a column stands in one row, which is another one for each column.
-      std::vector<cl_ulong> table(3 * rows);
-      for (cl_ulong& value : table) value = e() >> 8;
-      std::vector<cl_ulong> most;
-      for (std::size_t column = 0; column < 3; ++column) {
-        most.push_back(~cl_ulong{0} - (e() >> 8));
-        table[3 * (e() % rows) + column] = most.back();
-      }
-      device->runtime.write(maxima.table, table.data(), table.size());
-      device->runtime.geometry() = before;
-      CHECK(maxima.read(device->runtime) == most);
-    }
   }
 }
 

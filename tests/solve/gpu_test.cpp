@@ -21,6 +21,7 @@ const std::vector<cl::Device> all_of_them = every_device();
 /// A solver on PoCL, or on llvmpipe, that treats it as a GPU, or as what is given.
 Solver as_gpu(DeviceKind really, Tuning tuning = {}, Trace trace = {}) {
   tuning.kind = tuning.kind.value_or(DeviceKind::gpu);
+  tuning.states_one_group = tuning.kind == DeviceKind::gpu && really == DeviceKind::threads;  // as on NVIDIA's
   return tuned_solver(really, tuning, std::move(trace));
 }
 

@@ -8,6 +8,7 @@ namespace gcdt::test {
 runtime::CallHook treated_as(DeviceKind kind) {
   runtime::CallHook hook;
   hook.tuning.kind = kind;
+  hook.tuning.states_one_group = kind == DeviceKind::gpu;  // as on NVIDIA's
   return hook;
 }
 

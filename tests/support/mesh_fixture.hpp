@@ -141,6 +141,11 @@ struct MeshOnDevice {
     return insert_level(runtime, plan, vertices, mesh, history, true, lists, counters, level, ticker);
   }
   FlipResult flip(unsigned level) {
+    counters.zero();
+    return flip_inserted(level);
+  }
+  /// With the counters as insert() left them.
+  FlipResult flip_inserted(unsigned level) {
     return gcdt::flip(runtime, plan, vertices, mesh, lists, counters, vertices_of(level), ticker);
   }
   FlipResult flip() { return flip(levels() - 1); }
@@ -148,7 +153,7 @@ struct MeshOnDevice {
   void insert_all(bool flips_last) {
     for (unsigned level = 0; level < levels(); ++level) {
       insert(level);
-      if (level + 1 < levels() || flips_last) flip(level);
+      if (level + 1 < levels() || flips_last) flip_inserted(level);
     }
   }
   HostMesh after(unsigned level) const { return download(runtime, mesh, points, vertices_of(level)); }

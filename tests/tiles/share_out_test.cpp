@@ -168,7 +168,7 @@ TEST_CASE(
       if (!keeps) given.staged.leave(0);
       runtime::Buffer<cl_uchar> held;
       pool.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
-        const std::uint64_t maxima = 16 * lent.runtime.rows_of(work.points.size());  // much on a GPU
+        const std::uint64_t maxima = 16 * lent.runtime.row_groups_of(work.points.size());
         held = lent.runtime.allocate<cl_uchar>("held", memory - left - maxima - lent.runtime.meter().held);
       });
       check_same(open_of(pool, given, {}, Tuning::most_constraints_of_block),
@@ -190,7 +190,7 @@ TEST_CASE("where there is no room for any part beside the vertices, these leave,
   runtime::Buffer<cl_uchar> held;
   pool.on_each(DevicePool::Who::all, [&](DevicePool::Lent& lent) {
     const std::uint64_t codes = 12 * given.staged.of_chunk(),
-                        maxima = 16 * lent.runtime.rows_of(given.staged.of_chunk());  // much on a GPU
+                        maxima = 16 * lent.runtime.row_groups_of(given.staged.of_chunk());
     held = lent.runtime.allocate<cl_uchar>(
         "held", memory - codes - maxima + (std::uint64_t{1} << 17) - lent.runtime.meter().held);
   });
