@@ -157,6 +157,30 @@ TEST_CASE("the launch geometry does not matter") {
   }
 }
 
+TEST_CASE("the maxima of a table are those of all its rows") {
+  Engine e(6);
+  for (auto& device : devices_under_test()) {
+    const runtime::Geometry before = device->runtime.geometry();
+    for (const std::size_t rows : {1u, 1000u, 1025u, 7 * 1024u + 3, 150001u}) {
+      CAPTURE(rows);
+      device->runtime.geometry() = {1, rows};
+      Maxima maxima(device->runtime, rows, 3);
+      REQUIRE(maxima.rows == rows);
+      // The greatest of a column stands in one row, which is another one for each column.
+      std::vector<cl_ulong> table(3 * rows);
+      for (cl_ulong& value : table) value = e() >> 8;
+      std::vector<cl_ulong> most;
+      for (std::size_t column = 0; column < 3; ++column) {
+        most.push_back(~cl_ulong{0} - (e() >> 8));
+        table[3 * (e() % rows) + column] = most.back();
+      }
+      device->runtime.write(maxima.table, table.data(), table.size());
+      device->runtime.geometry() = before;
+      CHECK(maxima.read(device->runtime) == most);
+    }
+  }
+}
+
 TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
   const auto few = static_cast<int>(Tuning().one_item_vertices);
   Engine e(7);
