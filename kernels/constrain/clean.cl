@@ -7,10 +7,10 @@
 #include "sort/mark_first.h"
 
 // One work-item per input constraint. Reads the map input -> vertex; writes its ends, in the order in which it is
-// walked, and whether it has a length. An index out of range is reported by atomic_min: the least one wins. No other
-// race: each its own words, and sums by atomics (add_lengths). After: kept[c] is 0 or 1; kept[count + 1] is the least
-// 2 c + end out of range, or GCDT_NONE; kept[count + 2] and kept[count + 3], 0 before, are the total length of those
-// that are kept, and lengths[c] that of each.
+// walked, and whether it has a length. An index out of range is reported by atomic_max: the least one wins. No other
+// race: each its own words, and sums by atomics (add_lengths). After: kept[c] is 0 or 1; behind the flags, where 0 was:
+// kept[count + 1] is the complement of the least 2 c + end out of range, or 0; kept[count + 2] and kept[count + 3] are
+// the total length of those that are kept, and lengths[c] that of each.
 kernel void clean_map(uint count, uint inputs, global const uint2* constraints, global const uint* input_vertex,
                       global const int2* points, global const uint* wanted, uint all_wanted, global uint2* ends,
                       global uint* lengths, volatile global uint* kept) {
@@ -21,7 +21,7 @@ kernel void clean_map(uint count, uint inputs, global const uint2* constraints, 
     kept[c] = 0u;
     ends[c] = (uint2)(0u, 0u);
     if (in.x >= inputs || in.y >= inputs) {
-      atomic_min(kept + count + 1u, 2u * c + (in.x >= inputs ? 0u : 1u));
+      atomic_max(kept + count + 1u, ~(2u * c + (in.x >= inputs ? 0u : 1u)));
       continue;
     }
     ends[c] = walk_ends((uint2)(input_vertex[in.x], input_vertex[in.y]));
@@ -48,13 +48,68 @@ kernel void clean_gather_list(uint count, global const uint* list, global const 
   FOR_EACH(i, count) to[i] = from[list[i]];
 }
 
-// One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, without its
-// low bits, and its own number, to be sorted. No race: its own words.
-kernel void clean_ranks(uint count, uint low, GCDT_LEVELS_POINTER levels, global const uint2* ends, global ulong* keys,
+// One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, and its own
+// number, to be sorted. No race: its own words.
+kernel void clean_ranks(uint count, GCDT_LEVELS_POINTER levels, global const uint2* ends, global ulong* keys,
                         global uint* places) {
   FOR_EACH(i, count) {
-    keys[i] = gcdt_rank_of_vertex(levels, ends[i].x) >> low;
+    keys[i] = gcdt_rank_of_vertex(levels, ends[i].x);
     places[i] = i;
+  }
+}
+
+// On GPUs constraints are put into cells of the curve instead of being sorted along it: those whose walks begin in the
+// same cell stand side by side, in any order, since nothing that cleaning finds depends on it. One pass is enough,
+// where a sort has one for each digit.
+
+// The place along the curve of the vertex where a constraint's walk begins, without its `low` bits.
+static inline uint cell_of(GCDT_LEVELS_POINTER levels, uint2 ends, uint low) {
+  return gcdt_rank_of_vertex(levels, ends.x) >> low;
+}
+
+// One work-group per part, of `span` constraints, the last one of fewer. `cells`, at most GCDT_CLEAN_CELLS, is more
+// than any cell's number.
+// Reads: ends. Writes: table, all cells of the part, which has one owner. A count has one writer between barriers, but
+// for the loop over constraints, where they are added to by atomics.
+// After: table[c * parts + p] counts the constraints of part p that begin in cell c.
+kernel void clean_count_cells(uint count, uint span, uint parts, uint cells, uint low, GCDT_LEVELS_POINTER levels,
+                              global const uint2* ends, global uint* table) {
+  local uint counts[GCDT_CLEAN_CELLS];
+  const uint lane = get_local_id(0), lanes = get_local_size(0);
+  for (uint part = get_group_id(0); part < parts; part += get_num_groups(0)) {
+    const uint begin = part * span, end = min(begin + span, count);
+    for (uint c = lane; c < cells; c += lanes) counts[c] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = begin + lane; i < end; i += lanes) atomic_inc(counts + cell_of(levels, ends[i], low));
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint c = lane; c < cells; c += lanes) table[c * parts + part] = counts[c];
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
+}
+
+// One work-group per part, as before. Moves each constraint's number, vertices and length to where its cell's are.
+// Reads: table, scanned; from, from_ends, from_lengths. Writes: places, the place where each was; to, to_ends,
+// to_lengths. The scanned table gives each cell of each part its own range, in which atomic_inc gives out each place
+// once. After: cells stand one behind the other, and places are a permutation.
+kernel void clean_to_cells(uint count, uint span, uint parts, uint cells, uint low, GCDT_LEVELS_POINTER levels,
+                           global const uint* table, global const uint* from, global const uint2* from_ends,
+                           global const uint* from_lengths, global uint* places, global uint* to, global uint2* to_ends,
+                           global uint* to_lengths) {
+  local uint next[GCDT_CLEAN_CELLS];
+  const uint lane = get_local_id(0), lanes = get_local_size(0);
+  for (uint part = get_group_id(0); part < parts; part += get_num_groups(0)) {
+    const uint begin = part * span, end = min(begin + span, count);
+    for (uint c = lane; c < cells; c += lanes) next[c] = table[c * parts + part];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = begin + lane; i < end; i += lanes) {
+      const uint2 of = from_ends[i];
+      const uint place = atomic_inc(next + cell_of(levels, of, low));
+      places[place] = i;
+      to[place] = from[i];
+      to_ends[place] = of;
+      to_lengths[place] = from_lengths[i];
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
   }
 }
 

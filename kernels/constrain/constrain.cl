@@ -87,14 +87,23 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
   if (get_local_id(0) == 0 && existing > 0u) atomic_add(&counters->existing_edges, existing);
 }
 
+// The near words of a face's sides, which all are asked for at once: x, y and z are those of side 0, 1 and 2, which
+// runs from its right to its left end across from corner 0, 1 and 2.
+typedef struct Nearest {
+  uint4 right, left;
+} Nearest;
+
+static inline Nearest nearest_of(global const uint* near, uint4 s) {
+  const Nearest at = {(uint4)(near[s.x], near[s.y], near[s.z], 0u),
+                      (uint4)(near[s.x ^ 1u], near[s.y ^ 1u], near[s.z ^ 1u], 0u)};
+  return at;
+}
+
 // A crossed face whose three corners are each cut off by some piece, nearest to it on both of its edges, is a hexagon:
-// one hole triangle (paper, 6.5).
-static inline bool is_hexagon(volatile global uint* near, uint4 s) {
-  // Edge opposite corner 0 runs from corner 1 (right) to corner 2 (left), and so on.
-  const uint a1 = *near_right(near, s.z), a2 = *near_left(near, s.y);
-  const uint b1 = *near_right(near, s.x), b2 = *near_left(near, s.z);
-  const uint c1 = *near_right(near, s.y), c2 = *near_left(near, s.x);
-  return a1 != GCDT_NONE && b1 != GCDT_NONE && c1 != GCDT_NONE && a1 == a2 && b1 == b2 && c1 == c2;
+// one hole triangle (paper, 6.5). Corner 0 is the right end of side 2 and the left end of side 1, and so on.
+static inline bool is_hexagon(Nearest at) {
+  return at.right.x != GCDT_NONE && at.right.y != GCDT_NONE && at.right.z != GCDT_NONE && at.right.z == at.left.y &&
+         at.right.x == at.left.z && at.right.y == at.left.x;
 }
 
 // How the two pieces lie in the face that are met first from the ends of its edge e = {u, v} across from corner k,
@@ -102,15 +111,15 @@ static inline bool is_hexagon(volatile global uint* near, uint4 s) {
 // off u, one v; w: one comes from w, the other cuts off u or v; nowhere: there are no two. A piece that crosses e comes
 // from w or crosses one more edge. p, the first from u, cuts u off if it is the first from u on {u, w}, too (L6), and
 // if it cuts v off, so does q, which is nearer to v.
-static inline uint4 intersection_case(volatile global uint* near, uint4 c, uint4 s, uint k, global const uint2* ends) {
-  const uint p = *near_right(near, element(s, k)), q = *near_left(near, element(s, k));
+static inline uint4 intersection_case(Nearest at, uint4 c, uint k, global const uint2* ends) {
+  const uint p = element(at.right, k), q = element(at.left, k);
   if (p == q) return (uint4)(0u);
   const uint w = element(c, k);
   const uint2 of_p = ends[p], of_q = ends[q];
   const uint from = (of_p.x == w || of_p.y == w) + (of_q.x == w || of_q.y == w);
   if (from > 0u) return (uint4)(0u, from == 2u, 0u, from == 1u);
-  const bool cuts_u = *near_left(near, element(s, previous_corner(k))) == p;
-  const bool cuts_v = *near_right(near, element(s, next_corner(k))) == q;
+  const bool cuts_u = element(at.left, previous_corner(k)) == p;
+  const bool cuts_v = element(at.right, next_corner(k)) == q;
   return (uint4)(!(cuts_u && cuts_v), 0u, cuts_u && cuts_v, 0u);
 }
 
@@ -124,7 +133,7 @@ GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* 
 // claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
 // If `grouped`, counts the others by piece, by atomic_inc (slots.cl). After: counters->hexagons and pairs_of_two.
 kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global uint4* face_data,
-                                    volatile global uint* near, global const uint2* ends, global uint* crossed,
+                                    global const uint* near, global const uint2* ends, global uint* crossed,
                                     volatile global uint* of_pieces, volatile global Counters* counters) {
   local uint sum;
   uint4 pairs = (uint4)(0u);
@@ -134,13 +143,14 @@ kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global
     const uint t = tile + get_local_id(0);
     if (t < faces && *claim_word(face_data, t) >= claim) {
       append(list, t);
-      const uint4 corners = face_data[GCDT_CORNERS(t)], sides = face_data[GCDT_SIDES(t)];
-      pairs += intersection_case(near, corners, sides, 0u, ends) + intersection_case(near, corners, sides, 1u, ends) +
-               intersection_case(near, corners, sides, 2u, ends);
-      if (is_hexagon(near, sides))
+      const uint4 corners = face_data[GCDT_CORNERS(t)];
+      const Nearest at = nearest_of(near, face_data[GCDT_SIDES(t)]);
+      pairs += intersection_case(at, corners, 0u, ends) + intersection_case(at, corners, 1u, ends) +
+               intersection_case(at, corners, 2u, ends);
+      if (is_hexagon(at))
         *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
       else if (grouped)
-        atomic_inc(of_pieces + piece_of_face(near, sides));
+        atomic_inc(of_pieces + piece_of_face(at.right));
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }

@@ -22,30 +22,43 @@ static inline ulong layer_value(global const ulong* distances, global const ulon
   return l == 0u ? distances[i] : minima[layers->begin[l] + i];
 }
 
-// One work-item. Says how many layers there are over chains of so many places, and where they begin. Ends: lengths
-// fall, and 8 layers reach beyond 2^32 places.
-kernel void retriangulate_layers(uint length, global MinimaLayers* layers) {
-  FOR_EACH(one, 1u) {
-    uint count = 0, total = 0;
-    for (uint entries = length; count < GCDT_MINIMA_LAYERS; entries = (entries - 1u) / GCDT_MINIMA_RADIX + 1u) {
-      layers->length[count] = entries;
-      layers->begin[count] = total;
-      if (count++ > 0u) total += entries;
-      if (entries <= GCDT_MINIMA_RADIX) break;
-    }
-    layers->count = count;
-  }
+static inline uint layer_above(uint entries) { return (entries - 1u) / GCDT_MINIMA_RADIX + 1u; }
+
+// The least of up to GCDT_MINIMA_RADIX entries, of `count`, that are entry i of the layer above.
+static inline ulong least_of(global const ulong* entries, uint count, uint i) {
+  ulong least = ~(ulong)0;
+  for (uint j = i * GCDT_MINIMA_RADIX; j < min(count, (i + 1u) * GCDT_MINIMA_RADIX); ++j)
+    least = min(least, entries[j]);
+  return least;
 }
 
 // One work-item per entry of the layer above. No race: its own word.
 kernel void retriangulate_minima(uint count, uint below_count, uint below_begin, uint above_begin, uint from_distances,
                                  global const ulong* distances, global ulong* minima) {
-  FOR_EACH(i, count) {
-    ulong least = ~(ulong)0;
-    for (uint j = i * GCDT_MINIMA_RADIX; j < min(below_count, (i + 1u) * GCDT_MINIMA_RADIX); ++j)
-      least = min(least, from_distances ? distances[j] : minima[below_begin + j]);
-    minima[above_begin + i] = least;
+  FOR_EACH(i, count)
+  minima[above_begin + i] = least_of(from_distances ? distances : minima + below_begin, below_count, i);
+}
+
+// One work-group. Says how many layers there are over chains of `length` places, and where they begin; and makes those
+// behind the first `made`, the distances counted. No race: a word has one writer, and who reads it does so behind a
+// barrier. Ends: lengths fall, and 8 layers reach beyond 2^32 places.
+kernel void retriangulate_top(uint length, uint made, global const ulong* distances, global ulong* minima,
+                              global MinimaLayers* layers) {
+  uint count = 1, total = 0, entries = length, begin = 0;
+  if (get_local_id(0) == 0) layers->begin[0] = 0u, layers->length[0] = length;
+  while (entries > GCDT_MINIMA_RADIX && count < GCDT_MINIMA_LAYERS) {
+    const uint above = layer_above(entries);
+    if (count >= made)
+      for (uint i = get_local_id(0); i < above; i += get_local_size(0))
+        minima[total + i] = least_of(count == 1u ? distances : minima + begin, entries, i);
+    if (get_local_id(0) == 0) layers->begin[count] = total, layers->length[count] = above;
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    begin = total;
+    total += above;
+    entries = above;
+    ++count;
   }
+  if (get_local_id(0) == 0) layers->count = count;
 }
 
 // The last place before i with a distance < d. Climbs to the first layer where an entry to the left in

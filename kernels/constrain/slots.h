@@ -6,11 +6,10 @@
 #include "common/append.h"
 #include "common/mesh.h"
 
-// The piece that a crossed face with these sides is listed with: one that crosses a side of it. No face is crossed
-// without one, since a piece that begins and ends in the closure of a face is an edge.
-static inline uint piece_of_face(volatile global const uint* near, uint4 sides) {
-  const uint x = near[sides.x], y = near[sides.y], z = near[sides.z];
-  return x != GCDT_NONE ? x : y != GCDT_NONE ? y : z != GCDT_NONE ? z : 0u;
+// The piece that a crossed face is listed with, by the near words of its sides: one that crosses a side of it. No face
+// is crossed without one, since a piece that begins and ends in the closure of a face is an edge.
+static inline uint piece_of_face(uint4 near) {
+  return near.x != GCDT_NONE ? near.x : near.y != GCDT_NONE ? near.y : near.z != GCDT_NONE ? near.z : 0u;
 }
 
 // A piece's record: x or y, plus a place in its left or right chain, is the number of the triangle there; z plus the

@@ -46,19 +46,45 @@ static bool insert_direction(Table table, uint u, uint v, uint code) {
   return false;
 }
 
-// The side code of u -> v, if it was inserted in an earlier launch, else GCDT_NONE. An entry inserted
-// meanwhile has the opposite kind of direction (v < u against u < v), so even a half-written one, with
-// GCDT_NONE as one end, cannot be taken for it. Ends as insert_direction.
-static uint find_direction(Table table, uint u, uint v) {
-  uint slot = first_slot(table, u, v);
+// What a slot holds.
+typedef struct Entry {
+  uint code, from, to;
+} Entry;
+
+static inline Entry entry_at(Table table, uint slot) {
+  volatile global const uint* at = table.slots + 3u * (size_t)slot;
+  const Entry entry = {at[0], at[1], at[2]};
+  return entry;
+}
+
+// The side code of u -> v, if it was inserted in an earlier launch, else GCDT_NONE; `entry` is that of its first slot.
+// An entry inserted meanwhile has the opposite kind of direction (v < u against u < v), so even a half-written one,
+// with GCDT_NONE as one end, cannot be taken for it. Ends as insert_direction.
+static uint find_from(Table table, uint u, uint v, uint slot, Entry entry) {
   for (uint probe = 0; probe < table.capacity; ++probe) {
-    volatile global const uint* at = table.slots + 3u * (size_t)slot;
-    const uint code = at[0], from = at[1], to = at[2];
-    if (code == GCDT_NONE) return GCDT_NONE;
-    if (from == u && to == v) return code;
+    if (entry.code == GCDT_NONE) return GCDT_NONE;
+    if (entry.from == u && entry.to == v) return entry.code;
     slot = slot + 1u == table.capacity ? 0u : slot + 1u;
+    entry = entry_at(table, slot);
   }
   return GCDT_NONE;
+}
+
+static inline uint find_direction(Table table, uint u, uint v) {
+  const uint slot = first_slot(table, u, v);
+  return find_from(table, u, v, slot, entry_at(table, slot));
+}
+
+// The same for the sides of a face with corners c that are set in `open`; for the others GCDT_NONE. Their first slots
+// are read at once.
+static uint4 find_sides(Table table, uint4 c, uint open) {
+  const uint4 slots =
+      (uint4)(first_slot(table, c.y, c.z), first_slot(table, c.z, c.x), first_slot(table, c.x, c.y), 0u);
+  const Entry none = {GCDT_NONE, GCDT_NONE, GCDT_NONE};
+  const Entry x = open & 1u ? entry_at(table, slots.x) : none, y = open & 2u ? entry_at(table, slots.y) : none,
+              z = open & 4u ? entry_at(table, slots.z) : none;
+  return (uint4)(find_from(table, c.y, c.z, slots.x, x), find_from(table, c.z, c.x, slots.y, y),
+                 find_from(table, c.x, c.y, slots.z, z), GCDT_NONE);
 }
 
 // One work-item per crossed face, before its slot is overwritten. Enters its sides that wait. Slots are taken by
@@ -110,24 +136,19 @@ kernel void stitch_first(uint grouped, uint count, global const uint* crossed, g
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
     const uint t = i < count ? crossed[i] : GCDT_NONE;
-    uint found[3] = {0u, 0u, 0u}, wanted = 0;
     const uint open = t == GCDT_NONE ? 0u : open_sides(face_data, t, false);
-    for (uint k = 0; k < 3u; ++k) {
-      if (!((open >> k) & 1u)) continue;
-      const uint4 c = face_data[GCDT_CORNERS(t)];
-      found[k] = find_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)));
-      wanted += found[k] == GCDT_NONE ? 1u : 0u;
-    }
+    const uint4 c = open ? face_data[GCDT_CORNERS(t)] : (uint4)(0u), found = find_sides(table, c, open);
+    uint wanted = 0;
+    for (uint k = 0; k < 3u; ++k) wanted += ((open >> k) & 1u) != 0u && element(found, k) == GCDT_NONE ? 1u : 0u;
     uint slot = take_numbers(taken, &counters->new_edges, wanted);
     for (uint k = 0; k < 3u; ++k) {
       if (!((open >> k) & 1u)) continue;
-      uint code = found[k];
+      uint code = element(found, k);
       if (code == GCDT_NONE) {
         if (slot >= spare_edges) {
           atomic_or(&counters->failed, GCDT_FAILED_MATCH);
           continue;
         }
-        const uint4 c = face_data[GCDT_CORNERS(t)];
         const uint e = spare[slot++];
         code = GCDT_SIDE(e, 0u);
         edge_marks[e] = 0u;
@@ -147,10 +168,10 @@ kernel void stitch_second(uint count, global const uint* crossed, global uint4* 
   const Table table = make_table(capacity, slots);
   FOR_EACH(i, count) {
     const uint t = crossed[i], open = open_sides(face_data, t, true);
+    const uint4 c = open ? face_data[GCDT_CORNERS(t)] : (uint4)(0u), found = find_sides(table, c, open);
     for (uint k = 0; k < 3u; ++k) {
       if (!((open >> k) & 1u)) continue;
-      const uint4 c = face_data[GCDT_CORNERS(t)];
-      const uint code = find_direction(table, element(c, next_corner(k)), element(c, previous_corner(k)));
+      const uint code = element(found, k);
       if (code == GCDT_NONE)
         atomic_or(&counters->failed, GCDT_FAILED_MATCH);
       else

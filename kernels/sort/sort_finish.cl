@@ -16,27 +16,26 @@ kernel void sort_blocks(u32 count, u64 mask, global u64* keys, global u32* value
     sort_in_group(min(count - begin, GCDT_SORT_SMALL), mask, keys + begin, values + begin, moved, indices);
 }
 
-// One work-item per pair. Merges each two runs of `width` pairs, in order of the bits `mask` of the key, stably: a pair
-// goes behind those of its own run that were before it, and behind those of the other run that come before it, of
-// equal keys those of the first run.
+// One work-item per pair. Merges each four runs of `width` pairs, a power of two, in order of the bits `mask` of the
+// key, stably: a pair goes behind those of its own run that were before it, and behind those of the three others that
+// come before it, of equal keys those of the runs before its own. The three are searched at once, so that their loads
+// do not wait for one another.
 // Reads: keys, values. Writes: the pair's place in the other ones, of which it is the one writer, as places differ.
-// After: runs of twice the width are in order. Ends: the range halves.
+// After: runs of four times the width are in order. Ends: the step halves.
 kernel void merge_runs(u32 count, u32 width, u64 mask, global const u64* keys, global const u32* values,
                        global u64* other_keys, global u32* other_values) {
   FOR_EACH(i, count) {
-    const u32 run = i / width, begin = run * width, other = (run ^ 1u) * width;
+    const u32 run = i / width, first = run & ~3u;
     const u64 key = keys[i] & mask;
-    u32 low = min(other, count), high = min(other + width, count);
-    const u32 first = low;
-    while (low < high) {
-      const u32 middle = low + (high - low) / 2u;
-      const u64 met = keys[middle] & mask;
-      if (met < key || (met == key && (run & 1u) != 0u))
-        low = middle + 1u;
-      else
-        high = middle;
-    }
-    const u32 place = min(begin, other) + (i - begin) + (low - first);
+    u32 before[3] = {0u, 0u, 0u};  // of each of the other runs
+    for (u32 step = width; step > 0u; step /= 2u)
+      for (u32 j = 0; j < 3u; ++j) {
+        const u32 other = first + ((run + 1u + j) & 3u), begin = min(other * width, count), reached = before[j] + step;
+        if (reached > min(width, count - begin)) continue;
+        const u64 met = keys[begin + reached - 1u] & mask;
+        if (met < key || (met == key && other < run)) before[j] = reached;
+      }
+    const u32 place = first * width + (i - run * width) + before[0] + before[1] + before[2];
     other_keys[place] = keys[i];
     other_values[place] = values[i];
   }

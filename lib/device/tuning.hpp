@@ -40,8 +40,8 @@ struct Tuning {
   std::uint32_t rounds_per_read = 4;
   /// Rounds that one work-group does by itself in a launch at most, which bounds the launch.
   std::uint32_t rounds_of_group = 1024;
-  /// 64-bit keys up to which groups sort blocks in local memory, which are merged two by two: a launch for each
-  /// doubling where a sort by digits has three for each five bits (NOTES, "Sorting few keys"). Keys of at most
+  /// 64-bit keys up to which groups sort blocks in local memory, which are merged four by four: a launch for four
+  /// times the width where a sort by digits has four for each five bits (NOTES, "Sorting few keys"). Keys of at most
   /// GCDT_MOST_BITS_BY_DIGIT bits are sorted by digits however few they are.
   std::uint32_t most_merged = 1u << 18;
   /// Rows of a table of quality that are read back; more are folded on the device, so many of them to one in a launch:
@@ -277,8 +277,9 @@ struct Tuning {
   /// some 100 bytes (NOTES, "Many crossings").
   static constexpr std::uint32_t gpu_long_parts = 1u << 19, crossings_of_long = 32;
   /// Crossed faces a constraint from which on GPUs clean them in the order of the curve: lanes side by side then read
-  /// the same faces, which a sort by so many bits pays for (NOTES, "Many crossings").
-  static constexpr std::uint32_t gpu_curve_crossings = 16, gpu_curve_bits = 12;
+  /// the same faces (NOTES, "Many crossings"). Constraints that a group puts into its cells at least, and groups at
+  /// most: each has a word for each cell, which are scanned (not measured).
+  static constexpr std::uint32_t gpu_curve_crossings = 16, least_curve_span = 2048, most_curve_parts = 256;
   /// Crossed faces, as many times as the mesh has faces, from which on every `step_ahead`-th piece is enforced ahead of
   /// the others: two phases with little to walk instead of one, which on GPUs are some 80 launches more (NOTES,
   /// "Constraints in turn").
@@ -287,6 +288,9 @@ struct Tuning {
   /// Constraints that are edges already from which on it pays to leave them out: a few launches and a read (NOTES,
   /// "Edges already").
   static constexpr std::uint32_t gpu_least_existing = 1u << 18, cpu_least_existing = 1u << 11;
+  /// Entries of a layer over the chains up to which one work-group makes it and those above: a launch for each would
+  /// take longer (NOTES, "Many crossings").
+  static constexpr std::uint32_t minima_of_group = 1024;
   /// Crossed faces of a part on threads, about: where a part begins takes as long to find as some to hundreds of faces
   /// to cross (NOTES, "Threads: parts": a closed comb of 1000 vertices cleaned in 0.7 ms instead of 4.9).
   static constexpr std::uint32_t cpu_crossings_per_part = 128;

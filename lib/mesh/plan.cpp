@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "constrain/clean.h"
 #include "mesh/mesh.hpp"
 #include "sort/sizes.h"
 
@@ -77,7 +78,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one;
   plan.constraints = each ? By::each : many ? By::all : by_one(sizes.inputs);
   plan.curve_crossings = tuning.curve_crossings.value_or(threads ? 0 : gpu ? Tuning::gpu_curve_crossings : UINT32_MAX);
-  plan.curve_bits = gpu ? Tuning::gpu_curve_bits : 32;
+  plan.curve_bits = gpu ? GCDT_CLEAN_CELL_BITS : 0;
   plan.most_parts = tuning.part_pool.value_or(gpu ? Tuning::gpu_parts : Tuning::cpu_parts_per_unit * units);
   plan.long_parts = tuning.part_pool || !gpu
                         ? plan.most_parts

@@ -65,8 +65,8 @@ struct Plan {
   // Constrain.
   /// All; or one, or each: one work-item enforces those of the problem, or of each, one after the other.
   By constraints = By::all;
-  /// Crossed faces a constraint from which on they are cleaned in the order of the curve; and how many bits of that
-  /// order count.
+  /// Crossed faces a constraint from which on they are cleaned in the order of the curve; and bits of the numbers of
+  /// the cells of it by which they are put in order, if not by their places along it.
   std::uint32_t curve_crossings = 0;
   unsigned curve_bits = 0;
   std::uint32_t least_parts = 0, most_parts = 0;  ///< of constraints, beyond one each

@@ -109,7 +109,7 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
     runtime_.launch("sort_finish", "sort_blocks",
                     runtime_.over_groups((count - 1) / GCDT_SORT_SMALL + 1, runtime::Groups::wide), n, mask, keys,
                     values);
-    for (cl_uint width = GCDT_SORT_SMALL; width < n; width *= 2) {
+    for (cl_uint width = GCDT_SORT_SMALL; width < n; width *= 4) {
       runtime_.launch("sort_finish", "merge_runs", runtime::over(count), n, width, mask, keys, values, other_keys64_,
                       other_values_);
       std::swap(keys, other_keys64_);

@@ -46,17 +46,17 @@ Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted
   const cl_uint all = wanted.empty();
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
   auto lengths = runtime_.allocate<cl_uint>("lengths of constraints", count_);
-  // Behind the flags their sum, the first end that is no input point, and the length of those kept in two words.
+  // Behind the flags their sum, the complement of the first end that is no input point, and the length of those kept in
+  // two words.
   auto kept = runtime_.allocate<cl_uint>("kept constraints", std::size_t(count_) + 4);
   const auto wanted_buffer = runtime_.upload("wanted constraints", wanted);
-  runtime_.fill<cl_uint>(kept, GCDT_NONE, 1, std::size_t(count_) + 1);
-  runtime_.fill<cl_uint>(kept, 0, 2, std::size_t(count_) + 2);
+  runtime_.fill<cl_uint>(kept, 0, 3, std::size_t(count_) + 1);
   runtime_.launch("clean", "clean_map", over(count_), count_, cl_uint(inputs_), constraints_, vertices_.input_vertex,
                   vertices_.points, wanted_buffer, all, ends, lengths, kept);
   primitives_.exclusive_scan(kept, kept, count_);
   std::array<cl_uint, 4> found;
   runtime_.read(kept, found.data(), found.size(), count_);
-  if (found[1] != GCDT_NONE) throw index_error(found[1] / 2, found[1] % 2, inputs_);
+  if (const cl_uint first = ~found[1]; first != GCDT_NONE) throw index_error(first / 2, first % 2, inputs_);
   Kept result;
   result.count = found[0];
   result.length = wide(found[2], found[3]);
@@ -78,25 +78,46 @@ bool Cleaner::pays_along_curve(const Plan& plan, const Kept& kept) const {
          expected_crossings(vertices_, kept.length) / kept.count >= plan.curve_crossings;
 }
 
-// Constraints that lie side by side cross the same faces: a thread that walks them one after the other has these in its
-// cache.
+// Constraints that lie side by side cross the same faces: a thread that walks them one after the other, and a group
+// that walks them at once, has these in its cache.
 void Cleaner::put_along_curve(const Plan& plan, Kept& kept) {
+  Kept along;
+  along.list = runtime_.allocate<cl_uint>("list of constraints", kept.count);
+  along.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", kept.count);
+  along.lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", kept.count);
+  along.places = runtime_.allocate<cl_uint>("places of constraints", kept.count);
+  if (plan.curve_bits > 0)
+    put_in_cells(plan.curve_bits, kept, along);
+  else
+    sort_along_curve(kept, along);
+  kept.list = std::move(along.list);
+  kept.ends = std::move(along.ends);
+  kept.lengths = std::move(along.lengths);
+  kept.places = std::move(along.places);
+}
+
+void Cleaner::put_in_cells(unsigned most_bits, const Kept& kept, Kept& along) {
+  const unsigned bits = std::max(1u, bit_width(vertices_.n())), cell_bits = std::min(bits, most_bits);
+  const cl_uint low = bits - cell_bits, cells = 1u << cell_bits;
+  const auto span = std::max(Tuning::least_curve_span, kept.count / Tuning::most_curve_parts + 1),
+             parts = (kept.count - 1) / span + 1;
+  auto table = runtime_.allocate<cl_uint>("constraints of cells", std::size_t{cells} * parts + 1);
+  const auto range = runtime_.over_groups(parts, runtime::Groups::wide);
+  runtime_.launch("clean", "clean_count_cells", range, kept.count, span, parts, cells, low, vertices_.levels_buffer,
+                  kept.ends, table);
+  primitives_.exclusive_scan(table, table, std::size_t{cells} * parts);
+  runtime_.launch("clean", "clean_to_cells", range, kept.count, span, parts, cells, low, vertices_.levels_buffer, table,
+                  kept.list, kept.ends, kept.lengths, along.places, along.list, along.ends, along.lengths);
+}
+
+void Cleaner::sort_along_curve(const Kept& kept, Kept& along) {
   auto keys = runtime_.allocate<cl_ulong>("ranks of constraints", kept.count);
-  auto places = runtime_.allocate<cl_uint>("places of constraints", kept.count);
-  const unsigned bits = std::max(1u, bit_width(vertices_.n())), sorted = std::min(bits, plan.curve_bits);
-  runtime_.launch("clean", "clean_ranks", over(kept.count), kept.count, cl_uint{bits - sorted}, vertices_.levels_buffer,
-                  kept.ends, keys, places);
-  primitives_.sort(keys, places, kept.count, sorted);
-  auto list = runtime_.allocate<cl_uint>("list of constraints", kept.count);
-  auto ends = runtime_.allocate<cl_uint2>("ends of kept constraints", kept.count);
-  auto lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", kept.count);
-  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, places, kept.ends, kept.lengths, ends,
-                  lengths);
-  runtime_.launch("clean", "clean_gather_list", over(kept.count), kept.count, places, kept.list, list);
-  kept.list = std::move(list);
-  kept.ends = std::move(ends);
-  kept.lengths = std::move(lengths);
-  kept.places = std::move(places);
+  runtime_.launch("clean", "clean_ranks", over(kept.count), kept.count, vertices_.levels_buffer, kept.ends, keys,
+                  along.places);
+  primitives_.sort(keys, along.places, kept.count, std::max(1u, bit_width(vertices_.n())));
+  runtime_.launch("clean", "clean_gather", over(kept.count), kept.count, along.places, kept.ends, kept.lengths,
+                  along.ends, along.lengths);
+  runtime_.launch("clean", "clean_gather_list", over(kept.count), kept.count, along.places, kept.list, along.list);
 }
 
 // Pieces are written in the order of their sources, in whatever order these were walked: sorting them keeps the sources

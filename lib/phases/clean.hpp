@@ -48,6 +48,10 @@ class Cleaner {
   };
   Kept keep(const Plan& plan, const std::vector<cl_uint>& wanted);
   void put_along_curve(const Plan& plan, Kept& kept);
+  /// The same constraints in `along`, whose buffers are there: by cells of so many bits at most, in any order in each,
+  /// or sorted.
+  void put_in_cells(unsigned most_bits, const Kept& kept, Kept& along);
+  void sort_along_curve(const Kept& kept, Kept& along);
   bool pays_along_curve(const Plan& plan, const Kept& kept) const;
   /// What the walks along the parts of the kept constraints leave.
   struct Found {

@@ -181,19 +181,21 @@ class Constraining {
 
   void make_minima() {
     layers_buffer_ = runtime_.allocate<device::MinimaLayers>("minima layers", 1);
-    runtime_.launch("retriangulate", "retriangulate_layers", over(1), length_, layers_buffer_);
     const auto above = [](cl_uint length) { return (length - 1) / GCDT_MINIMA_RADIX + 1; };
     cl_uint total = 0;
     for (cl_uint length = length_; length > GCDT_MINIMA_RADIX; length = above(length)) total += above(length);
     minima_ = runtime_.allocate<cl_ulong>("minima", total);
-    cl_uint below = 0, begin = 0;  // where the layers begin: the lowest one is the chains
-    for (cl_uint length = length_; length > GCDT_MINIMA_RADIX; length = above(length)) {
+    cl_uint below = 0, begin = 0, made = 1;  // where the layers begin: the lowest one is the chains
+    for (cl_uint length = length_; above(length) > Tuning::minima_of_group; length = above(length)) {
       const cl_uint lowest = length == length_;
       runtime_.launch("retriangulate", "retriangulate_minima", over(above(length)), above(length), length, below, begin,
                       lowest, chain_distances_, minima_);
       below = begin;
       begin += above(length);
+      ++made;
     }
+    runtime_.launch("retriangulate", "retriangulate_top", runtime::one_group(), length_, made, chain_distances_,
+                    minima_, layers_buffer_);
   }
 
   // Which slots pieces have, and which are spare: all edges, if pieces have none.

@@ -95,7 +95,7 @@ TEST_CASE("limits by device") {
     CHECK(plan.curve_crossings == (device.kind == DeviceKind::threads ? 0
                                    : device.kind == DeviceKind::gpu   ? 16
                                                                       : UINT32_MAX));
-    CHECK(plan.curve_bits == (device.kind == DeviceKind::gpu ? 12 : 32));
+    CHECK(plan.curve_bits == (device.kind == DeviceKind::gpu ? 12 : 0));
     CHECK(plan.lists_pieces == (device.kind == DeviceKind::threads));
     CHECK(plan.most_parts == (device.kind == DeviceKind::gpu ? 1u << 17 : 512 * device.units));
     CHECK(plan.long_parts == plan.most_parts);

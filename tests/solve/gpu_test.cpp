@@ -184,7 +184,7 @@ TEST_CASE("a device treated as a GPU cleans constraints along the curve where th
     CHECK(difference(gpu.triangulate(problem->points, problem->constraints),
                      solver().triangulate(problem->points, problem->constraints)) == "");
     CHECK(launches["clean_walk"] > 0);
-    CHECK(launches["clean_ranks"] == (problem == &across ? 1 : 0));
+    CHECK(launches["clean_to_cells"] == (problem == &across ? 1 : 0));
   }
 }
 
