@@ -94,8 +94,7 @@ typedef struct Nearest {
 } Nearest;
 
 static inline Nearest nearest_of(global const uint* near, uint4 s) {
-  const Nearest at = {(uint4)(near[s.x], near[s.y], near[s.z], 0u),
-                      (uint4)(near[s.x ^ 1u], near[s.y ^ 1u], near[s.z ^ 1u], 0u)};
+  const Nearest at = {near_words(near, s), near_words(near, s ^ 1u)};
   return at;
 }
 

@@ -35,8 +35,9 @@ static inline ulong least_of(global const ulong* entries, uint count, uint i) {
 // One work-item per entry of the layer above. No race: its own word.
 kernel void retriangulate_minima(uint count, uint below_count, uint below_begin, uint above_begin, uint from_distances,
                                  global const ulong* distances, global ulong* minima) {
-  FOR_EACH(i, count)
-  minima[above_begin + i] = least_of(from_distances ? distances : minima + below_begin, below_count, i);
+  FOR_EACH(i, count) {
+    minima[above_begin + i] = least_of(from_distances ? distances : minima + below_begin, below_count, i);
+  }
 }
 
 // One work-group. Says how many layers there are over chains of `length` places, and where they begin; and makes those

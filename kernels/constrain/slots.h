@@ -6,6 +6,11 @@
 #include "common/append.h"
 #include "common/mesh.h"
 
+// The near words of three sides: those of a face's from their right ends, or, each side ^ 1u, from their left ones.
+static inline uint4 near_words(global const uint* near, uint4 s) {
+  return (uint4)(near[s.x], near[s.y], near[s.z], 0u);
+}
+
 // The piece that a crossed face is listed with, by the near words of its sides: one that crosses a side of it. No face
 // is crossed without one, since a piece that begins and ends in the closure of a face is an edge.
 static inline uint piece_of_face(uint4 near) {
