@@ -48,6 +48,18 @@ kernel void clean_gather_list(uint count, global const uint* list, global const 
   FOR_EACH(i, count) to[i] = from[list[i]];
 }
 
+// One work-item per chosen constraint, which is every `step`-th of those that are kept. Copies its number, its ends and
+// its length. No race: its own words.
+kernel void clean_choose(uint count, uint step, global const uint* list, global const uint2* ends,
+                         global const uint* lengths, global uint* to_list, global uint2* to_ends,
+                         global uint* to_lengths) {
+  FOR_EACH(i, count) {
+    to_list[i] = list[i * step];
+    to_ends[i] = ends[i * step];
+    to_lengths[i] = lengths[i * step];
+  }
+}
+
 // One work-item per kept constraint. Writes the place along the curve of the vertex where its walk begins, and its own
 // number, to be sorted. No race: its own words.
 kernel void clean_ranks(uint count, GCDT_LEVELS_POINTER levels, global const uint2* ends, global ulong* keys,
@@ -58,9 +70,9 @@ kernel void clean_ranks(uint count, GCDT_LEVELS_POINTER levels, global const uin
   }
 }
 
-// On GPUs constraints are put into cells of the curve instead of being sorted along it: those whose walks begin in the
-// same cell stand side by side, in any order, since nothing that cleaning finds depends on it. One pass is enough,
-// where a sort has one for each digit.
+// On GPUs constraints that are not taken in turn are put into cells of the curve instead of being sorted along it:
+// those whose walks begin in the same cell stand side by side, in any order, since nothing that cleaning finds depends
+// on it. One pass is enough, where a sort has one for each digit.
 
 // The place along the curve of the vertex where a constraint's walk begins, without its `low` bits.
 static inline uint cell_of(GCDT_LEVELS_POINTER levels, uint2 ends, uint low) {

@@ -15,15 +15,6 @@ kernel void parts_lengths(uint pieces, global const int2* points, global const u
   FOR_EACH(c, pieces) weights[c] = (uint)piece_length(points, ends[c]);
 }
 
-// One work-item per chosen piece, which is every `step`-th. Copies its ends and its weight. No race: its own words.
-kernel void parts_choose(uint count, uint step, global const uint2* ends, global const uint* weights,
-                         global uint2* to_ends, global uint* to_weights) {
-  FOR_EACH(i, count) {
-    to_ends[i] = ends[i * step];
-    to_weights[i] = weights[i * step];
-  }
-}
-
 // One work-item per piece in the list. Copies what cleaning knows of it. No race: its own words.
 kernel void parts_pick(uint count, global const uint* list, global const uint2* ends, global const uint* weights,
                        global const uint2* walked, global uint2* to_ends, global uint* to_weights,
@@ -35,9 +26,6 @@ kernel void parts_pick(uint count, global const uint* list, global const uint2* 
     to_walked[i] = walked[c];
   }
 }
-
-// One work-item per piece. Takes its weight to be so many times smaller. No race: its own word.
-kernel void parts_lighten(uint pieces, uint times, global uint* weights) { FOR_EACH(c, pieces) weights[c] /= times; }
 
 // One work-item per stride of pieces. Adds lengths to the 64-bit total, by atomics (add_lengths). After: total[0..1] is
 // the length of all, if it was 0.

@@ -175,9 +175,7 @@ Pieces pieces_without(ForestRun& run, const std::vector<std::uint32_t>& problems
 
 // All constraints at once; if some cross, all again but those that are dropped, or those of problems that cross.
 void enforce_all(ForestRun& run) {
-  run.clean(run.constraints, run.n);
-  run.ticker.tick("constrain", 0.3);
-  const ConstrainResult enforced = run.enforce();
+  const ConstrainResult enforced = run.clean_and_enforce(run.constraints, run.n);
   if (!enforced.failed) return;
   if (enforced.mesh_changed) run.insert();
   if (run.options.crossing == Crossing::drop) return drop_crossings(run, find_crossings(run, enforced));

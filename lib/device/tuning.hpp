@@ -90,8 +90,8 @@ struct Tuning {
   /// piece crosses, if a piece crosses so many at most: later flips find them where they look
   /// (kernels/constrain/slots.cl).
   std::uint32_t least_grouped = 1u << 22, grouped_crossings = 8;
-  /// Crossed faces, as many times as the mesh has faces, from which on some pieces are enforced ahead of the others;
-  /// none: by the device, below.
+  /// Crossed faces, as many times as the mesh has faces, from which on some constraints are taken ahead of the
+  /// others; none: by the device, below.
   std::optional<std::uint32_t> crossings_ahead;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
   /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
@@ -280,9 +280,9 @@ struct Tuning {
   /// the same faces (NOTES, "Many crossings"). Constraints that a group puts into its cells at least, and groups at
   /// most: each has a word for each cell, which are scanned (not measured).
   static constexpr std::uint32_t gpu_curve_crossings = 16, least_curve_span = 2048, most_curve_parts = 256;
-  /// Crossed faces, as many times as the mesh has faces, from which on every `step_ahead`-th piece is enforced ahead of
-  /// the others: two phases with little to walk instead of one, which on GPUs are some 80 launches more (NOTES,
-  /// "Constraints in turn").
+  /// Crossed faces, as many times as the mesh has faces, from which on every `step_ahead`-th constraint is cleaned and
+  /// enforced ahead of the others: twice two phases with little to walk, which on GPUs are some 100 launches more
+  /// (NOTES, "Constraints in turn").
   static constexpr std::uint32_t gpu_crossings_ahead = 40, gpu_step_ahead = 16, cpu_crossings_ahead = 8,
                                  cpu_step_ahead = 8;
   /// Constraints that are edges already from which on it pays to leave them out: a few launches and a read (NOTES,

@@ -33,6 +33,11 @@ std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t
   return static_cast<std::uint32_t>(std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left)));
 }
 
+bool pays_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints, std::uint64_t crossings) {
+  return sizes.problems == 1 && constraints > plan.step_ahead &&
+         crossings / device::gcdt_face_count(sizes.vertices) >= plan.crossings_ahead;
+}
+
 Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes) {
   using By = Plan::By;
   const bool threads = device.kind == DeviceKind::threads, lanes = device.kind == DeviceKind::lanes;

@@ -73,8 +73,8 @@ struct Plan {
   std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
   /// Where parts would have `crossings_of_long` faces and more, there are so many at most.
   std::uint32_t long_parts = 0, crossings_of_long = 0;
-  /// Crossed faces, as many times as there are faces, from which on every `step_ahead`-th piece is enforced ahead of
-  /// the others.
+  /// Crossed faces, as many times as there are faces, from which on every `step_ahead`-th constraint is cleaned and
+  /// enforced ahead of the others.
   std::uint32_t crossings_ahead = 0, step_ahead = 0;
   std::uint32_t least_existing = 0;  ///< pieces that are edges already from which on these are left out
   /// Edges of the mesh from which on pieces have slots of their own, and crossed faces of a piece up to which.
@@ -94,6 +94,15 @@ struct Plan {
 /// Parts beyond one a constraint, where these cross so many faces in all. `had`: so many are there already, and most
 /// are kept; both are at most most_parts + long_parts.
 std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had = 0);
+
+/// Whether it pays to take so many constraints in turn, which cross so many faces in all (phases/ahead.hpp).
+bool pays_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints, std::uint64_t crossings);
+/// Whether it may. `crossings`: faces that they would cross by their length (expected_crossings). Where vertices fill
+/// half the width of the grid, it is four times as many.
+inline bool may_pay_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints,
+                            std::uint64_t crossings) {
+  return pays_in_turn(plan, sizes, constraints, 4 * crossings);
+}
 
 Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedSizes& sizes);
 

@@ -3,42 +3,31 @@
 
 namespace gcdt {
 
-using runtime::over;
-
-namespace {
-
-bool pays(const Plan& plan, const Vertices& vertices, const Mesh& mesh, const Pieces& pieces) {
-  return vertices.roots == 1 && pieces.count > plan.step_ahead &&
-         pieces.walked.crossed / mesh.faces() >= plan.crossings_ahead;
+// Lengths say what constraints would cross if vertices were spread evenly; what some of them do cross, counted, says
+// more, and costs little.
+CleanResult clean_ahead(Cleaner& cleaner, const WalkedMesh& walked, const KeptConstraints& kept,
+                        PhaseCounters& counters) {
+  const Plan& plan = walked.plan;
+  if (!may_pay_in_turn(plan, sizes_of(walked.vertices), kept.count, kept.crossings)) return {};
+  const std::uint64_t least = std::uint64_t{plan.crossings_ahead} * walked.mesh.faces() / plan.step_ahead;
+  return cleaner.clean(walked, cleaner.every(kept, plan.step_ahead), counters, least);
 }
 
-// Pieces are sorted along the curve, so every so many-th are spread as all of them are. They are cut into parts anew:
-// as few as they are, they want more parts than cleaning made of them.
-Pieces chosen_of(runtime::Runtime& runtime, const Pieces& pieces, cl_uint step) {
-  Pieces chosen;
-  chosen.count = (pieces.count - 1) / step + 1;
-  chosen.ends = runtime.allocate<cl_uint2>("pieces ahead", chosen.count);
-  WalkedPieces& walked = chosen.walked;
-  walked.located = false;
-  walked.weights = runtime.allocate<cl_uint>("weights of pieces ahead", chosen.count);
-  runtime.launch("parts", "parts_choose", over(chosen.count), chosen.count, step, pieces.ends, pieces.walked.weights,
-                 chosen.ends, walked.weights);
-  walked.crossed = total_weight(runtime, walked.weights, chosen.count);
-  return chosen;
+// A vertex that many pieces end at has their edges then, so that walks begin with its fan. Where constraints are spread
+// evenly, the others cross about as many faces as those ahead did. Parts for half of them are the best: where parts
+// begin takes long to find now, as there is no tree (NOTES, "Constraints in turn").
+ConstrainResult enforce_ahead(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                              const Vertices& vertices, Mesh& mesh, History& history, Pieces& pieces,
+                              KeptConstraints& kept, PhaseCounters& counters) {
+  const ConstrainResult ahead = constrain(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
+  if (ahead.failed) return ahead;
+  history = freeze_all(runtime, vertices, mesh, counters);
+  history.fans = make_fans(runtime, primitives, vertices, mesh, counters);
+  kept.crossings = pieces.walked.crossed / 2;
+  return ahead;
 }
 
-// The mesh has changed, so nobody knows where walks began, and that they are shorter.
-void lighten(runtime::Runtime& runtime, Pieces& pieces, cl_uint times) {
-  WalkedPieces& walked = pieces.walked;
-  runtime.launch("parts", "parts_lighten", over(pieces.count), pieces.count, times, walked.weights);
-  walked.parts = {};
-  walked.faces = {};
-  walked.located = false;
-  walked.crossed /= times;
-  walked.pool = 0;
-}
-
-// Pieces that were enforced ahead are edges when the rest is.
+// They are edges when all are enforced.
 void add_ahead(const ConstrainResult& ahead, ConstrainResult& all) {
   all.existing_edges -= ahead.walked;
   all.walked += ahead.walked;
@@ -48,33 +37,6 @@ void add_ahead(const ConstrainResult& ahead, ConstrainResult& all) {
   all.crossed_pairs += ahead.crossed_pairs;
   all.steps += ahead.steps;
   for (std::size_t i = 0; i < all.pairs_of_two.size(); ++i) all.pairs_of_two[i] += ahead.pairs_of_two[i];
-}
-
-}  // namespace
-
-// A vertex that many pieces end at has their edges now, so walks begin with its fan. If pieces cross, some that are
-// edges already are crossed: the second time fails as it would have the first time, but in a changed mesh.
-ConstrainResult constrain_in_turn(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                                  const Vertices& vertices, Mesh& mesh, History& history, Pieces& pieces,
-                                  PhaseCounters& counters) {
-  const auto enforce = [&](Pieces& some) {
-    return constrain(runtime, primitives, plan, vertices, mesh, history, some, counters);
-  };
-  if (!pays(plan, vertices, mesh, pieces)) return enforce(pieces);
-  Pieces chosen = chosen_of(runtime, pieces, plan.step_ahead);
-  const ConstrainResult ahead = enforce(chosen);
-  if (ahead.failed) return ahead;
-  history = freeze_all(runtime, vertices, mesh, counters);
-  history.fans = make_fans(runtime, primitives, vertices, mesh, counters);
-  lighten(runtime, pieces, 2 * plan.step_ahead);
-  ConstrainResult all = enforce(pieces);
-  if (all.failed) {
-    history = {};
-    all.mesh_changed = true;
-    return all;
-  }
-  add_ahead(ahead, all);
-  return all;
 }
 
 }  // namespace gcdt

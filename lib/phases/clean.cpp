@@ -42,7 +42,7 @@ Cleaner::Cleaner(runtime::Runtime& runtime, Primitives& primitives, const Vertic
       count_(cl_uint(constraints.size())),
       constraints_(constraints) {}
 
-Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted) {
+KeptConstraints Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted, bool sorted) {
   const cl_uint all = wanted.empty();
   auto ends = runtime_.allocate<cl_uint2>("ends of constraints", count_);
   auto lengths = runtime_.allocate<cl_uint>("lengths of constraints", count_);
@@ -57,37 +57,43 @@ Cleaner::Kept Cleaner::keep(const Plan& plan, const std::vector<cl_uint>& wanted
   std::array<cl_uint, 4> found;
   runtime_.read(kept, found.data(), found.size(), count_);
   if (const cl_uint first = ~found[1]; first != GCDT_NONE) throw index_error(first / 2, first % 2, inputs_);
-  Kept result;
+  KeptConstraints result;
+  std::uint64_t selected = count_;
+  if (!wanted.empty())
+    selected = wanted.size() - static_cast<std::uint64_t>(std::count(wanted.begin(), wanted.end(), cl_uint{0}));
   result.count = found[0];
+  result.zero_length = selected - result.count;
   result.length = wide(found[2], found[3]);
+  result.crossings = expected_crossings(vertices_, result.length);
   result.list = runtime_.allocate<cl_uint>("list of constraints", result.count);
   result.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", result.count);
   result.lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", result.count);
   primitives_.compact_indices(kept, result.list, count_);
   runtime_.launch("clean", "clean_gather", over(result.count), result.count, result.list, ends, lengths, result.ends,
                   result.lengths);
-  result.along_curve = pays_along_curve(plan, result);
-  if (result.along_curve) put_along_curve(plan, result);
+  sorted = sorted || may_pay_in_turn(plan, sizes_of(vertices_), result.count, result.crossings);
+  result.along_curve = sorted || pays_along_curve(plan, result);
+  if (result.along_curve) put_along_curve(result, sorted ? 0 : plan.curve_bits);
   return result;
 }
 
 // Lengths are of each problem's own grid, so that of several they say nothing about all faces.
-bool Cleaner::pays_along_curve(const Plan& plan, const Kept& kept) const {
+bool Cleaner::pays_along_curve(const Plan& plan, const KeptConstraints& kept) const {
   if (plan.curve_crossings == 0) return true;
-  return vertices_.roots == 1 && kept.count > 0 &&
-         expected_crossings(vertices_, kept.length) / kept.count >= plan.curve_crossings;
+  return vertices_.roots == 1 && kept.count > 0 && kept.crossings / kept.count >= plan.curve_crossings;
 }
 
 // Constraints that lie side by side cross the same faces: a thread that walks them one after the other, and a group
-// that walks them at once, has these in its cache.
-void Cleaner::put_along_curve(const Plan& plan, Kept& kept) {
-  Kept along;
+// that walks them at once, has these in its cache. Those of which some are taken ahead are sorted: what is left between
+// two of them is narrow then, and which are chosen is the same on all devices.
+void Cleaner::put_along_curve(KeptConstraints& kept, unsigned cell_bits) {
+  KeptConstraints along;
   along.list = runtime_.allocate<cl_uint>("list of constraints", kept.count);
   along.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", kept.count);
   along.lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", kept.count);
   along.places = runtime_.allocate<cl_uint>("places of constraints", kept.count);
-  if (plan.curve_bits > 0)
-    put_in_cells(plan.curve_bits, kept, along);
+  if (cell_bits > 0)
+    put_in_cells(cell_bits, kept, along);
   else
     sort_along_curve(kept, along);
   kept.list = std::move(along.list);
@@ -96,7 +102,7 @@ void Cleaner::put_along_curve(const Plan& plan, Kept& kept) {
   kept.places = std::move(along.places);
 }
 
-void Cleaner::put_in_cells(unsigned most_bits, const Kept& kept, Kept& along) {
+void Cleaner::put_in_cells(unsigned most_bits, const KeptConstraints& kept, KeptConstraints& along) {
   const unsigned bits = std::max(1u, bit_width(vertices_.n())), cell_bits = std::min(bits, most_bits);
   const cl_uint low = bits - cell_bits, cells = 1u << cell_bits;
   const auto span = std::max(Tuning::least_curve_span, kept.count / Tuning::most_curve_parts + 1),
@@ -110,7 +116,7 @@ void Cleaner::put_in_cells(unsigned most_bits, const Kept& kept, Kept& along) {
                   kept.list, kept.ends, kept.lengths, along.places, along.list, along.ends, along.lengths);
 }
 
-void Cleaner::sort_along_curve(const Kept& kept, Kept& along) {
+void Cleaner::sort_along_curve(const KeptConstraints& kept, KeptConstraints& along) {
   auto keys = runtime_.allocate<cl_ulong>("ranks of constraints", kept.count);
   runtime_.launch("clean", "clean_ranks", over(kept.count), kept.count, vertices_.levels_buffer, kept.ends, keys,
                   along.places);
@@ -122,15 +128,15 @@ void Cleaner::sort_along_curve(const Kept& kept, Kept& along) {
 
 // Pieces are written in the order of their sources, in whatever order these were walked: sorting them keeps the sources
 // of equal ones ascending.
-void Cleaner::place_pieces(const Kept& kept, const PieceParts& parts, const runtime::Buffer<cl_uint>& offsets,
-                           runtime::Buffer<cl_uint>& firsts) {
+void Cleaner::place_pieces(const KeptConstraints& kept, const PieceParts& parts,
+                           const runtime::Buffer<cl_uint>& offsets, runtime::Buffer<cl_uint>& firsts) {
   firsts = runtime_.allocate<cl_uint>("first pieces of constraints", kept.along_curve ? kept.count + 1u : 0u);
   if (!kept.along_curve) return;
   runtime_.launch("clean", "clean_count", over(kept.count), kept.count, parts.begins, offsets, kept.places, firsts);
   primitives_.exclusive_scan(firsts, firsts, kept.count);
 }
 
-void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const Kept& kept, const PieceParts& parts,
+void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts,
                           const Found& found, const runtime::Buffer<cl_uint>& searched,
                           const runtime::Buffer<cl_uint>& counts, PhaseCounters& counters) {
   const Mesh& mesh = walked.mesh;
@@ -141,7 +147,7 @@ void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const Kept& ke
                   searched, found.offsets, counts, found.first_hits, found.hits, found.crossed, counters.buffer());
 }
 
-Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts,
+Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts,
                              PhaseCounters& counters) {
   Found found;
   found.begins = find_first_faces(runtime_, walked, kept.ends, kept.count, parts, nullptr, true, counters);
@@ -157,7 +163,7 @@ Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const Kept& kept, const P
 }
 
 // Parts give up that take long, since they turn around a vertex. They walk again when there are fans.
-void Cleaner::walk_rest(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,
+void Cleaner::walk_rest(const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts, Found& found,
                         PhaseCounters& counters) {
   Fans& fans = walked.history.fans;
   if (!fans.made) fans = make_fans(runtime_, primitives_, vertices_, walked.mesh, counters);
@@ -172,7 +178,7 @@ void Cleaner::walk_rest(const WalkedMesh& walked, const Kept& kept, const PieceP
   counters.read();
 }
 
-void Cleaner::write_hits(const WalkedMesh& walked, const Kept& kept, const PieceParts& parts, Found& found,
+void Cleaner::write_hits(const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts, Found& found,
                          PhaseCounters& counters) {
   const cl_uint hits = counters.last().hits;
   if (hits == 0) return;
@@ -180,20 +186,33 @@ void Cleaner::write_hits(const WalkedMesh& walked, const Kept& kept, const Piece
   launch_walk(GCDT_CLEAN_WRITE, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
 }
 
-CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>& wanted, PhaseCounters& counters) {
-  const Kept kept = keep(walked.plan, wanted);
-  std::uint64_t selected = count_;
-  if (!wanted.empty())
-    selected = wanted.size() - static_cast<std::uint64_t>(std::count(wanted.begin(), wanted.end(), cl_uint{0}));
+KeptConstraints Cleaner::every(const KeptConstraints& kept, cl_uint step) {
+  KeptConstraints some;
+  some.count = (kept.count - 1) / step + 1;
+  some.list = runtime_.allocate<cl_uint>("list of constraints", some.count);
+  some.ends = runtime_.allocate<cl_uint2>("ends of kept constraints", some.count);
+  some.lengths = runtime_.allocate<cl_uint>("lengths of kept constraints", some.count);
+  runtime_.launch("clean", "clean_choose", over(some.count), some.count, step, kept.list, kept.ends, kept.lengths,
+                  some.list, some.ends, some.lengths);
+  some.length = total_weight(runtime_, some.lengths, some.count);
+  some.crossings = expected_crossings(vertices_, some.length);
+  return some;
+}
+
+CleanResult Cleaner::clean(const WalkedMesh& walked, const KeptConstraints& kept, PhaseCounters& counters,
+                           std::uint64_t least) {
+  counters.zero();
   CleanResult result;
-  result.zero_length = selected - kept.count;
   runtime_.end_step();
   Step walking(runtime_, "walk");
   const PieceParts parts =
-      parts_by_length(runtime_, primitives_, walked.plan, vertices_, kept.lengths, kept.count, kept.length);
+      parts_by_length(runtime_, primitives_, walked.plan, kept.lengths, kept.count, kept.length, kept.crossings);
   Found found = walk(walked, kept, parts, counters);
   result.walk_ms = walking.end();
   result.hits = counters.last().hits;
+  result.steps = wide(counters.last().steps_low, counters.last().steps_high);
+  const std::uint64_t crossed = wide(counters.last().pairs_low, counters.last().pairs_high);
+  if (crossed < least) return result;
   write_hits(walked, kept, parts, found, counters);
 
   const cl_uint count = static_cast<cl_uint>(result.hits) + kept.count;
@@ -208,7 +227,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const std::vector<cl_uint>&
                   kept.list, kept.along_curve ? kept.places : kept.list, firsts, keys, sources, found.crossed, whole);
   result.pieces = merge(vertices_, std::move(keys), std::move(sources), found.crossed, whole, count, bits);
   result.pieces.walked.faces = std::move(found.begins.faces);
-  result.pieces.walked.crossed = wide(counters.last().pairs_low, counters.last().pairs_high);
+  result.pieces.walked.crossed = crossed;
   result.pieces.walked.pool = parts.pool;
   result.pieces.walked.existing = counters.last().existing_edges;
   return result;

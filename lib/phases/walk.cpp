@@ -51,17 +51,17 @@ std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length)
 }
 
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                           const Vertices& vertices, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces,
-                           std::uint64_t length) {
-  return make_parts(runtime, primitives, lengths, pieces, length, part_pool(plan, expected_crossings(vertices, length)),
-                    nullptr);
+                           const runtime::Buffer<cl_uint>& lengths, cl_uint pieces, std::uint64_t length,
+                           std::uint64_t crossings) {
+  return make_parts(runtime, primitives, lengths, pieces, length, part_pool(plan, crossings), nullptr);
 }
 
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                            const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces) {
   auto lengths = runtime.allocate<cl_uint>("lengths of pieces", pieces);
   runtime.launch("parts", "parts_lengths", runtime::over(pieces), pieces, vertices.points, ends, lengths);
-  return parts_by_length(runtime, primitives, plan, vertices, lengths, pieces, total_weight(runtime, lengths, pieces));
+  const std::uint64_t length = total_weight(runtime, lengths, pieces);
+  return parts_by_length(runtime, primitives, plan, lengths, pieces, length, expected_crossings(vertices, length));
 }
 
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,

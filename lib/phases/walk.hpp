@@ -22,10 +22,10 @@ struct PieceParts {
   cl_uint capacity = 0;             ///< the most parts there may be; their number is begins[pieces]
   runtime::Buffer<cl_uint> begins;  ///< pieces + 1: the first part of each piece
 };
-/// By length along the longer axis; `length`: of all pieces.
+/// By length along the longer axis; `length`: of all pieces, and `crossings`: faces that they are expected to cross.
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
-                           const Vertices& vertices, const runtime::Buffer<cl_uint>& lengths, cl_uint pieces,
-                           std::uint64_t length);
+                           const runtime::Buffer<cl_uint>& lengths, cl_uint pieces, std::uint64_t length,
+                           std::uint64_t crossings);
 /// The same of pieces whose lengths nobody knows. Blocks.
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                            const Vertices& vertices, const runtime::Buffer<cl_uint2>& ends, cl_uint pieces);

@@ -37,8 +37,7 @@ void split(Run& run) {
     run.ticker.tick("constrain", 0.5);
     const auto& links = splitter->route(run.plan, run.vertices);
     run.insert();
-    run.clean(links, run.vertices.input_vertex.size());
-    const ConstrainResult enforced = run.enforce();
+    const ConstrainResult enforced = run.clean_and_enforce(links, run.vertices.input_vertex.size());
     if (!enforced.failed) break;
     if (enforced.mesh_changed) run.insert();
     if (splitter->mark(run.walked(), run.pieces, run.counters) == 0) fail_without_crossings(enforced);
@@ -50,6 +49,15 @@ void split(Run& run) {
   s.constraints_split = splitter->marked();
   run.result.routed = splitter->take_marks();
   s.constraint_move = splitter->largest_move() * run.vertices.grid.cell();
+}
+
+// Those of pieces that were edges when others failed.
+void clear_marks(Run& run) { run.runtime.fill<cl_uint>(run.mesh.edge_marks, 0, run.mesh.edges()); }
+
+void must_fit(const ConstrainResult& second) {
+  if (second.failed)
+    throw Error(Status::check_failed, "constrain: constraints still cross after dropping (failure bits " +
+                                          std::to_string(second.failed) + ")");
 }
 
 }  // namespace
@@ -75,8 +83,8 @@ void drop_crossings(Run& run, const std::vector<Constraint>& crossings) {
   name_dropped(run, dropped);
   std::vector<cl_uint> wanted(run.m, 1);
   for (const std::uint32_t d : dropped) wanted[d] = 0;
-  run.clean(run.constraints, run.n, wanted);
-  enforce_rest(run);
+  clear_marks(run);
+  must_fit(run.clean_and_enforce(run.constraints, run.n, wanted));
 }
 
 void name_dropped(Run& run, const std::vector<std::uint32_t>& dropped) {
@@ -85,11 +93,8 @@ void name_dropped(Run& run, const std::vector<std::uint32_t>& dropped) {
 }
 
 void enforce_rest(Run& run) {
-  run.runtime.fill<cl_uint>(run.mesh.edge_marks, 0, run.mesh.edges());
-  const ConstrainResult second = run.enforce();
-  if (second.failed)
-    throw Error(Status::check_failed, "constrain: constraints still cross after dropping (failure bits " +
-                                          std::to_string(second.failed) + ")");
+  clear_marks(run);
+  must_fit(run.enforce());
 }
 
 void fail_without_crossings(const ConstrainResult& failed) {

@@ -92,22 +92,34 @@ void Run::no_pieces() {
 void Run::clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, const std::vector<cl_uint>& wanted) {
   step("clean", statistics.ms.clean, [&] {
     pieces = {};
-    lists = {};
-    counters.zero();
     Cleaner cleaner(runtime, primitives, vertices, given, static_cast<std::uint32_t>(inputs));
-    CleanResult cleaned = cleaner.clean(walked(), wanted, counters);
-    pieces = std::move(cleaned.pieces);
-    statistics.ms.walk += cleaned.walk_ms;
-    const device::Counters& c = counters.last();
-    statistics.location_steps += wide(c.steps_low, c.steps_high);
-    if (!wanted.empty()) return;
-    statistics.constraints_zero = cleaned.zero_length;
-    statistics.cases.constraint_hits = cleaned.hits;
+    make_pieces(cleaner, cleaner.keep(plan, wanted), wanted.empty());
   });
 }
 
+// `all`: what is told of constraints is of all that were given.
+void Run::make_pieces(Cleaner& cleaner, const KeptConstraints& kept, bool all) {
+  lists = {};
+  CleanResult cleaned = cleaner.clean(walked(), kept, counters);
+  count(cleaned);
+  pieces = std::move(cleaned.pieces);
+  if (!all) return;
+  statistics.constraints_zero = kept.zero_length;
+  statistics.cases.constraint_hits = cleaned.hits;
+}
+
+void Run::count(const CleanResult& cleaned) {
+  statistics.ms.walk += cleaned.walk_ms;
+  statistics.location_steps += cleaned.steps;
+}
+
 ConstrainResult Run::enforce() {
-  const ConstrainResult r = constrain_in_turn(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
+  const ConstrainResult r = constrain(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
+  count(r);
+  return r;
+}
+
+void Run::count(const ConstrainResult& r) {
   auto& cases = statistics.cases;
   cases.existing_edges = r.existing_edges;
   cases.pieces_walked = r.walked;
@@ -118,7 +130,57 @@ ConstrainResult Run::enforce() {
   cases.pairs_cut_two_corners = r.pairs_of_two[2], cases.pairs_cut_and_from = r.pairs_of_two[3];
   statistics.crossed_pairs = r.crossed_pairs;
   statistics.location_steps += r.steps;
-  return r;
+}
+
+// Ends: after those ahead are chosen, all are taken in turn.
+ConstrainResult Run::clean_and_enforce(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs,
+                                       const std::vector<cl_uint>& wanted) {
+  const bool all = wanted.empty();
+  Cleaner cleaner(runtime, primitives, vertices, given, static_cast<std::uint32_t>(inputs));
+  KeptConstraints kept;
+  CleanResult some;
+  step("clean", statistics.ms.clean, [&] {
+    pieces = {};
+    lists = {};
+    kept = cleaner.keep(plan, wanted);
+    some = clean_ahead(cleaner, walked(), kept, counters);
+    count(some);
+    if (some.pieces.count > 0) return;
+    make_pieces(cleaner, kept, all);
+    if (!pays_in_turn(plan, sizes_of(vertices), kept.count, pieces.walked.crossed)) return;
+    pieces = {};  // their lengths have not told
+    kept = {};
+    kept = cleaner.keep(plan, wanted, true);
+    some = cleaner.clean(walked(), cleaner.every(kept, plan.step_ahead), counters);
+    count(some);
+  });
+  if (some.pieces.count > 0) return enforce_in_turn(cleaner, std::move(some), std::move(kept), all);
+  ticker.tick("constrain", cleaned_share);
+  return enforce();
+}
+
+// If constraints cross, some of those ahead do, or others cross these or one another. What crosses is then found in the
+// mesh without any; the pieces are the same in both.
+ConstrainResult Run::enforce_in_turn(Cleaner& cleaner, CleanResult some, KeptConstraints kept, bool all) {
+  ConstrainResult ahead =
+      enforce_ahead(runtime, primitives, plan, vertices, mesh, history, some.pieces, kept, counters);
+  some = {};
+  if (ahead.failed && ahead.mesh_changed) insert();
+  step("clean", statistics.ms.clean, [&] { make_pieces(cleaner, kept, all); });
+  ticker.tick("constrain", cleaned_share);
+  if (ahead.failed) {
+    ahead.mesh_changed = false;
+    return ahead;
+  }
+  ConstrainResult rest = constrain(runtime, primitives, plan, vertices, mesh, history, pieces, counters);
+  if (rest.failed) {
+    history = {};
+    rest.mesh_changed = true;
+  } else {
+    add_ahead(ahead, rest);
+  }
+  count(rest);
+  return rest;
 }
 
 EnforceResult Run::enforce_in_order(const runtime::Buffer<cl_uint>& first_constraint) {

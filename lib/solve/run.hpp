@@ -16,6 +16,8 @@ namespace gcdt {
 constexpr double ordered_share = 0.1, inserted_share = 0.5, constrained_share = 0.75, flipped_share = 0.9;
 /// The same of the output where a refinement follows.
 constexpr double ordered_before_refining = 0.93;
+/// The part of the constraints' share that cleaning takes.
+constexpr double cleaned_share = 0.3;
 
 /// Owns all that a call has on the device until its result is made. Whoever writes a sequence of steps reads and
 /// changes it; a step says what it releases.
@@ -71,6 +73,9 @@ struct Run {
   void clean(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs, const std::vector<cl_uint>& wanted = {});
   /// Makes the pieces edges, all at once. Releases the lists.
   ConstrainResult enforce();
+  /// Both; where it pays, in turn (phases/ahead.hpp). The pieces are there if enforcing failed, too.
+  ConstrainResult clean_and_enforce(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs,
+                                    const std::vector<cl_uint>& wanted = {});
   /// Makes constraints pieces and edges, one after the other, by a work-item a problem (Plan::constraints).
   EnforceResult enforce_in_order(const runtime::Buffer<cl_uint>& first_constraint);
   /// Which way sources run along pieces, if regions are wanted. Releases the constraints.
@@ -97,6 +102,10 @@ struct Run {
   void grow_all();
   void need_lists();
   void count(const FlipResult& flipped);
+  void count(const CleanResult& cleaned);
+  void count(const ConstrainResult& enforced);
+  void make_pieces(Cleaner& cleaner, const KeptConstraints& kept, bool all);
+  ConstrainResult enforce_in_turn(Cleaner& cleaner, CleanResult some, KeptConstraints kept, bool all);
 
   double told_ = 0, sort_ms_ = 0, built_;
   std::uint64_t launches_, read_backs_;

@@ -30,9 +30,7 @@ void constrain(Run& run) {
   if (run.m == 0) return run.no_pieces();
   run.ticker.tick("constrain", 0);
   if (run.plan.constraints == Plan::By::one && constrain_by_one(run)) return run.count_turns();
-  run.clean(run.constraints, run.n);
-  run.ticker.tick("constrain", 0.3);
-  const ConstrainResult enforced = run.enforce();
+  const ConstrainResult enforced = run.clean_and_enforce(run.constraints, run.n);
   if (enforced.failed) follow_crossing_policy(run, enforced);
   run.pieces.walked = {};
   run.count_turns();

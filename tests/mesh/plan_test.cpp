@@ -132,6 +132,18 @@ TEST_CASE("constraints that cross much get more parts on GPUs, as far as there a
   CHECK(part_pool(make_plan(threads, {}, one(1000000)), 1u << 31) == 512 * threads.units);
 }
 
+TEST_CASE("constraints that cross much are taken in turn, if they are of one problem and more than are left out") {
+  const Plan plan = make_plan(gpu, {}, one(1000));
+  const std::uint64_t faces = 2 * 1000 + 1;
+  CHECK(pays_in_turn(plan, one(1000), 17, 40 * faces));
+  CHECK(!pays_in_turn(plan, one(1000), 16, 40 * faces));
+  CHECK(!pays_in_turn(plan, one(1000), 17, 40 * faces - 1));
+  CHECK(!pays_in_turn(plan, many(2, 1000, 500), 17, 40 * faces));
+  CHECK(pays_in_turn(make_plan(threads, {}, one(1000)), one(1000), 9, 8 * faces));
+  CHECK(may_pay_in_turn(plan, one(1000), 17, 10 * faces));
+  CHECK(!may_pay_in_turn(plan, one(1000), 17, 10 * faces - 1));
+}
+
 TEST_CASE("a plan in words names its ways") {
   const auto text = [](const PlannedDevice& device, const PlannedSizes& sizes) {
     return make_plan(device, {}, sizes).text();

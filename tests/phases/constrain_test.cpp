@@ -44,7 +44,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   made.counters.zero();
   const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
   Cleaner cleaner(runtime, primitives, made.vertices, staged, n);
-  CleanResult clean = cleaner.clean(made.walked(), {}, made.counters);
+  CleanResult clean = cleaner.clean(made.walked(), cleaner.keep(made.plan, {}), made.counters);
   const std::set<Constraint> expected = expected_pieces(made.points, constraints);
   std::vector<cl_uint2> ends(clean.pieces.count);
   runtime.read(clean.pieces.ends, ends.data(), ends.size());

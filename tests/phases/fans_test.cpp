@@ -70,16 +70,6 @@ std::vector<Input> inputs() {
   return all;
 }
 
-/// The input's constraints among its vertices as a mesh has numbered them.
-std::vector<Constraint> renumbered(const Input& input, const std::vector<Point>& points) {
-  std::map<Point, std::uint32_t> number;
-  for (std::uint32_t v = 0; v < points.size(); ++v) number[points[v]] = v;
-  std::vector<Constraint> constraints;
-  for (const Constraint& c : input.constraints)
-    constraints.push_back({number.at(input.points[c[0]]), number.at(input.points[c[1]])});
-  return constraints;
-}
-
 /// Every vertex of GCDT_FAN_LEAST faces and more has them all in its fan, each beside the next; no other has any.
 void check_rings(const HostMesh& m, const std::vector<cl_uint>& begins, const std::vector<cl_uint2>& fans) {
   std::vector<std::uint32_t> degree(m.n, 0);
@@ -107,14 +97,15 @@ void check_rings(const HostMesh& m, const std::vector<cl_uint>& begins, const st
 /// `flipped`: as where threads insert one vertex after the other; else the mesh before its last flips.
 struct Walked : MeshOnDevice {
   Walked(runtime::Runtime& on, const Input& input, bool flipped)
-      : MeshOnDevice(on, input.points, coarsest), constraints(renumbered(input, points)) {
+      : MeshOnDevice(on, input.points, coarsest), constraints(renumbered(input.constraints, input.points, points)) {
     insert_all(flipped);
     if (flipped) history = freeze_all(runtime, vertices, mesh, counters);
     counters.zero();
   }
   CleanResult clean(Primitives& primitives) {
     const auto staged = stage(runtime, constraints);
-    return Cleaner(runtime, primitives, vertices, staged, n()).clean(walked(), {}, counters);
+    Cleaner cleaner(runtime, primitives, vertices, staged, n());
+    return cleaner.clean(walked(), cleaner.keep(plan, {}), counters);
   }
   std::vector<Constraint> constraints;
 };

@@ -102,6 +102,16 @@ inline std::vector<Constraint> pieces_of(const std::vector<Point>& points, const
   return pieces;
 }
 
+/// The same constraints by the numbers that points `from` have among `to`.
+inline std::vector<Constraint> renumbered(const std::vector<Constraint>& constraints, const std::vector<Point>& from,
+                                          const std::vector<Point>& to) {
+  std::map<Point, std::uint32_t> number;
+  for (std::uint32_t v = 0; v < to.size(); ++v) number[to[v]] = v;
+  std::vector<Constraint> same;
+  for (const Constraint& c : constraints) same.push_back({number.at(from[c[0]]), number.at(from[c[1]])});
+  return same;
+}
+
 inline std::set<Constraint> expected_pieces(const std::vector<Point>& points,
                                             const std::vector<Constraint>& constraints) {
   std::set<Constraint> all;
