@@ -281,7 +281,7 @@ struct Tuning {
   /// most: each has a word for each cell, which are scanned (not measured).
   static constexpr std::uint32_t gpu_curve_crossings = 16, least_curve_span = 2048, most_curve_parts = 256;
   /// Crossed faces, as many times as the mesh has faces, from which on every `step_ahead`-th constraint is cleaned and
-  /// enforced ahead of the others: twice two phases with little to walk, which on GPUs are some 100 launches more
+  /// enforced ahead of the others: twice two phases with little to walk, which on GPUs are some 65 launches more
   /// (NOTES, "Constraints in turn").
   static constexpr std::uint32_t gpu_crossings_ahead = 40, gpu_step_ahead = 16, cpu_crossings_ahead = 8,
                                  cpu_step_ahead = 8;

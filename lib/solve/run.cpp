@@ -132,7 +132,6 @@ void Run::count(const ConstrainResult& r) {
   statistics.location_steps += r.steps;
 }
 
-// Ends: after those ahead are chosen, all are taken in turn.
 ConstrainResult Run::clean_and_enforce(const runtime::Buffer<cl_uint2>& given, std::uint64_t inputs,
                                        const std::vector<cl_uint>& wanted) {
   const bool all = wanted.empty();

@@ -115,14 +115,6 @@ void make_lines(std::vector<fixture::Point>& points, std::vector<Constraint>& li
   }
 }
 
-std::set<Constraint> read_pieces(runtime::Runtime& runtime, const Pieces& pieces) {
-  std::set<Constraint> all;
-  const std::vector<cl_uint> ends = words_of(runtime, pieces.ends, pieces.count);
-  for (std::size_t i = 0; i < ends.size(); i += 2)
-    all.insert({std::min(ends[i], ends[i + 1]), std::max(ends[i], ends[i + 1])});
-  return all;
-}
-
 }  // namespace
 
 TEST_CASE("those ahead are every so many-th, and the others go through few faces after them") {
@@ -142,7 +134,7 @@ TEST_CASE("those ahead are every so many-th, and the others go through few faces
     std::vector<Constraint> chosen;
     const std::vector<cl_uint> list = words_of(runtime, kept.list, kept.count);
     for (std::size_t i = 0; i < list.size(); i += 8) chosen.push_back(made.constraints[list[i]]);
-    CHECK(read_pieces(runtime, some.pieces) == fixture::expected_pieces(made.points, chosen));
+    CHECK(fixture::read_pieces(runtime, some.pieces) == fixture::expected_pieces(made.points, chosen));
 
     const ConstrainResult ahead = enforce_ahead(runtime, made.primitives, made.plan, made.vertices, made.mesh,
                                                 made.history, some.pieces, kept, made.counters);

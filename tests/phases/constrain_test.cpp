@@ -46,11 +46,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   Cleaner cleaner(runtime, primitives, made.vertices, staged, n);
   CleanResult clean = cleaner.clean(made.walked(), cleaner.keep(made.plan, {}), made.counters);
   const std::set<Constraint> expected = expected_pieces(made.points, constraints);
-  std::vector<cl_uint2> ends(clean.pieces.count);
-  runtime.read(clean.pieces.ends, ends.data(), ends.size());
-  std::set<Constraint> pieces;
-  for (const cl_uint2& e : ends) pieces.insert({std::min(e.s[0], e.s[1]), std::max(e.s[0], e.s[1])});
-  CHECK(pieces == expected);
+  CHECK(read_pieces(runtime, clean.pieces) == expected);
 
   const Met met = met_by(made.now(), expected);
   const std::uint64_t already = static_cast<std::uint64_t>(

@@ -110,14 +110,6 @@ struct Walked : MeshOnDevice {
   std::vector<Constraint> constraints;
 };
 
-std::set<Constraint> read_pieces(runtime::Runtime& runtime, const Pieces& pieces) {
-  std::vector<cl_uint2> ends(pieces.count);
-  runtime.read(pieces.ends, ends.data(), ends.size());
-  std::set<Constraint> all;
-  for (const cl_uint2& e : ends) all.insert({std::min(e.s[0], e.s[1]), std::max(e.s[0], e.s[1])});
-  return all;
-}
-
 template <class Check>
 void on_all(Check&& check) {
   for (test::Treated& device : test::devices_as_all_kinds())

@@ -102,6 +102,15 @@ inline std::vector<Constraint> pieces_of(const std::vector<Point>& points, const
   return pieces;
 }
 
+/// Pieces on a device, the smaller vertex of each first.
+inline std::set<Constraint> read_pieces(runtime::Runtime& runtime, const Pieces& pieces) {
+  std::vector<cl_uint2> ends(pieces.count);
+  runtime.read(pieces.ends, ends.data(), ends.size());
+  std::set<Constraint> all;
+  for (const cl_uint2& e : ends) all.insert({std::min(e.s[0], e.s[1]), std::max(e.s[0], e.s[1])});
+  return all;
+}
+
 /// The same constraints by the numbers that points `from` have among `to`.
 inline std::vector<Constraint> renumbered(const std::vector<Constraint>& constraints, const std::vector<Point>& from,
                                           const std::vector<Point>& to) {
