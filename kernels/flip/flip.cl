@@ -5,7 +5,7 @@
 // both is flipped, and its work-item goes on flipping around it, taking faces that nobody claimed in this round by
 // try-lock (flip_propagate). One round is these two kernels, or one pass of flip_rounds or flip_problems, which do
 // whole rounds inside one work-group with the same functions. On GPUs nobody goes on, but along fans in flip_rounds,
-// while few edges are left (slide.h).
+// where few edges are left and do not become fewer (slide.h).
 //
 // The queue: the edges to be tested next have the mark GCDT_MARK_QUEUED. While they are many, that is all, and a
 // round finds them by a sweep over the marks: in order of their numbers, which is nearly the order in the plane, so
@@ -15,10 +15,10 @@
 // An edge that is not queued for the next round is legal or constrained. Proof: a flip puts the four edges around it
 // into the local worklist or the queue; an edge leaves the worklist only if it is constrained, has no other side, is
 // flipped, is legal with both its faces owned here (a later change of either is made here too, and puts it back), or
-// is queued; a slide meets two of the four edges in the same ways, and queues the others. An edge that is legal against
+// is queued; a slide queues all edges around what it changed. An edge that is legal against
 // a face owned elsewhere is queued as well: two work-items that change its two faces at the same time may each see the
 // other's old face, both find it legal, and both be wrong.
-#include "flip/rounds.h"
+#include "flip/slide.h"
 
 // ---- Rounds by sweeps -----------------------------------------------------------------------------
 
@@ -161,12 +161,13 @@ GCDT_BY_ONE_GROUP kernel void flip_rounds(uint round, uint stamp, uint bits, uin
                                           global uint* edge_marks, global uint* list, global uint* illegal,
                                           volatile global Counters* counters) {
   DECLARE_ROUNDS(memory);
+  DECLARE_SLIDES(slides);
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const OwnLists own = {.list = list, .illegal = illegal, .tests = &counters->list_test[round % 3u]};
   uint flips = 0;
   const uint rounds = *own.tests > few ? 0u : most;
-  const uint done = flip_in_group(mesh, edge_marks, stamp, bits, rounds, GCDT_SLIDE_TESTS, own, memory, &flips);
+  const uint done = slide_in_group(mesh, edge_marks, stamp, bits, rounds, own, memory, slides, &flips);
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
   if (get_local_id(0) == 0) {
     counters->list_test[(round + done) % 3u] = *own.tests;
@@ -217,7 +218,7 @@ kernel void flip_problems(uint begin, uint end, uint stamp, uint bits, uint most
     own.list = list + place;
     own.illegal = illegal + place;
     own.tests = lengths + p;
-    const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, 0u, own, memory, &flips);
+    const uint done = flip_in_group(mesh, edge_marks, stamp, bits, most, own, memory, &flips);
     rounds = max(rounds, done);
     if (get_local_id(0) == 0 && *own.tests > 0u) atomic_inc(&counters->list_test[0]);
   }

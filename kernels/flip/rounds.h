@@ -4,7 +4,8 @@
 #ifndef GCDT_ROUNDS_H
 #define GCDT_ROUNDS_H
 
-#include "flip/slide.h"
+#include "flip/flip.h"
+#include "flip/queue.h"
 
 // Edge e, not constrained.
 GCDT_GIVEN_LOCAL void test_and_claim(Mesh mesh, Claim c, uint e, Appender illegal) {
@@ -126,6 +127,31 @@ typedef struct RoundsMemory {
   volatile local uint name##_counts[4];     \
   const RoundsMemory name = {.items = name##_items, .tests = name##_counts, .found = name##_counts + 2}
 
+// An edge that a work-item keeps from its test to its flip.
+typedef struct Kept {
+  uint e;                              // GCDT_NONE: nothing is to be flipped
+  uint2 refs;                          // of its faces
+  uint4 corners_t, corners_u, st, su;  // their corners and sides
+} Kept;
+
+// What is known of an edge that has two faces. What may be wanted is read at once: few edges wait for memory, and for
+// nothing else.
+static inline Kept keep_edge(Mesh mesh, uint e, uint2 refs) {
+  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
+  Kept k;
+  k.e = e;
+  k.refs = refs;
+  k.corners_t = mesh.face_data[GCDT_CORNERS(t)];
+  k.corners_u = mesh.face_data[GCDT_CORNERS(u)];
+#ifdef GCDT_CONTIGUOUS
+  k.st = k.su = (uint4)(0u);
+#else
+  k.st = mesh.face_data[GCDT_SIDES(t)];
+  k.su = mesh.face_data[GCDT_SIDES(u)];
+#endif
+  return k;
+}
+
 // Takes e out of the queue; if it is illegal, claims its faces and keeps it.
 static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, uint e) {
   Kept k = {.e = GCDT_NONE};
@@ -144,40 +170,29 @@ static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, ui
   return k;
 }
 
-// Flips the illegal edge k.e if it owns both its faces: then nobody has changed what is kept of them since it claimed
-// them, whenever that was read. (If it does not, that may be worthless.) If `slides`, goes on along a fan. Returns the
-// number of flips.
-static inline uint flip_kept(Mesh mesh, Claim c, Kept k, bool slides, Queue queue) {
-  const uint ticket = make_ticket(c.stamp, c.bits, k.e);
+// Whether the illegal edge k.e, which has claimed its two faces under `ticket`, owns them.
+static inline bool owns_faces(Mesh mesh, Kept k, uint ticket) {
   const uint of_t = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.x)),
              of_u = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.y));
-  if (of_t != ticket || of_u != ticket) {
+  return of_t == ticket && of_u == ticket;
+}
+
+// Flips the illegal edge k.e if it owns both its faces: then nobody has changed what is kept of them since it claimed
+// them, whenever that was read. (If it does not, that may be worthless.) Returns the number of flips.
+static inline uint flip_kept(Mesh mesh, Claim c, Kept k, bool owns, Queue queue) {
+  const uint ticket = make_ticket(c.stamp, c.bits, k.e);
+  if (!owns) {
     queue_edge(queue, k.e);
     return 0u;
   }
-  k.corners_t.w = k.corners_u.w = ticket;
-#ifdef GCDT_SLIDES
-  if (slides) return slide(mesh, c, ticket, k, queue);
-#endif
   uint around[4];
+  k.corners_t.w = k.corners_u.w = ticket;
   flip_edge_with(mesh, k.e, k.refs, k.corners_t, k.corners_u, k.st, k.su, around);
   return go_on_around(mesh, c, ticket, around, queue);
 }
 
-// One work-group, all of it with the same arguments. Up to `most` rounds, of which the first tests the edges of the
-// list, and those of at most `slid` edges slide; two barriers a round order what two kernels do otherwise, and the same
-// arguments hold for each part. Nobody else touches the faces that these edges lead to. A round of few edges waits for
-// loads that depend on one another, so there are few of them: each work-item keeps its first edge from test to flip,
-// and the list and its counts stay in local memory. The list's edge i stands in items[i], or from APPEND_CAPACITY on in
-// own.list[i].
-//
-// No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is reset in the
-// other half of a round than it is read in or added to: that of illegal edges, read after the first barrier, when the
-// next round tests; that of the list, read before it, when edges are flipped.
-//
-// Ends when the list is empty or after `most` rounds. Returns how many were done; the list is what is left.
-GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, uint slid,
-                                    OwnLists own, RoundsMemory memory, private uint* flips) {
+// Into local memory, before the first round: the list, and how long it is.
+GCDT_GIVEN_LOCAL void begin_rounds(OwnLists own, RoundsMemory memory) {
   const uint me = get_local_id(0), size = (uint)get_local_size(0), begun = *own.tests;
   for (uint i = me; i < min(begun, APPEND_CAPACITY); i += size) memory.items[i] = own.list[i];
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
@@ -187,44 +202,87 @@ GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint sta
     memory.tests[1] = memory.found[0] = memory.found[1] = 0u;
   }
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-  uint done = 0;
-  for (;;) {
-    volatile local uint *const now = memory.tests + (done & 1u), *const next = memory.tests + (~done & 1u),
-                               *const found = memory.found + (done & 1u);
-    const uint tests = *now;
-    if (tests == 0u || done == most) break;
-    const Claim c = make_claim(stamp + done, bits);
-    if (me == 0) {
-      memory.found[~done & 1u] = 0u;
-      if (tests > APPEND_CAPACITY) *own.tests = APPEND_CAPACITY;
-    }
-    Kept kept = {.e = GCDT_NONE};
-    FOR_ALL_TILES(tile, tests) {
-      const uint i = tile + me;
-      if (i >= tests) continue;
-      const Kept k = test_and_keep(mesh, edge_marks, c, i < APPEND_CAPACITY ? memory.items[i] : own.list[i]);
-      if (tile == 0u)
-        kept = k;
-      else if (k.e != GCDT_NONE)
-        own.illegal[atomic_inc(found)] = k.e;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    const uint count = *found;
-    if (me == 0) *now = 0u;
-    const Appender list = {.items = memory.items, .gathered = next, .list = own.list, .length = own.tests};
-    const Queue queue = make_list_queue(edge_marks, list);
-    for (uint i = me;; i += size) {
-      if (kept.e != GCDT_NONE) *flips += flip_kept(mesh, c, kept, tests <= slid, queue);
-      if (i >= count) break;
-      kept = keep_edge(mesh, own.illegal[i], faces_of_edge(mesh, own.illegal[i]));
-    }
-    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    ++done;
-  }
-  const uint left = memory.tests[done & 1u];
+}
+
+// And back, after `done` rounds.
+GCDT_GIVEN_LOCAL void end_rounds(OwnLists own, RoundsMemory memory, uint done) {
+  const uint me = get_local_id(0), size = (uint)get_local_size(0), left = memory.tests[done & 1u];
   for (uint i = me; i < min(left, APPEND_CAPACITY); i += size) own.list[i] = memory.items[i];
   if (me == 0) *own.tests = left;
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+}
+
+// The first half of round `done`: tests the list's edges, `tests` of them. Returns the work-item's first illegal edge;
+// its others are listed.
+GCDT_GIVEN_LOCAL Kept test_listed(Mesh mesh, global uint* edge_marks, Claim c, uint tests, uint done, OwnLists own,
+                                  RoundsMemory memory) {
+  volatile local uint* const found = memory.found + (done & 1u);
+  if (get_local_id(0) == 0) {
+    memory.found[~done & 1u] = 0u;
+    if (tests > APPEND_CAPACITY) *own.tests = APPEND_CAPACITY;
+  }
+  Kept kept = {.e = GCDT_NONE};
+  FOR_ALL_TILES(tile, tests) {
+    const uint i = tile + get_local_id(0);
+    if (i >= tests) continue;
+    const Kept k = test_and_keep(mesh, edge_marks, c, i < APPEND_CAPACITY ? memory.items[i] : own.list[i]);
+    if (tile == 0u)
+      kept = k;
+    else if (k.e != GCDT_NONE)
+      own.illegal[atomic_inc(found)] = k.e;
+  }
+  return kept;
+}
+
+// Where the second half of round `done` queues edges.
+GCDT_GIVEN_LOCAL Queue queue_of_round(global uint* edge_marks, uint done, OwnLists own, RoundsMemory memory) {
+  const Appender list = {
+      .items = memory.items, .gathered = memory.tests + (~done & 1u), .list = own.list, .length = own.tests};
+  return make_list_queue(edge_marks, list);
+}
+
+// The second half of round `done`: flips the illegal edges, the work-item's first of them if it is kept. Returns the
+// number of the work-item's flips.
+GCDT_GIVEN_LOCAL uint flip_listed(Mesh mesh, Claim c, Kept kept, bool owns, uint done, OwnLists own,
+                                  RoundsMemory memory, Queue queue) {
+  const uint count = memory.found[done & 1u], size = (uint)get_local_size(0);
+  uint flips = 0;
+  if (get_local_id(0) == 0) memory.tests[done & 1u] = 0u;
+  for (uint i = get_local_id(0);; i += size) {
+    if (kept.e != GCDT_NONE) flips += flip_kept(mesh, c, kept, owns, queue);
+    if (i >= count) return flips;
+    kept = keep_edge(mesh, own.illegal[i], faces_of_edge(mesh, own.illegal[i]));
+    owns = owns_faces(mesh, kept, make_ticket(c.stamp, c.bits, kept.e));
+  }
+}
+
+// One work-group, all of it with the same arguments. Up to `most` rounds, of which the first tests the edges of the
+// list; two barriers a round order what two kernels do otherwise, and the same arguments hold for each part. Nobody
+// else touches the faces that these edges lead to. A round of few edges waits for loads that depend on one another, so
+// there are few of them: each work-item keeps its first edge from test to flip, and the list and its counts stay in
+// local memory. The list's edge i stands in items[i], or from APPEND_CAPACITY on in own.list[i].
+//
+// No race: a round tests while nobody appends to the list, and appends while nobody reads it. A count is reset in the
+// other half of a round than it is read in or added to: that of illegal edges, read after the first barrier, when the
+// next round tests; that of the list, read before it, when edges are flipped.
+//
+// Ends when the list is empty or after `most` rounds. Returns how many were done; the list is what is left.
+GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
+                                    RoundsMemory memory, private uint* flips) {
+  uint done = 0;
+  begin_rounds(own, memory);
+  for (;;) {
+    const uint tests = memory.tests[done & 1u];
+    if (tests == 0u || done == most) break;
+    const Claim c = make_claim(stamp + done, bits);
+    const Kept kept = test_listed(mesh, edge_marks, c, tests, done, own, memory);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    const bool owns = kept.e != GCDT_NONE && owns_faces(mesh, kept, make_ticket(c.stamp, c.bits, kept.e));
+    *flips += flip_listed(mesh, c, kept, owns, done, own, memory, queue_of_round(edge_marks, done, own, memory));
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    ++done;
+  }
+  end_rounds(own, memory, done);
   return done;
 }
 

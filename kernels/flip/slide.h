@@ -1,174 +1,292 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flips that follow one another along a fan, by one work-item in one round. Where a vertex v comes into the triangles
-// around another one, w, each flip gives v one neighbour of w's, and the next edge to be flipped leads from w to that
-// neighbour: a chain, one flip a round. Where a round has little else to do, one work-item follows it, a flip in the
-// time of a round: barriers then do not grow with fans. Where it has more, work-items wait for the longest slide
-// (bench/NOTES.md, "Slides"). OpenCL C only.
+// Flips that follow one another along a fan, all of them in one round. Where a vertex v comes into the triangles around
+// another one, x, each flip gives it one neighbour of x's, and the next edge to be flipped leads from x to that
+// neighbour: a chain, one flip a round. But whether the k-th edge of the fan is illegal when its turn comes is said by
+// v, x and the k-th triangle alone, and that triangle has not been changed by the flips before. So a work-item looks
+// ahead along the fan, two loads a triangle; the group tests all edges that it found, side by side; and as many flips
+// as the first of them that are illegal are done at once, each by a work-item of its own. They are the flips that
+// rounds would do one after the other, with the same result.
+//
+//      p0----p1----p2       near = (v, x, y); the fan around x: f0 = (p0, y, x), f1 = (p1, p0, x), f2 = (p2, p1, x),
+//     / \ f1 | f2 / \       with the edges e0 = x-y, e1 = x-p0, e2 = x-p1, e3 = x-p2 in front of them and behind.
+//    / f0 \  |   /   \      After three flips f0 = (p0, y, v), f1 = (p1, p0, v), f2 = (p2, p1, v), near = (v, x, p2);
+//   y-------- x --------    e0 = v-p0, e1 = v-p1, e2 = v-p2, and e3 is still x-p2.
+//    \ near /
+//     \    /                The fan around y is the mirror image.
+//       v
+//
+// An edge to be flipped has two faces, of which each may be the near one, and each has two fans. Four fans are looked
+// along, and the one of the most flips is taken: what the others offer comes in rounds to follow.
+// OpenCL C only.
 #ifndef GCDT_SLIDE_H
 #define GCDT_SLIDE_H
 
-#include "flip/flip.h"
-#include "flip/queue.h"
+#include "flip/rounds.h"
 
-// Flips of a slide at most, which bounds the launch.
-#define GCDT_SLIDE_FLIPS 32u
-// Edges of a round that slides at most, a few flips' worth.
+// Edges listed in a round that slides at most: many are flipped side by side, and faster so.
 #ifndef GCDT_SLIDE_TESTS
-#define GCDT_SLIDE_TESTS 8u
+#define GCDT_SLIDE_TESTS 96u
 #endif
+// A round may slide if it has at least one edge for so many of the round before.
+#ifndef GCDT_SLIDE_SHARE
+#define GCDT_SLIDE_SHARE 2u
+#endif
+// Rounds without another attempt, at most, after vain ones.
+#ifndef GCDT_SLIDE_PAUSE
+#define GCDT_SLIDE_PAUSE 64u
+#endif
+#define GCDT_SLIDE_FLIPS 64u   // of a slide at most, which bounds the launch
+#define GCDT_SLIDE_ROOM 2048u  // triangles of all fans
 
 // Where flips propagate, chains need no slides; where records are not read whole, sides are not kept.
 #if GCDT_FLIP_CHAIN == 1 && !defined(GCDT_CONTIGUOUS)
 #define GCDT_SLIDES
 #endif
 
-// An edge that a work-item keeps from its test to its flip.
-typedef struct Kept {
-  uint e;                              // GCDT_NONE: nothing is to be flipped
-  uint2 refs;                          // of its faces
-  uint4 corners_t, corners_u, st, su;  // their corners and sides
-} Kept;
-
-// What is known of an edge that has two faces. What may be wanted is read at once: few edges wait for memory, and for
-// nothing else.
-static inline Kept keep_edge(Mesh mesh, uint e, uint2 refs) {
-  const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
-  Kept k;
-  k.e = e;
-  k.refs = refs;
-  k.corners_t = mesh.face_data[GCDT_CORNERS(t)];
-  k.corners_u = mesh.face_data[GCDT_CORNERS(u)];
-#ifdef GCDT_CONTIGUOUS
-  k.st = k.su = (uint4)(0u);
-#else
-  k.st = mesh.face_data[GCDT_SIDES(t)];
-  k.su = mesh.face_data[GCDT_SIDES(u)];
-#endif
-  return k;
-}
-
 #ifdef GCDT_SLIDES
 
-// What became of an edge that a slide came to.
-typedef enum Met { MET_LEGAL, MET_ILLEGAL, MET_UNKNOWN } Met;
+// In local memory. A slide has two faces, each of which has two fans, around x and around y; the longest one is taken.
+// Fan f is that of face f / 2, around y if f is odd, and has `stride` words of `refs` and `codes` from f * stride on.
+typedef struct SlidesMemory {
+  local uint* refs;             // of f_k, at p_k
+  local uint* codes;            // of e_k: the side of f_(k-1), or of the near face
+  local uint* known;            // of each fan: how many triangles are known
+  volatile local uint* broken;  // of each fan: the first known edge that cannot be flipped, or GCDT_NONE
+  local uint* outer;            // of each fan: the near face's side that f0 gets
+  local uint *near, *v;         // of each face: its reference at v, and v
+  local uint* ticket;           // of each slide
+  volatile local uint* counts;  // slides; fans that grow, for stages of even and of odd numbers
+} SlidesMemory;
 
-// A side, the reference of the face behind it, and its edge's marks.
-typedef struct Side {
-  uint code, behind, marks;
-} Side;
+// Declared in the kernel itself, as OpenCL C 1.2 asks.
+#define DECLARE_SLIDES(name)                                                                                    \
+  local uint name##_refs[GCDT_SLIDE_ROOM], name##_codes[GCDT_SLIDE_ROOM], name##_known[4u * GCDT_SLIDE_TESTS],  \
+      name##_outer[4u * GCDT_SLIDE_TESTS], name##_near[2u * GCDT_SLIDE_TESTS], name##_v[2u * GCDT_SLIDE_TESTS], \
+      name##_ticket[GCDT_SLIDE_TESTS];                                                                          \
+  volatile local uint name##_broken[4u * GCDT_SLIDE_TESTS], name##_counts[3];                                   \
+  const SlidesMemory name = {.refs = name##_refs,                                                               \
+                             .codes = name##_codes,                                                             \
+                             .known = name##_known,                                                             \
+                             .broken = name##_broken,                                                           \
+                             .outer = name##_outer,                                                             \
+                             .near = name##_near,                                                               \
+                             .v = name##_v,                                                                     \
+                             .ticket = name##_ticket,                                                           \
+                             .counts = name##_counts}
 
-static inline Side look_behind(Mesh mesh, Queue queue, uint code) {
-  Side s;
-  s.code = code;
-  s.behind = mesh.edge_faces[code ^ 1u];
-  s.marks = queue.marks[GCDT_SIDE_EDGE(code)];
-  return s;
+// The corner of x or y in a fan's triangle whose corner p is d, and the other one: that of the neighbour before.
+static inline uint corner_of_centre(uint fan, uint d) { return (fan & 1u) ? next_corner(d) : previous_corner(d); }
+static inline uint corner_before(uint fan, uint d) { return (fan & 1u) ? previous_corner(d) : next_corner(d); }
+
+// The two fans of one of a slide's faces, with reference `near`, corners c and sides s; beyond the edge is the other
+// face, the first triangle of both.
+GCDT_GIVEN_LOCAL void begin_fans(SlidesMemory s, uint face, uint stride, uint near, uint4 corners, uint4 sides,
+                                 uint beyond, uint4 sides_beyond) {
+  const uint b = GCDT_REF_CORNER(near), d = GCDT_REF_CORNER(beyond);
+  s.v[face] = element(corners, b);
+  s.near[face] = near;
+  for (uint fan = 2u * face; fan < 2u * face + 2u; ++fan) {
+    const uint at = fan * stride;
+    s.outer[fan] = element(sides, corner_before(fan, b));
+    s.known[fan] = 1u;
+    s.broken[fan] = GCDT_NONE;
+    s.refs[at] = beyond;
+    s.codes[at] = element(sides, b);
+    s.codes[at + 1u] = element(sides_beyond, corner_before(fan, d));
+  }
 }
 
-typedef struct Corner {
-  uint number;
-  Vertex at;
-} Corner;
-
-static inline Corner load_corner(Mesh mesh, uint number) {
-  const Corner corner = {.number = number, .at = load_vertex(mesh.points, mesh.n, number)};
-  return corner;
+// Looks up the triangles of a fan from the `from`-th up to the `to`-th, two loads each that depend on one another.
+// Returns whether there are any. It ends at the border of the mesh. (One that leads all the way around comes to v,
+// beyond which it is not tested.)
+GCDT_GIVEN_LOCAL bool look_ahead(Mesh mesh, SlidesMemory s, uint fan, uint stride, uint from, uint to) {
+  const uint at = fan * stride;
+  if (s.known[fan] < from || s.broken[fan] != GCDT_NONE) return false;
+  uint k = from, code = s.codes[at + from];
+  for (; k < to; ++k) {
+    const uint ref = mesh.edge_faces[code ^ 1u];
+    if (ref == GCDT_NONE) break;
+    code = face_side(mesh, GCDT_REF_FACE(ref), corner_before(fan, GCDT_REF_CORNER(ref)));
+    s.refs[at + k] = ref;
+    s.codes[at + k + 1u] = code;
+  }
+  s.known[fan] = k;
+  return k > from;
 }
 
-// A face (p, y, x) behind the edge x-y: its reference there, and its sides across from y and from x.
-typedef struct Beyond {
-  uint ref;
-  Corner p;
-  Side of_y, of_x;
-} Beyond;
-
-// Tests the edge of side s, whose near face (v, x, y) is owned. Illegal: the face behind it is owned now, too, and
-// `met` has it. Unknown: it may be illegal, now or later, and is to be queued (flip.cl). Else it is constrained, or
-// legal as long as its faces, both owned here, are not changed.
-// The face is locked before it is known whether that is needed, as all that may be wanted is asked for before the
-// first answer is waited for. No race: what is read of it, and of who is behind its sides, is right if it can be taken,
-// since whoever changes a face in this round has taken it before; else it is not acted on (flip_propagate).
-static Met meet_edge(Mesh mesh, Claim c, uint ticket, Queue queue, Side s, Corner v, Corner x, Corner y,
-                     private Beyond* met) {
-  if ((s.marks & GCDT_MARK_CONSTRAINED) || s.behind == GCDT_NONE) return MET_LEGAL;
-  const uint face = GCDT_REF_FACE(s.behind), d = GCDT_REF_CORNER(s.behind);
-  const uint4 corners = rotate_to(mesh.face_data[GCDT_CORNERS(face)], d),
-              sides = rotate_to(mesh.face_data[GCDT_SIDES(face)], d);
-  met->ref = s.behind;
-  met->p = load_corner(mesh, corners.x);
-  met->of_y = look_behind(mesh, queue, sides.y);
-  met->of_x = look_behind(mesh, queue, sides.z);
-  if (!own_face(mesh, face, corners.w, ticket, c)) return MET_UNKNOWN;
-  return gcdt_must_flip(y.at, v.at, x.at, met->p.at) ? MET_ILLEGAL : MET_LEGAL;
+// Whether the edge with this code, in front of the triangle (p, Y, X) with reference `ref`, is illegal beside the face
+// (v, X, Y), and the triangle is owned, or now is.
+static bool goes_on(Mesh mesh, volatile global uint* marks, Claim c, uint ticket, uint v, uint ref, uint code) {
+  const uint face = GCDT_REF_FACE(ref);
+  const uint4 r = rotate_to(mesh.face_data[GCDT_CORNERS(face)], GCDT_REF_CORNER(ref));
+  if (r.x == v || (marks[GCDT_SIDE_EDGE(code)] & GCDT_MARK_CONSTRAINED)) return false;
+  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, r.y), load_vertex(mesh.points, mesh.n, v),
+                        load_vertex(mesh.points, mesh.n, r.z), load_vertex(mesh.points, mesh.n, r.x)) &&
+         own_face(mesh, face, r.w, ticket, c);
 }
 
-// Flips k.e, whose faces it owns under `ticket`, then again and again the edge across from v, the newer of the two
-// vertices that the first flip made neighbours: first the one that ends where the last one did, at w. Each flip's other
-// three edges are queued, or tested, as a flip's edges always are. Ends: each pass flips once, GCDT_SLIDE_FLIPS times
-// at most. Returns the number of flips.
-static uint slide(Mesh mesh, Claim c, uint ticket, Kept k, Queue queue) {
-  const uint b_of_t = GCDT_REF_CORNER(k.refs.x), b_of_u = GCDT_REF_CORNER(k.refs.y);
-  const uint4 t = rotate_to(k.corners_t, b_of_t), u = rotate_to(k.corners_u, b_of_u);
-  const bool in_t = t.x < mesh.n && (u.x >= mesh.n || t.x > u.x);
-  const uint4 near = in_t ? t : u, side_near = in_t ? rotate_to(k.st, b_of_t) : rotate_to(k.su, b_of_u),
-              side_far = in_t ? rotate_to(k.su, b_of_u) : rotate_to(k.st, b_of_t);
-  // The edge to be flipped is x-y, between the face a = (v, x, y) and the one beyond.
-  uint ref_a = in_t ? k.refs.x : k.refs.y, code = side_near.x, of_x = side_near.y, of_y = side_near.z;
-  const Corner v = load_corner(mesh, near.x);
-  Corner x = load_corner(mesh, near.y), y = load_corner(mesh, near.z);
-  Beyond beyond;
-  beyond.ref = in_t ? k.refs.y : k.refs.x;
-  beyond.p = load_corner(mesh, in_t ? u.x : t.x);
-  beyond.of_y = look_behind(mesh, queue, side_far.y);
-  beyond.of_x = look_behind(mesh, queue, side_far.z);
-  uint spoke = GCDT_SIDE_EDGE(of_x);
-  bool around_x = true;  // it turns around x, if it goes on as it did
-  queue_edge(queue, GCDT_SIDE_EDGE(of_y));
-  for (uint flips = 1;; ++flips) {
-    // a becomes (v, x, p), and the face beyond, f = (p, y, x), becomes (p, y, v), as in flip_edge_with.
-    const uint a = GCDT_REF_FACE(ref_a), b = GCDT_REF_CORNER(ref_a), f = GCDT_REF_FACE(beyond.ref),
-               d = GCDT_REF_CORNER(beyond.ref);
-    global uint* at = (global uint*)(mesh.face_data + GCDT_CORNERS(a));
-    global uint* af = (global uint*)(mesh.face_data + GCDT_CORNERS(f));
-    const uint old = atomic_or(queue.marks + spoke, GCDT_MARK_QUEUED);
-    at[previous_corner(b)] = beyond.p.number;
-    af[previous_corner(d)] = v.number;
-    set_side(mesh.face_data, a, b, beyond.of_y.code);
-    set_side(mesh.face_data, a, next_corner(b), code);
-    set_side(mesh.face_data, f, d, of_x);
-    set_side(mesh.face_data, f, next_corner(d), code ^ 1u);
-    mesh.edge_faces[code] = GCDT_FACE_REF(a, next_corner(b));
-    mesh.edge_faces[code ^ 1u] = GCDT_FACE_REF(f, next_corner(d));
-    mesh.edge_faces[beyond.of_y.code] = ref_a;
-    mesh.edge_faces[of_x] = beyond.ref;
-    // Across from v are x-p, in a, and p-y, in f.
-    const Side of_a = beyond.of_y, of_f = beyond.of_x;
-    const Corner p = beyond.p;
-    Met met_a = MET_UNKNOWN, met_f = MET_UNKNOWN;
-    if (flips < GCDT_SLIDE_FLIPS) {
-      if (around_x) met_a = meet_edge(mesh, c, ticket, queue, of_a, v, x, p, &beyond);
-      if (met_a != MET_ILLEGAL) met_f = meet_edge(mesh, c, ticket, queue, of_f, v, p, y, &beyond);
-      if (!around_x && met_f != MET_ILLEGAL) met_a = meet_edge(mesh, c, ticket, queue, of_a, v, x, p, &beyond);
+// A slide: which of its fans, and how many flips.
+typedef struct Slide {
+  uint fan, flips;
+} Slide;
+
+// Ends: four fans.
+GCDT_GIVEN_LOCAL Slide longest_fan(SlidesMemory s, uint slide) {
+  Slide longest = {.fan = 4u * slide, .flips = 0u};
+  for (uint fan = 4u * slide; fan < 4u * slide + 4u; ++fan) {
+    const uint flips = min(s.broken[fan], s.known[fan]);
+    if (flips <= longest.flips) continue;
+    longest.fan = fan;
+    longest.flips = flips;
+  }
+  return longest;
+}
+
+// The k-th triangle of a slide: v for x (or y), and between v-p_(k-1) and v-p_k.
+GCDT_GIVEN_LOCAL void slide_triangle(Mesh mesh, SlidesMemory s, Slide slide, uint stride, uint k, Queue queue) {
+  const uint at = slide.fan * stride + k, ref = s.refs[at], code = s.codes[at],
+             before = k == 0u ? s.outer[slide.fan] : s.codes[at - 1u];
+  const uint f = GCDT_REF_FACE(ref), d = GCDT_REF_CORNER(ref), centre = corner_of_centre(slide.fan, d),
+             other = corner_before(slide.fan, d), around = face_side(mesh, f, centre);
+  ((global uint*)(mesh.face_data + GCDT_CORNERS(f)))[centre] = s.v[slide.fan / 2u];
+  set_side(mesh.face_data, f, d, before);
+  set_side(mesh.face_data, f, other, code ^ 1u);
+  mesh.edge_faces[before] = ref;
+  mesh.edge_faces[code ^ 1u] = GCDT_FACE_REF(f, other);
+  queue_edge(queue, GCDT_SIDE_EDGE(around));
+  queue_edge(queue, GCDT_SIDE_EDGE(before));
+}
+
+// Its near face, which ends up between v-p_last and the edge that was not flipped.
+GCDT_GIVEN_LOCAL void slide_near(Mesh mesh, SlidesMemory s, Slide slide, uint stride, Queue queue) {
+  const uint at = slide.fan * stride + slide.flips, near = s.near[slide.fan / 2u], last = s.refs[at - 1u],
+             flipped = s.codes[at - 1u], left = s.codes[at], kept = s.outer[slide.fan ^ 1u];
+  const uint a = GCDT_REF_FACE(near), b = GCDT_REF_CORNER(near);
+  // In the fan around x: across from x, where the edge from v to y was; y's corner becomes p_last.
+  const uint across = corner_before(slide.fan, b), moved = corner_of_centre(slide.fan, b);
+  ((global uint*)(mesh.face_data + GCDT_CORNERS(a)))[moved] =
+      face_corner(mesh, GCDT_REF_FACE(last), GCDT_REF_CORNER(last));
+  set_side(mesh.face_data, a, b, left);
+  set_side(mesh.face_data, a, across, flipped);
+  mesh.edge_faces[left] = near;
+  mesh.edge_faces[flipped] = GCDT_FACE_REF(a, across);
+  queue_edge(queue, GCDT_SIDE_EDGE(left));
+  queue_edge(queue, GCDT_SIDE_EDGE(kept));
+}
+
+// Which rounds slide, the same for all of the group: those of few edges, where there are not much fewer than in the
+// round before, as a chain has a flip in every round; and then for as long as a quarter of the slides has four flips or
+// more. After a vain attempt the next one is put off, each time twice as long.
+typedef struct Pace {
+  uint before;       // edges of the round before
+  uint rest, pause;  // rounds until the next attempt; those after the next vain one
+  bool pays;
+} Pace;
+
+GCDT_GIVEN_LOCAL bool slides_now(Pace p, uint tests) {
+  return tests <= GCDT_SLIDE_TESTS && (p.pays || (p.rest == 0u && GCDT_SLIDE_SHARE * tests >= p.before));
+}
+
+GCDT_GIVEN_LOCAL void note_slides(private Pace* p, uint slides, uint longer) {
+  p->pays = slides > 0u && 4u * longer >= slides;
+  p->rest = p->pays ? 0u : p->pause;
+  p->pause = p->pays ? 1u : min(2u * p->pause, GCDT_SLIDE_PAUSE);
+}
+
+// The group's work-items each have an illegal edge or none (`kept`), whose faces it `owns` or does not. Those that do
+// slide, and their work-items have none any more. Returns the number of the work-item's flips.
+//
+// No race: until the last barrier the mesh is read, and only claim words change (flip_propagate). From then on each
+// triangle of a slide, and each near face, is written by one work-item, and read by it alone but for the corner p_last,
+// which nobody writes: all of them are owned under the slide's ticket. The sides of e_0 to e_(r-1), that of e_r which
+// f_(r-1) had, and the near face's two are dealt to them anew, each side to one. What is queued: every edge of what was
+// changed but e_(r-1), the last one flipped.
+// Ends: `from` doubles up to a fan's room. (The loop is left at its head alone: PoCL 3.1 does not come out of one that
+// is left between two barriers.)
+GCDT_GIVEN_LOCAL uint slide_along_fans(Mesh mesh, volatile global uint* marks, Claim c, private Kept* kept, bool owns,
+                                       SlidesMemory s, private Pace* pace, Queue queue) {
+  const uint me = get_local_id(0), size = (uint)get_local_size(0);
+  const uint slide = owns ? atomic_inc(s.counts) : GCDT_NONE;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  const uint slides = s.counts[0], fans = 4u * slides,
+             stride = min(GCDT_SLIDE_FLIPS + 1u, GCDT_SLIDE_ROOM / max(fans, 1u));
+  if (owns) {
+    begin_fans(s, 2u * slide, stride, kept->refs.x, kept->corners_t, kept->st, kept->refs.y, kept->su);
+    begin_fans(s, 2u * slide + 1u, stride, kept->refs.y, kept->corners_u, kept->su, kept->refs.x, kept->st);
+    s.ticket[slide] = make_ticket(c.stamp, c.bits, kept->e);
+    kept->e = GCDT_NONE;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  uint from = 1, longer = 0;
+  for (uint stage = 0; stage == 0u ? slides > 0u : s.counts[1u + (stage & 1u)] > 0u; ++stage) {
+    const uint to = min(2u * from, stride - 1u);
+    if (stage == 3u) longer = s.counts[1u + (stage & 1u)];
+    for (uint fan = me; fan < fans; fan += size) {
+      if (look_ahead(mesh, s, fan, stride, from, to)) atomic_inc(s.counts + 1u + (~stage & 1u));
     }
-    if (!(old & GCDT_MARK_QUEUED)) append(queue.list, spoke);
-    if (met_a == MET_UNKNOWN) queue_edge(queue, GCDT_SIDE_EDGE(of_a.code));
-    if (met_f == MET_UNKNOWN) queue_edge(queue, GCDT_SIDE_EDGE(of_f.code));
-    if (met_a != MET_ILLEGAL && met_f != MET_ILLEGAL) return flips;
-    // What was flipped is one of the next flip's edges, and the one from v to the vertex that it turns around is
-    // queued.
-    spoke = GCDT_SIDE_EDGE(code);
-    around_x = met_a == MET_ILLEGAL;
-    if (around_x) {
-      of_x = code;
-      code = of_a.code;
-      y = p;
-    } else {
-      ref_a = GCDT_FACE_REF(f, previous_corner(d));
-      of_y = code ^ 1u;
-      code = of_f.code;
-      x = p;
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    if (me == 0u) s.counts[1u + (stage & 1u)] = 0u;
+    for (uint i = me; i < fans * from; i += size) {
+      const uint fan = i / from, k = from + i % from, at = fan * stride + k;
+      if (k < s.known[fan] && !goes_on(mesh, marks, c, s.ticket[fan / 4u], s.v[fan / 2u], s.refs[at], s.codes[at]))
+        atomic_min(s.broken + fan, k);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    from = to;
+  }
+  note_slides(pace, slides, longer);
+  uint flips = 0;
+  for (uint i = me; i < slides * stride; i += size) {
+    const uint k = i % stride;
+    const Slide mine = longest_fan(s, i / stride);
+    if (k < mine.flips) {
+      slide_triangle(mesh, s, mine, stride, k, queue);
+      ++flips;
+    } else if (k == mine.flips) {
+      slide_near(mesh, s, mine, stride, queue);
     }
   }
+  return flips;
+}
+
+// As flip_in_group, with slides in rounds of few flips.
+GCDT_GIVEN_LOCAL uint slide_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
+                                     RoundsMemory memory, SlidesMemory slides, private uint* flips) {
+  uint done = 0;
+  Pace pace = {.before = GCDT_NONE, .rest = 0u, .pause = 1u, .pays = false};
+  begin_rounds(own, memory);
+  for (;;) {
+    const uint tests = memory.tests[done & 1u];
+    if (tests == 0u || done == most) break;
+    const Claim c = make_claim(stamp + done, bits);
+    if (get_local_id(0) == 0) slides.counts[0] = slides.counts[1] = slides.counts[2] = 0u;
+    Kept kept = test_listed(mesh, edge_marks, c, tests, done, own, memory);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    const bool owns = kept.e != GCDT_NONE && owns_faces(mesh, kept, make_ticket(c.stamp, c.bits, kept.e));
+    const Queue queue = queue_of_round(edge_marks, done, own, memory);
+    if (slides_now(pace, tests))
+      *flips += slide_along_fans(mesh, edge_marks, c, &kept, owns, slides, &pace, queue);
+    else if (pace.rest > 0u)
+      --pace.rest;
+    pace.before = tests;
+    *flips += flip_listed(mesh, c, kept, owns, done, own, memory, queue);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    ++done;
+  }
+  end_rounds(own, memory, done);
+  return done;
+}
+
+#else
+
+// Nobody slides.
+typedef struct SlidesMemory {
+  uint none;
+} SlidesMemory;
+#define DECLARE_SLIDES(name) const SlidesMemory name = {.none = 0u}
+GCDT_GIVEN_LOCAL uint slide_in_group(Mesh mesh, global uint* edge_marks, uint stamp, uint bits, uint most, OwnLists own,
+                                     RoundsMemory memory, SlidesMemory slides, private uint* flips) {
+  return flip_in_group(mesh, edge_marks, stamp, bits, most, own, memory, flips);
 }
 
 #endif

@@ -120,7 +120,7 @@ GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, loc
     if (won[i + 1u] > won[i]) flips += insert_winner(r->insertion, i, tail->vertices + won[i]);
   }
   const uint rounds = flip_in_group(r->insertion.mesh, r->marks, ticket.stamp + 1u, r->bits,
-                                    r->last_stamp - ticket.stamp, 0u, r->flips, rounds_memory, &flips);
+                                    r->last_stamp - ticket.stamp, r->flips, rounds_memory, &flips);
   add_wide(&r->report->tail.flips_low, &r->report->tail.flips_high, flips);
   for (uint i = 0; i < winners; ++i) {
     if (find_star(r->insertion.mesh, tail->vertices + i) == GCDT_NONE) r->insertion.counters->lost = 1u;
