@@ -15,9 +15,9 @@
 // An edge that is not queued for the next round is legal or constrained. Proof: a flip puts the four edges around it
 // into the local worklist or the queue; an edge leaves the worklist only if it is constrained, has no other side, is
 // flipped, is legal with both its faces owned here (a later change of either is made here too, and puts it back), or
-// is queued; a slide queues all edges around what it changed. An edge that is legal against
-// a face owned elsewhere is queued as well: two work-items that change its two faces at the same time may each see the
-// other's old face, both find it legal, and both be wrong.
+// is queued; a slide queues all edges around what it changed. An edge that is legal against a face owned elsewhere is
+// queued as well: two work-items that change its two faces at the same time may each see the other's old face, both
+// find it legal, and both be wrong.
 #include "flip/slide.h"
 
 // ---- Rounds by sweeps -----------------------------------------------------------------------------
