@@ -184,7 +184,7 @@ typedef struct Pace {
 } Pace;
 
 GCDT_GIVEN_LOCAL bool slides_now(Pace p, uint tests) {
-  return tests <= GCDT_SLIDE_TESTS && (p.pays || (p.rest == 0u && GCDT_SLIDE_SHARE * tests >= p.before));
+  return tests <= GCDT_SLIDE_TESTS && (p.pays || (p.rest == 0u && tests >= p.before / GCDT_SLIDE_SHARE));
 }
 
 GCDT_GIVEN_LOCAL void note_slides(private Pace* p, uint slides, uint longer) {

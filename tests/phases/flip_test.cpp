@@ -140,6 +140,19 @@ void for_all_ways(Test test) {
     }
 }
 
+// All devices as GPUs that slide in each round of few edges, the first one, too.
+std::vector<test::Treated> gpus_that_slide() {
+  std::vector<test::Treated> made;
+  for (const cl::Device& device : test::every_device()) {
+    runtime::CallHook hook = test::treated_as(DeviceKind::gpu);
+    hook.options = "-DGCDT_SLIDE_SHARE=0xFFFFFFFFu -DGCDT_SLIDE_PAUSE=0u";
+    auto gpu = std::make_unique<runtime::Runtime>(device, hook);
+    const std::string platform = gpu->info().platform;
+    made.push_back({platform + " that slides", std::move(gpu)});
+  }
+  return made;
+}
+
 // Gives the faces, but for the root's, each other's numbers, as enforced constraints that cross much do.
 void mix_faces(Unflipped& mesh) {
   const HostMesh m = mesh.now();
@@ -160,6 +173,36 @@ void mix_faces(Unflipped& mesh) {
   mesh.runtime.write(mesh.mesh.edge_faces, edge_faces.data(), edge_faces.size());
 }
 
+// The ends of the constrained edges.
+std::set<Ends> constrained(const HostMesh& m) {
+  std::set<Ends> ends;
+  for (std::uint32_t e = 0; e < m.edges; ++e)
+    if (m.marks[e] & GCDT_MARK_CONSTRAINED) ends.insert(quadrilateral(m, e).first);
+  return ends;
+}
+
+// Flips a mesh that has illegal edges, with a look at it after each round, up to CGAL's triangulation.
+void flip_and_watch(Unflipped& mesh) {
+  const HostMesh before = mesh.now();
+  REQUIRE(illegal_edges(before) > 0);
+  std::uint64_t rounds = 0;
+  const FlipResult result = mesh.flip([&](const char*, double) {
+    const HostMesh m = mesh.now();
+    CHECK(invalid_reason(m, m.n) == "");
+    CHECK(forgotten_edges(m) == 0);
+    ++rounds;
+    return true;
+  });
+  const HostMesh flipped = mesh.now();
+  const auto& within = mesh.counters.last().patch_rounds;
+  CHECK(rounds + std::accumulate(std::begin(within), std::end(within), std::uint64_t{0}) == result.rounds);
+  CHECK(result.flips > 0);
+  CHECK(illegal_edges(flipped) == 0);
+  CHECK(queued_edges(flipped) == 0);
+  CHECK(constrained(flipped) == constrained(before));
+  CHECK(finite_faces(flipped) == expected_faces(flipped));
+}
+
 }  // namespace
 
 TEST_CASE("after every round the mesh is valid and each illegal edge queued; flips end in CGAL's triangulation") {
@@ -170,24 +213,29 @@ TEST_CASE("after every round the mesh is valid and each illegal edge queued; fli
         CAPTURE(one_in);
         Unflipped mesh(runtime, make_points(kind, 400, 7));
         constrain_some(mesh, one_in);
-        REQUIRE(illegal_edges(mesh.now()) > 0);
-        std::uint64_t rounds = 0;
-        const FlipResult result = mesh.flip([&](const char*, double) {
-          const HostMesh m = mesh.now();
-          CHECK(invalid_reason(m, m.n) == "");
-          CHECK(forgotten_edges(m) == 0);
-          ++rounds;
-          return true;
-        });
-        const HostMesh flipped = mesh.now();
-        const auto& within = mesh.counters.last().patch_rounds;
-        CHECK(rounds + std::accumulate(std::begin(within), std::end(within), std::uint64_t{0}) == result.rounds);
-        CHECK(result.flips > 0);
-        CHECK(illegal_edges(flipped) == 0);
-        CHECK(queued_edges(flipped) == 0);
-        CHECK(finite_faces(flipped) == expected_faces(flipped));
+        flip_and_watch(mesh);
       }
   });
+}
+
+TEST_CASE("where rounds slide, the mesh is valid after each, constraints stay, and flips end in CGAL's triangulation") {
+  for (test::Treated& device : gpus_that_slide()) {
+    CAPTURE(device.name);
+    Tuning tuning = device.runtime->tuning();
+    tuning.least_sweep = tuning.least_patched = all, tuning.sweep_share = 1, tuning.one_group_edges = all;
+    tuning.rounds_per_read = tuning.rounds_of_group = 1;
+    const test::Tuned tuned(*device.runtime, tuning);
+    for (const std::string kind : {"uniform", "grid", "clusters", "parabola"})
+      for (const std::uint32_t n : {12u, 30u, 400u})
+        for (const std::uint32_t one_in : {0u, 3u, 9u}) {
+          CAPTURE(kind);
+          CAPTURE(n);
+          CAPTURE(one_in);
+          Unflipped mesh(*device.runtime, make_points(kind, n, 5));
+          constrain_some(mesh, one_in);
+          if (illegal_edges(mesh.now()) > 0) flip_and_watch(mesh);
+        }
+  }
 }
 
 TEST_CASE("where no two edges that may be flipped share a face, each is flipped if it is illegal, and counted once") {

@@ -119,7 +119,7 @@ runtime::CallHook hook_of(const std::string& kind) {
   if (kind == "shares") hook.tuning.one_item_vertices = 0;
   if (kind == "gpu" || kind == "few") {
     hook.tuning.kind = DeviceKind::gpu;
-    hook.options = "-DGCDT_SLIDE_SHARE=65536u -DGCDT_SLIDE_PAUSE=0u";  // else few slides meet
+    hook.options = "-DGCDT_SLIDE_SHARE=0xFFFFFFFFu -DGCDT_SLIDE_PAUSE=0u";  // else few slides meet
   } else if (kind == "lanes" || kind == "threads" || kind == "shares") {
     hook.tuning.kind = kind == "lanes" ? DeviceKind::lanes : DeviceKind::threads;
   } else {
