@@ -170,8 +170,9 @@ static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, ui
   return k;
 }
 
-// Whether the illegal edge k.e, which has claimed its two faces under `ticket`, owns them.
-static inline bool owns_faces(Mesh mesh, Kept k, uint ticket) {
+// Whether the illegal edge k.e, which has claimed its two faces, owns them.
+static inline bool owns_faces(Mesh mesh, Claim c, Kept k) {
+  const uint ticket = make_ticket(c.stamp, c.bits, k.e);
   const uint of_t = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.x)),
              of_u = *claim_word(mesh.face_data, GCDT_REF_FACE(k.refs.y));
   return of_t == ticket && of_u == ticket;
@@ -252,7 +253,7 @@ GCDT_GIVEN_LOCAL uint flip_listed(Mesh mesh, Claim c, Kept kept, bool owns, uint
     if (kept.e != GCDT_NONE) flips += flip_kept(mesh, c, kept, owns, queue);
     if (i >= count) return flips;
     kept = keep_edge(mesh, own.illegal[i], faces_of_edge(mesh, own.illegal[i]));
-    owns = owns_faces(mesh, kept, make_ticket(c.stamp, c.bits, kept.e));
+    owns = owns_faces(mesh, c, kept);
   }
 }
 
@@ -277,7 +278,7 @@ GCDT_GIVEN_LOCAL uint flip_in_group(Mesh mesh, global uint* edge_marks, uint sta
     const Claim c = make_claim(stamp + done, bits);
     const Kept kept = test_listed(mesh, edge_marks, c, tests, done, own, memory);
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    const bool owns = kept.e != GCDT_NONE && owns_faces(mesh, kept, make_ticket(c.stamp, c.bits, kept.e));
+    const bool owns = kept.e != GCDT_NONE && owns_faces(mesh, c, kept);
     *flips += flip_listed(mesh, c, kept, owns, done, own, memory, queue_of_round(edge_marks, done, own, memory));
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     ++done;

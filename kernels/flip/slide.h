@@ -24,10 +24,9 @@
 #include "flip/rounds.h"
 
 // Edges listed in a round that slides at most: many are flipped side by side, and faster so.
-#ifndef GCDT_SLIDE_TESTS
 #define GCDT_SLIDE_TESTS 96u
-#endif
-// A round may slide if it has at least one edge for so many of the round before.
+// A round may slide if it has at least one edge for so many of the round before. (Tests let every round slide by this
+// and by no pause.)
 #ifndef GCDT_SLIDE_SHARE
 #define GCDT_SLIDE_SHARE 2u
 #endif
@@ -78,8 +77,8 @@ typedef struct SlidesMemory {
 static inline uint corner_of_centre(uint fan, uint d) { return (fan & 1u) ? next_corner(d) : previous_corner(d); }
 static inline uint corner_before(uint fan, uint d) { return (fan & 1u) ? previous_corner(d) : next_corner(d); }
 
-// The two fans of one of a slide's faces, with reference `near`, corners c and sides s; beyond the edge is the other
-// face, the first triangle of both.
+// The two fans of one of a slide's faces, with reference `near`; beyond the edge is the other face, the first triangle
+// of both.
 GCDT_GIVEN_LOCAL void begin_fans(SlidesMemory s, uint face, uint stride, uint near, uint4 corners, uint4 sides,
                                  uint beyond, uint4 sides_beyond) {
   const uint b = GCDT_REF_CORNER(near), d = GCDT_REF_CORNER(beyond);
@@ -175,8 +174,8 @@ GCDT_GIVEN_LOCAL void slide_near(Mesh mesh, SlidesMemory s, Slide slide, uint st
 }
 
 // Which rounds slide, the same for all of the group: those of few edges, where there are not much fewer than in the
-// round before, as a chain has a flip in every round; and then for as long as a quarter of the slides has four flips or
-// more. After a vain attempt the next one is put off, each time twice as long.
+// round before, as a chain has a flip in every round; and then for as long as there is a fan of four flips or more for
+// every four slides. After a vain attempt the next one is put off, each time twice as long.
 typedef struct Pace {
   uint before;       // edges of the round before
   uint rest, pause;  // rounds until the next attempt; those after the next vain one
@@ -220,7 +219,7 @@ GCDT_GIVEN_LOCAL uint slide_along_fans(Mesh mesh, volatile global uint* marks, C
   uint from = 1, longer = 0;
   for (uint stage = 0; stage == 0u ? slides > 0u : s.counts[1u + (stage & 1u)] > 0u; ++stage) {
     const uint to = min(2u * from, stride - 1u);
-    if (stage == 3u) longer = s.counts[1u + (stage & 1u)];
+    if (stage == 3u) longer = s.counts[1u + (stage & 1u)];  // fans not broken before their fourth edge
     for (uint fan = me; fan < fans; fan += size) {
       if (look_ahead(mesh, s, fan, stride, from, to)) atomic_inc(s.counts + 1u + (~stage & 1u));
     }
@@ -262,7 +261,7 @@ GCDT_GIVEN_LOCAL uint slide_in_group(Mesh mesh, global uint* edge_marks, uint st
     if (get_local_id(0) == 0) slides.counts[0] = slides.counts[1] = slides.counts[2] = 0u;
     Kept kept = test_listed(mesh, edge_marks, c, tests, done, own, memory);
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    const bool owns = kept.e != GCDT_NONE && owns_faces(mesh, kept, make_ticket(c.stamp, c.bits, kept.e));
+    const bool owns = kept.e != GCDT_NONE && owns_faces(mesh, c, kept);
     const Queue queue = queue_of_round(edge_marks, done, own, memory);
     if (slides_now(pace, tests))
       *flips += slide_along_fans(mesh, edge_marks, c, &kept, owns, slides, &pace, queue);
