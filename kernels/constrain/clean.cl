@@ -138,14 +138,15 @@ kernel void clean_count(uint count, global const uint* begins, global const uint
 // and to that of all. After counting: counts[part] for every part, 0 beyond the last; first_hits[part] if that is not
 // 0; part_face[part], where it begins, is GCDT_NONE if it failed.
 kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_FAN_PARAMETERS,
-                       global const uint2* ends, global const uint* list, global const uint* begins,
-                       global const int4* lines, global const uint* part_piece, global uint* part_face,
-                       global const uint* searched, global const uint* offsets, global uint* counts,
-                       global uint* first_hits, global uint* hits, volatile global uint* crossed,
+                       GCDT_GATE_PARAMETERS, global const uint2* ends, global const uint* list,
+                       global const uint* begins, global const int4* lines, global const uint* part_piece,
+                       global uint* part_face, global const uint* searched, global const uint* offsets,
+                       global uint* counts, global uint* first_hits, global uint* hits, volatile global uint* crossed,
                        volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
+  const Gates gates = make_gates(gates_made, gates_at);
   const uint parts = begins[pieces];
   uint steps = 0, hit = 0, edges_already = 0;
   u64 pairs = 0;  // parts are shared out by their sum, which is no less than those of all constraints
@@ -169,7 +170,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
           ++found;
           event = walk_turn(&w, walked, w.hit, &steps);
         } else {
-          event = walk_cross(&w, mesh, look_behind(&w, mesh));
+          event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));
           ++edges;
         }
       }

@@ -38,16 +38,16 @@ kernel void constrain_existing(uint pieces, GCDT_MESH_PARAMETERS, volatile globa
   }
 }
 
-// One work-item per part. Writes near words by compare-and-exchange (reduce_near: order cannot
-// matter), claim words of crossed faces (every writer stores the same value), and for a piece that is
-// an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by
-// atomic_or). After: near and crossed faces are complete, or failure bits are set.
-kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* edge_marks,
-                           volatile global uint* near, global const uint2* ends, global const uint* begins,
-                           global const int4* lines, global const uint* part_piece, global const uint* part_face,
-                           global uint* piece_edge, uint claim, volatile global Counters* counters) {
+// One work-item per part. Writes near words by compare-and-exchange (reduce_near: order cannot matter), and for a piece
+// that is an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by atomic_or).
+// After: near is complete, or failure bits are set.
+kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
+                           volatile global uint* edge_marks, volatile global uint* near, global const uint2* ends,
+                           global const uint* begins, global const int4* lines, global const uint* part_piece,
+                           global const uint* part_face, global uint* piece_edge, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Gates gates = make_gates(gates_made, gates_at);
   const uint parts = begins[pieces];
   uint pairs = 0, existing = 0;
   FOR_EACH(part, min(parts, capacity)) {
@@ -62,19 +62,15 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, vol
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
         ++existing;
       } else if (event != WALK_FAILED) {
-        *claim_word(mesh.face_data, w.face) = claim;
         ++pairs;
       }
     }
     // Ends: every edge crossed lies further along the piece.
     while (event == WALK_CROSS) {
-      volatile global uint *left = near_left(near, w.code), *right = near_right(near, w.code);
-      const uint at_left = *left, at_right = *right;
-      const Behind behind = look_behind(&w, mesh);
-      reduce_near(left, at_left, right, at_right, c, &w, lines, counters);
+      const uint2 at = near_both(near, w.code);
+      const Gate behind = look_behind(&w, mesh, gates);
+      reduce_near(near, at.x, at.y, c, &w, lines, counters);
       event = walk_cross(&w, mesh, behind);
-      // Many pieces cross a face: one write will do. (If the word was read too early, it is written again.)
-      if (behind.corners.w != claim) *claim_word(mesh.face_data, w.face) = claim;
       ++pairs;
     }
     if (event == WALK_HIT)
@@ -128,9 +124,10 @@ GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* 
   if (get_local_id(0) == 0 && all > 0u) atomic_add(counter, all);
 }
 
-// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. Writes the
-// claim words of hexagons among them, each its own face's (they are numbered by an atomic counter: any numbering does).
-// If `grouped`, counts the others by piece, by atomic_inc (slots.cl). After: counters->hexagons and pairs_of_two.
+// One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. (A piece
+// that crosses a face leaves it by an edge, or comes into it by one.) Writes their claim words, each its own face's:
+// hexagons are numbered by an atomic counter, as any numbering does. If `grouped`, counts the others by piece, by
+// atomic_inc (slots.cl). After: counters->hexagons and pairs_of_two.
 kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global uint4* face_data,
                                     global const uint* near, global const uint2* ends, global uint* crossed,
                                     volatile global uint* of_pieces, volatile global Counters* counters) {
@@ -140,16 +137,17 @@ kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global
   const Appender list = make_appender(list_items, list_gathered, crossed, &counters->crossed_faces);
   FOR_EACH_TILE(tile, faces) {
     const uint t = tile + get_local_id(0);
-    if (t < faces && *claim_word(face_data, t) >= claim) {
+    Nearest at;
+    at.right = (uint4)(GCDT_NONE);
+    if (t < faces) at = nearest_of(near, face_data[GCDT_SIDES(t)]);
+    if (at.right.x != GCDT_NONE || at.right.y != GCDT_NONE || at.right.z != GCDT_NONE) {
       append(list, t);
       const uint4 corners = face_data[GCDT_CORNERS(t)];
-      const Nearest at = nearest_of(near, face_data[GCDT_SIDES(t)]);
       pairs += intersection_case(at, corners, 0u, ends) + intersection_case(at, corners, 1u, ends) +
                intersection_case(at, corners, 2u, ends);
-      if (is_hexagon(at))
-        *claim_word(face_data, t) = claim + 1u + atomic_inc(&counters->hexagons);
-      else if (grouped)
-        atomic_inc(of_pieces + piece_of_face(at.right));
+      const bool hexagon = is_hexagon(at);
+      *claim_word(face_data, t) = hexagon ? claim + 1u + atomic_inc(&counters->hexagons) : claim;
+      if (grouped && !hexagon) atomic_inc(of_pieces + piece_of_face(at.right));
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
@@ -179,12 +177,17 @@ kernel void constrain_crossed_edges(uint grouped, uint edges, global const uint*
   append_flush(list, 0u);
 }
 
-// One work-item per crossed face. Lists hexagons by number. No race: numbers are distinct.
+// One work-item per crossed face. Lists hexagons by number, and if gates are made says at those into one that its claim
+// word is to be read. No race: numbers are distinct, and a side is one face's.
 kernel void constrain_list_hexagons(uint count, uint claim, global const uint* crossed, global uint4* face_data,
-                                    global uint* hexagon_face) {
+                                    global uint* hexagon_face, uint gates_made, global int4* gates_at) {
   FOR_EACH(i, count) {
-    const uint word = *claim_word(face_data, crossed[i]);
-    if (word > claim) hexagon_face[word - claim - 1u] = crossed[i];
+    const uint face = crossed[i], word = *claim_word(face_data, face);
+    if (word <= claim) continue;
+    hexagon_face[word - claim - 1u] = face;
+    if (!gates_made) continue;
+    const uint4 sides = face_data[GCDT_SIDES(face)];
+    for (uint k = 0; k < 3u; ++k) gates_at[element(sides, k)].y |= (int)GCDT_GATE_SIGN;
   }
 }
 
@@ -192,12 +195,11 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
 // All left chains in order of the pieces, then all right ones; each chain is a, its owned vertices in
 // walk order, b. See left_begin; a and b have distance 0.
 //
-// Where the edge from a vertex of a chain to the one before it is an edge of the mesh already, not crossed, the walk
-// has it at hand: a side of the face in which it comes to the later vertex, if it left the earlier one there, and both
-// are owned. (A piece that is nearer to u on the edge where the walk leaves u behind is nearer on all edges between
-// them that end in u: it cannot cross this piece, so it crosses them all. So to own u is the same on each.) No other
-// chain finds the same side: who owns both ends there is unique. All other edges between neighbours in chains are left
-// to stitch.cl.
+// Where the edge from a vertex of a chain to the one before it is an edge of the mesh already, not crossed, it is a
+// side of the face in which the walk comes to the later vertex, if it left the earlier one there, and both are owned.
+// (A piece that is nearer to u on the edge where the walk leaves u behind is nearer on all edges between them that end
+// in u: it cannot cross this piece, so it crosses them all. So to own u is the same on each.) No other chain finds the
+// same side: who owns both ends there is unique. All other edges between neighbours in chains are left to stitch.cl.
 
 // The side `along` from a chain's vertex to the next, if the first is owned too: its near word stands at `word` on
 // the edge where the walk came in, or it is the piece's end. Marks it. No race: the vertex at the exit edge (or, in the
@@ -218,19 +220,20 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
                  chain_side(near, element(sides, next_corner(k)), false, in ^ 1u, c));
 }
 
-// One work-item per part. Writes the vertices that the part owns to chunks, the first of which all parts have, and how
-// many are left and right (its own words, the right ones `capacity` behind), marks known sides along chains with
-// NEAR_CHAIN, and reduces the farthest cut at each corner of a hexagon (reduce_far). A piece that is an edge already
-// crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each piece that was
-// walked.
-kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS,
+// One work-item per part. Writes where the part owns vertices to chunks, the first of which all parts have, and how
+// many are left and right (its own words, the right ones `capacity` behind), and reduces the farthest cut at each
+// corner of a hexagon (reduce_far). Of the last face it marks known sides along chains with NEAR_CHAIN. A piece that is
+// an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each
+// piece that was walked.
+kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
                           global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
                           global const uint* part_face, global uint* counts, volatile global uint* far,
-                          global ChunkHead* heads, global uint2* entries, global uint2* last, uint claim,
+                          global ChunkHead* heads, global uint* entries, global uint2* last, uint claim,
                           volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Gates gates = make_gates(gates_made, gates_at);
   const Chunks chunks = {.heads = heads, .entries = entries, .pool = capacity, .capacity = chunk_capacity};
   const uint parts = begins[pieces];
   uint all_left = 0, all_right = 0;
@@ -246,20 +249,13 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
-        const Behind behind = look_behind(&w, mesh);
-        // Both words are asked for before anything is done.
-        const bool left_owned = owns_left(&w, near, c), right_owned = owns_right(&w, near, c);
-        if (left_owned)
-          own_vertex(chunks, &o, w.left, 0u, chain_side(near, w.across_right, w.third_side == 0, w.across_left, c),
-                     counters);
-        if (right_owned)
-          own_vertex(chunks, &o, w.right, 1u,
-                     chain_side(near, w.across_left, w.third_side == 0, w.across_right ^ 1u, c), counters);
-        if (w.third_side != 0 && word > claim) {
-          reduce_far(far + 3u * (word - claim - 1u) + cut_corner(&w), c, &w,
-                     w.third_side > 0 ? w.point_right : w.point_left, lines, counters);
-        }
-        word = behind.corners.w;
+        const Gate behind = look_behind(&w, mesh, gates);
+        const uint2 at = near_both(near, w.code);
+        if (owns_left(&w, at, c)) own_vertex(chunks, &o, w.code, 0u, w.third_side == 0, counters);
+        if (owns_right(&w, at, c)) own_vertex(chunks, &o, w.code, 1u, w.third_side == 0, counters);
+        if (w.third_side != 0 && word > claim)
+          reduce_far(far + 3u * (word - claim - 1u) + cut_corner(&w, mesh), c, &w, lines, counters);
+        word = behind.word;
         event = walk_cross(&w, mesh, behind);
       }
       end_chunk(chunks, &o);
@@ -301,28 +297,36 @@ static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, 
 }
 
 // One work-item per place in a chunk, of the parts' own and of `taken` from the pool behind them, and one per piece.
-// Writes the chunk's vertices to its own range of the chains, the piece's ends around its chains. After: the chains are
-// complete.
-kernel void constrain_chain(uint pieces, uint taken, uint capacity, uint n, global const int2* points,
+// Writes the chunk's vertices to its own range of the chains, the piece's ends around its chains, and marks known sides
+// along chains with NEAR_CHAIN. Apart from the walk, which lanes go on with at once. After: the chains are complete.
+kernel void constrain_chain(uint pieces, uint taken, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
                             global const uint2* ends, global const uint* begins, global const uint* piece_edge,
                             global const int4* lines, global const uint* part_piece, global const uint2* last_of_piece,
-                            global const uint* starts, global const ChunkHead* heads, global const uint2* entries,
+                            global const uint* starts, global const ChunkHead* heads, global const uint* entries,
                             global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
-                            global uint* chain_side, volatile global Counters* counters) {
-  const Chains chains = {.vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .side = chain_side};
+                            global uint* chain_side_before, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Chains chains = {
+      .vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .side = chain_side_before};
   const uint parts = begins[pieces];
   FOR_EACH(i, GCDT_CHUNK_LENGTH * (parts + taken)) {
     const uint j = i % GCDT_CHUNK_LENGTH, own = i / GCDT_CHUNK_LENGTH,
                chunk = own < parts ? own : capacity + (own - parts);
     const ChunkHead head = heads[chunk];
-    const uint length = head.w & ((1u << GCDT_CHUNK_LENGTH_BITS) - 1u), rights = head.w >> GCDT_CHUNK_LENGTH_BITS;
-    if (j >= length) continue;
-    const uint2 entry = entries[GCDT_CHUNK_LENGTH * chunk + j];
-    const uint v = entry.x, c = part_piece[head.x], right_before = popcount(rights & ((1u << j) - 1u));
-    const uint at = (rights >> j) & 1u ? right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z + right_before
-                                       : left_begin(starts, head.x, c) + 1u + head.y + (j - right_before);
+    if (j >= chunk_length(head)) continue;
+    const bool right = chunk_right(head, j);
+    const uint c = part_piece[head.x], right_before = chunk_rights_before(head, j);
+    const uint at = right ? right_begin(starts, capacity, pieces, head.x, c) + 1u + head.z + right_before
+                          : left_begin(starts, head.x, c) + 1u + head.y + (j - right_before);
+    const uint exit = entries[GCDT_CHUNK_LENGTH * chunk + j], ref = mesh.edge_faces[exit];
+    const uint face = GCDT_REF_FACE(ref), third = GCDT_REF_CORNER(ref);
+    const uint4 corners = mesh.face_data[GCDT_CORNERS(face)], sides = mesh.face_data[GCDT_SIDES(face)];
+    const uint v = element(corners, right ? next_corner(third) : previous_corner(third)),
+               across_right = element(sides, next_corner(third)), across_left = element(sides, previous_corner(third));
+    const uint side = chain_side(near, right ? across_left : across_right, chunk_from_end(head, j),
+                                 right ? across_right ^ 1u : across_left, c);
     const int4 line = lines[c];
-    write_chain(chains, at, v, c, chain_distance(line_begin(line), line_end(line), load_vertex(points, n, v)), entry.y);
+    write_chain(chains, at, v, c, chain_distance(line_begin(line), line_end(line), load_vertex(points, n, v)), side);
     if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
   }
   FOR_EACH(c, pieces) {

@@ -44,7 +44,8 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_MESH_P
         continue;
       }
       if (event != WALK_CROSS) break;
-      event = walk_cross(&w, mesh, look_behind(&w, mesh));
+      event = walk_cross(&w, mesh, gate_of_side(mesh, w.code ^ 1u));
+      if (w.code != GCDT_NONE) w.face = GCDT_REF_FACE(left_face(&w, mesh));
     }
     if (event == WALK_FAILED || event == WALK_HIT) atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }

@@ -21,11 +21,13 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
 // One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
 // just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
 // left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
-kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
-                         global const uint2* ends, global const uint* begins, global const int4* lines,
-                         global const uint* part_face, global const uint* starts, global const uint* far,
-                         global const uint* hexagon_face, global uint* hole_place, volatile global Counters* counters) {
+kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
+                         volatile global uint* near, global const uint2* ends, global const uint* begins,
+                         global const int4* lines, global const uint* part_face, global const uint* starts,
+                         global const uint* far, global const uint* hexagon_face, global uint* hole_place,
+                         volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Gates gates = make_gates(gates_made, gates_at);
   FOR_EACH(i, 3u * hexagons) {
     const uint c = far[i], k = i % 3u, t = hexagon_face[i / 3u];
     hole_place[i] = 0u;
@@ -41,13 +43,15 @@ kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PA
                                         element(corners, previous_corner(third)), parts);
     uint left = left_begin(starts, begins[c] + part, c) + 1u;
     uint right = right_begin(starts, capacity, pieces, begins[c] + part, c) + 1u;
+    const uint leaves = face_side(mesh, t, third);  // by this edge the walk leaves the hexagon
     Walk w;
     uint event = walk_begin(&w, mesh, part_face[begins[c] + part], walk_ends(ends[c]), lines[c], part, parts);
     // Ends: every edge crossed lies further along the piece.
-    while (event == WALK_CROSS && w.face != t) {
-      left += owns_left(&w, near, c) ? 1u : 0u;
-      right += owns_right(&w, near, c) ? 1u : 0u;
-      event = walk_cross(&w, mesh, look_behind(&w, mesh));
+    while (event == WALK_CROSS && w.code != leaves) {
+      const uint2 at = near_both(near, w.code);
+      left += owns_left(&w, at, c) ? 1u : 0u;
+      right += owns_right(&w, at, c) ? 1u : 0u;
+      event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));
     }
     if (event != WALK_CROSS) atomic_or(&counters->failed, GCDT_FAILED_WALK);
     hole_place[i] = cut_right ? left - 1u : right;

@@ -12,6 +12,12 @@
 static inline volatile global uint* near_right(volatile global uint* near, uint code) { return near + code; }
 static inline volatile global uint* near_left(volatile global uint* near, uint code) { return near + (code ^ 1u); }
 
+// Both words of the edge that a side code belongs to, of its left (x) and right (y) end, in one load.
+static inline uint2 near_both(volatile global uint* near, uint code) {
+  const uint2 both = ((volatile global uint2*)near)[GCDT_SIDE_EDGE(code)];
+  return (code & 1u) ? both : both.yx;
+}
+
 // Of a side that is not crossed, and whose edge a chain is known to run along (constrain.cl).
 #define NEAR_CHAIN (GCDT_NONE - 1u)
 
@@ -20,35 +26,42 @@ static inline volatile global uint* near_left(volatile global uint* near, uint c
 #define SECOND_NEARER 2
 #define PIECES_CROSS 3
 
-// Pieces 1 and 2 cross the same edge, or cut the same corner; which is met first from u? Pieces that
-// do not cross lie on one side of each other's line, so signs of orient2d of vertices decide; a shared
-// end gives one zero and the other sign decides.
-static int compare_pieces(Vertex a1, Vertex b1, Vertex a2, Vertex b2, Vertex u) {
-  int s = gcdt_sign64(gcdt_orient2d(a1, b1, u));
-  int x = s * gcdt_sign64(gcdt_orient2d(a1, b1, a2)), y = s * gcdt_sign64(gcdt_orient2d(a1, b1, b2));
-  if (x == 0 && y == 0) return SAME_PLACE;
+// Where a piece lies beside the line of the walk's own.
+#define PLACE_ON 0
+#define PLACE_LEFT 1
+#define PLACE_RIGHT -1
+#define PLACE_ASTRIDE 2
+
+// The sign bit of `either` is set if that of one of both is.
+static inline int place_beside(const private Walk* w, int4 line) {
+  const Vertex from = line_begin(w->line), to = line_end(w->line);
+  const i64 a = gcdt_orient2d_finite(from, to, line_begin(line)), b = gcdt_orient2d_finite(from, to, line_end(line)),
+            either = a | b;
+  if (either >= 0) return either == 0 ? PLACE_ON : PLACE_LEFT;
+  return a <= 0 && b <= 0 ? PLACE_RIGHT : PLACE_ASTRIDE;
+}
+
+// A piece crosses the edge that the walk leaves by; which is met first, it or the walk's own, from the end u of the
+// edge on `side` of the walk's line (PLACE_LEFT or PLACE_RIGHT)? Of two pieces that do not cross, one lies on one side
+// of the other's line, so signs of orient2d of vertices decide; a shared end gives one zero and the other sign decides.
+// The walk's line is asked first, since it is known where u lies. Crossing pieces set the failure bit.
+static int compare_with_walk(int4 line, const private Walk* w, int side, Vertex u, volatile global Counters* counters) {
+  const int place = place_beside(w, line);
+  if (place != PLACE_ASTRIDE) return place == PLACE_ON ? SAME_PLACE : place == side ? FIRST_NEARER : SECOND_NEARER;
+  const Vertex p = line_begin(line), q = line_end(line);
+  const int s = gcdt_sign64(gcdt_orient2d(p, q, u)), x = s * gcdt_sign64(gcdt_orient2d(p, q, line_begin(w->line))),
+            y = s * gcdt_sign64(gcdt_orient2d(p, q, line_end(w->line)));
   if (x >= 0 && y >= 0) return SECOND_NEARER;
   if (x <= 0 && y <= 0) return FIRST_NEARER;
-  s = gcdt_sign64(gcdt_orient2d(a2, b2, u));
-  x = s * gcdt_sign64(gcdt_orient2d(a2, b2, a1));
-  y = s * gcdt_sign64(gcdt_orient2d(a2, b2, b1));
-  if (x >= 0 && y >= 0) return FIRST_NEARER;
-  if (x <= 0 && y <= 0) return SECOND_NEARER;
+  atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
   return PIECES_CROSS;
 }
 
-// Which is met first from u: `current`, along `line`, or the walk's own piece? Crossing ones set the failure bit.
-static inline int compare_with_walk(int4 line, const private Walk* w, Vertex u, volatile global Counters* counters) {
-  const int order = compare_pieces(line_begin(line), line_end(line), w->va, w->vb, u);
-  if (order == PIECES_CROSS) atomic_or(&counters->failed, GCDT_FAILED_CROSSING);
-  return order;
-}
-
-static inline bool is_nearer(uint current, int4 line, uint c, const private Walk* w, Vertex u,
+static inline bool is_nearer(uint current, int4 line, uint c, const private Walk* w, int side, Vertex u,
                              volatile global Counters* counters) {
   if (current == c) return false;
   if (current == GCDT_NONE) return true;
-  const int order = compare_with_walk(line, w, u, counters);
+  const int order = compare_with_walk(line, w, side, u, counters);
   return order == SAME_PLACE ? c < current : order == SECOND_NEARER;
 }
 
@@ -57,28 +70,31 @@ static inline bool is_nearer(uint current, int4 line, uint c, const private Walk
 // the order of work-items cannot matter. Both exchanges are asked for before either is waited for. Ends: a word changes
 // only to nearer pieces, so each exchange that fails does so for another of finitely many, and a word that has become
 // c or is nearer stays as it is.
-static void reduce_near(volatile global uint* left, uint at_left, volatile global uint* right, uint at_right, uint c,
-                        const private Walk* w, global const int4* lines, volatile global Counters* counters) {
+static void reduce_near(volatile global uint* near, uint at_left, uint at_right, uint c, const private Walk* w,
+                        global const int4* lines, volatile global Counters* counters) {
   for (;;) {
     const int4 line_left = lines[at_left == GCDT_NONE ? c : at_left],
                line_right = lines[at_right == GCDT_NONE ? c : at_right];
-    const bool nearer_left = is_nearer(at_left, line_left, c, w, w->point_left, counters),
-               nearer_right = is_nearer(at_right, line_right, c, w, w->point_right, counters);
+    const bool nearer_left = is_nearer(at_left, line_left, c, w, PLACE_LEFT, unfolded(w->point_left), counters),
+               nearer_right = is_nearer(at_right, line_right, c, w, PLACE_RIGHT, unfolded(w->point_right), counters);
     uint seen_left = at_left, seen_right = at_right;
-    if (nearer_left) seen_left = atomic_cmpxchg(left, at_left, c);
-    if (nearer_right) seen_right = atomic_cmpxchg(right, at_right, c);
+    if (nearer_left) seen_left = atomic_cmpxchg(near_left(near, w->code), at_left, c);
+    if (nearer_right) seen_right = atomic_cmpxchg(near_right(near, w->code), at_right, c);
     if (seen_left == at_left && seen_right == at_right) return;
     at_left = nearer_left && seen_left == at_left ? c : seen_left;
     at_right = nearer_right && seen_right == at_right ? c : seen_right;
   }
 }
 
-// The same for the piece that is farthest from u, in one word. Ends as that.
-static void reduce_far(volatile global uint* word, uint c, const private Walk* w, Vertex u, global const int4* lines,
+// The same for the piece that is farthest from the corner that the walk cuts off, an end of the edge that it leaves by,
+// in one word. Ends as that.
+static void reduce_far(volatile global uint* word, uint c, const private Walk* w, global const int4* lines,
                        volatile global Counters* counters) {
+  const bool cuts_right = w->third_side > 0;
   for (uint current = *word; current != c;) {
     if (current != GCDT_NONE) {
-      const int order = compare_with_walk(lines[current], w, u, counters);
+      const int order = compare_with_walk(lines[current], w, cuts_right ? PLACE_RIGHT : PLACE_LEFT,
+                                          unfolded(cuts_right ? w->point_right : w->point_left), counters);
       if (order == SAME_PLACE ? c > current : order != FIRST_NEARER) return;
     }
     const uint seen = atomic_cmpxchg(word, current, c);
@@ -88,20 +104,21 @@ static void reduce_far(volatile global uint* word, uint c, const private Walk* w
 }
 
 // ---- What a walk says at each edge that it crosses --------------------------------------------------
-// Record: the walk leaves its face through (right, left); `third` is the corner behind. third_side = 1:
+// Record: the walk leaves its face through (right, left); third is the corner behind. third_side = 1:
 // it came in through (right, third), so `left` is new and the corner at `right` is cut off; -1: the
 // mirror image; 0: it started at `third`, both are new and no corner is cut.
 
-static inline bool owns_left(const private Walk* w, volatile global uint* near, uint c) {
-  return w->third_side >= 0 && *near_left(near, w->code) == c;
+static inline bool owns_left(const private Walk* w, uint2 near_both, uint c) {
+  return w->third_side >= 0 && near_both.x == c;
 }
-static inline bool owns_right(const private Walk* w, volatile global uint* near, uint c) {
-  return w->third_side <= 0 && *near_right(near, w->code) == c;
+static inline bool owns_right(const private Walk* w, uint2 near_both, uint c) {
+  return w->third_side <= 0 && near_both.y == c;
 }
 
 // The corner number cut off in the face, valid if third_side != 0.
-static inline uint cut_corner(const private Walk* w) {
-  return w->third_side > 0 ? next_corner(w->third) : previous_corner(w->third);
+static inline uint cut_corner(const private Walk* w, Mesh mesh) {
+  const uint third = GCDT_REF_CORNER(left_face(w, mesh));
+  return w->third_side > 0 ? next_corner(third) : previous_corner(third);
 }
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "common/search.h"
 #include "constrain/fan.h"
+#include "constrain/gates.h"
 
 // What the walk has come to in the current face.
 #define WALK_CROSS 0u   // it leaves through an edge, strictly between its ends
@@ -15,19 +16,16 @@
 #define WALK_FAILED 3u  // the face does not hold the walk: the mesh or the location is wrong
 
 typedef struct Walk {
-  u32 a, b;  // the piece's ends; the walk goes from a to b
-  Vertex va, vb;
-  u32 k, parts;  // from division point k to k + 1 of `parts`
-  u32 face;
-  u32 third;                       // corner number: the exit edge is the one opposite it
-  i32 third_side;                  // of the line a -> b: 1 left, -1 right, 0 on it, behind
-  u32 code;                        // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
-  u32 across_left, across_right;   // at an exit edge: side codes of the face's edges across from its two ends
-  u32 left, right;                 // ends of the exit edge
-  i32 at_left, at_right;           // how far along the piece they are: way_along
-  i32 until;                       // the next division point is that far at least
-  Vertex point_left, point_right;  // of the ends
-  u32 hit;                         // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
+  u32 b;                         // the end that the walk goes to
+  int4 line;                     // from a to b
+  u32 k, parts;                  // from division point k to k + 1 of `parts`
+  u32 face;                      // in which it began, or has come to a vertex; else see left_face
+  i32 third_side;                // of the line, the corner across from the exit edge: 1 left, -1 right, 0 on it
+  u32 code;                      // side code of the exit edge in this face, or of the edge walked along, or GCDT_NONE
+  int2 point_left, point_right;  // the ends of an exit edge, folded (gates.h)
+  i32 at_left, at_right;         // how far they are along the piece: way_along
+  i32 until;                     // the next division point is that far at least
+  u32 hit;                       // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
 } Walk;
 
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without
@@ -60,23 +58,26 @@ static inline void lose_patience(private Walked* w) { w->patience = max(w->patie
 
 // ---- What lies ahead -----------------------------------------------------------------------------
 
+static inline int side_of_point(const private Walk* w, Vertex v) {
+  return gcdt_sign64(gcdt_orient2d(line_begin(w->line), line_end(w->line), v));
+}
 static inline int side_of(const private Walk* w, Mesh mesh, uint v) {
-  return gcdt_sign64(gcdt_orient2d(w->va, w->vb, load_vertex(mesh.points, mesh.n, v)));
+  return side_of_point(w, load_vertex(mesh.points, mesh.n, v));
 }
 
 // How far a vertex is from a along the longer axis of a-b, counted towards b. Below 2^31; of a symbolic vertex nothing
 // is said: it is as far as the next division point.
 static inline i32 way_along(const private Walk* w, Vertex v) {
   if (v.symbol != 0) return w->until;
-  const i64 dx = w->vb.x - w->va.x, dy = w->vb.y - w->va.y;
-  const bool along_x = (dx < 0 ? -dx : dx) >= (dy < 0 ? -dy : dy);
-  const i64 way = along_x ? v.x - w->va.x : v.y - w->va.y;
-  return (i32)((along_x ? dx : dy) < 0 ? -way : way);
+  const int dx = w->line.z - w->line.x, dy = w->line.w - w->line.y;
+  const bool along_x = abs(dx) >= abs(dy);
+  const int way = along_x ? (int)v.x - w->line.x : (int)v.y - w->line.y;
+  return (along_x ? dx : dy) < 0 ? -way : way;
 }
 
 // Does vertex z, on the piece, come after division point k + 1? 31 bits times parts < 2^31.
 static inline bool after_next_division(const private Walk* w, Vertex z) {
-  return (i64)way_along(w, z) * (i64)w->parts > (i64)way_along(w, w->vb) * (i64)(w->k + 1u);
+  return (i64)way_along(w, z) * (i64)w->parts > (i64)way_along(w, line_end(w->line)) * (i64)(w->k + 1u);
 }
 
 static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
@@ -90,33 +91,31 @@ static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
   return WALK_HIT;
 }
 
-// The exit edge is opposite corner `third` of the face, whose rotated corners are c = (third, right,
-// left): seen from inside, the line leaves an edge from its right to its left end. `sides` are the face's; how far the
-// ends are along the piece is set. The line leaves the edge between its ends: an edge both of whose ends are not as far
-// as the next division point is before it, which few need to be asked exactly.
-static uint come_to_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
-  w->third = third;
-  w->third_side = third_side;
-  w->right = c.y;
-  w->left = c.z;
+// The face that the walk leaves through its exit edge, as a reference with the corner across from the edge.
+static inline uint left_face(const private Walk* w, Mesh mesh) { return mesh.edge_faces[w->code]; }
+
+// The exit edge is set: seen from inside, the line leaves it from its right to its left end. Does the next division
+// point lie on this side of it? An edge both of whose ends are not as far as that is before it, which few need to be
+// asked exactly.
+static uint come_to_edge(private Walk* w) {
   w->hit = GCDT_NONE;
-  w->code = element(sides, third);
-  w->across_right = element(sides, next_corner(third));
-  w->across_left = element(sides, previous_corner(third));
   if (w->k + 1u < w->parts && (w->at_left >= w->until || w->at_right >= w->until) &&
-      gcdt_orient2d_division(load_vertex(mesh.points, mesh.n, c.y), load_vertex(mesh.points, mesh.n, c.z), w->va, w->vb,
+      gcdt_orient2d_division(unfolded(w->point_right), unfolded(w->point_left), line_begin(w->line), line_end(w->line),
                              w->k + 1u, w->parts) > 0)
-    return WALK_END;  // the next division point lies on this side of the edge
+    return WALK_END;
   return WALK_CROSS;
 }
 
-// The same, where nothing is known of the ends.
-static uint come_to_first_edge(private Walk* w, Mesh mesh, uint third, uint4 c, uint4 sides, int third_side) {
-  w->point_right = load_vertex(mesh.points, mesh.n, c.y);
-  w->point_left = load_vertex(mesh.points, mesh.n, c.z);
-  w->at_right = way_along(w, w->point_right);
-  w->at_left = way_along(w, w->point_left);
-  return come_to_edge(w, mesh, third, c, sides, third_side);
+// The same, where nothing is known of the edge: it is opposite corner k of the face, whose rotated corners are
+// c = (third, right, left), and whose sides are `sides`.
+static uint come_to_first_edge(private Walk* w, Mesh mesh, uint k, uint4 c, uint4 sides, int third_side) {
+  w->third_side = third_side;
+  w->code = element(sides, k);
+  w->point_right = folded_vertex(mesh.points, mesh.n, c.y);
+  w->point_left = folded_vertex(mesh.points, mesh.n, c.z);
+  w->at_right = way_along(w, unfolded(w->point_right));
+  w->at_left = way_along(w, unfolded(w->point_left));
+  return come_to_edge(w);
 }
 
 // Of the signs of three corners that of corner k.
@@ -151,52 +150,43 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
 // Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
 // GCDT_NONE.
 static uint walk_begin(private Walk* w, Mesh mesh, uint face, uint2 ends, int4 line, uint k, uint parts) {
-  w->a = ends.x;
   w->b = ends.y;
-  w->va = line_begin(line);
-  w->vb = line_end(line);
+  w->line = line;
   w->k = k;
   w->parts = parts;
   w->hit = GCDT_NONE;
   w->face = face;
-  w->until = (i32)((i64)way_along(w, w->vb) * (i64)(k + 1u) / (i64)parts);
+  w->until = (i32)((i64)way_along(w, line_end(line)) * (i64)(k + 1u) / (i64)parts);
   return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
 }
 
-// What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for both at once.
-typedef struct Behind {
-  uint ref;  // of the face behind, or GCDT_NONE
-  uint4 corners, sides;
-  Vertex apex;  // across from the edge
-} Behind;
-
-static inline Behind look_behind(const private Walk* w, Mesh mesh) {
-  Behind b;
-  b.ref = mesh.edge_faces[w->code ^ 1u];
-  const uint face = b.ref == GCDT_NONE ? w->face : GCDT_REF_FACE(b.ref);
-  b.corners = mesh.face_data[GCDT_CORNERS(face)];
-  b.sides = mesh.face_data[GCDT_SIDES(face)];
-  b.apex = load_vertex(mesh.points, mesh.n, element(b.corners, GCDT_REF_CORNER(b.ref)));
-  return b;
+// What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for all at once.
+static inline Gate look_behind(const private Walk* w, Mesh mesh, Gates gates) {
+  return gates.made ? gate_made(gates, mesh, w->code ^ 1u) : gate_of_side(mesh, w->code ^ 1u);
 }
 
-// Crosses the exit edge. In the face behind it, (z, left, right) counter-clockwise, the sign of z
-// alone decides: left of the line, the exit is right -> z; right of it, z -> left.
-static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
-  if (b.ref == GCDT_NONE) return WALK_FAILED;
-  const uint j = GCDT_REF_CORNER(b.ref);
-  w->face = GCDT_REF_FACE(b.ref);
-  const int s = gcdt_sign64(gcdt_orient2d(w->va, w->vb, b.apex));
-  if (s == 0) return come_to_vertex(w, mesh, element(b.corners, j), GCDT_NONE);
-  const uint third = s > 0 ? next_corner(j) : previous_corner(j);
-  if (s > 0) {
-    w->point_left = b.apex;
-    w->at_left = way_along(w, b.apex);
-  } else {
-    w->point_right = b.apex;
-    w->at_right = way_along(w, b.apex);
+// Crosses the exit edge. In the face behind it, (apex, left, right) counter-clockwise, the sign of the apex alone
+// decides: left of the line, the exit is right -> apex; right of it, apex -> left.
+static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
+  if (gate.after == GCDT_NONE) return WALK_FAILED;
+  const Vertex apex = unfolded(gate.apex);
+  w->third_side = side_of_point(w, apex);
+  if (w->third_side == 0) {
+    const uint ref = mesh.edge_faces[w->code ^ 1u];
+    w->face = GCDT_REF_FACE(ref);
+    return come_to_vertex(w, mesh, face_corner(mesh, w->face, GCDT_REF_CORNER(ref)), GCDT_NONE);
   }
-  return come_to_edge(w, mesh, third, rotate_to(b.corners, third), b.sides, s > 0 ? 1 : -1);
+  const i32 at = way_along(w, apex);
+  if (w->third_side > 0) {
+    w->point_left = gate.apex;
+    w->at_left = at;
+    w->code = gate.after;
+  } else {
+    w->point_right = gate.apex;
+    w->at_right = at;
+    w->code = gate.before;
+  }
+  return come_to_edge(w);
 }
 
 // Goes on from the vertex z just hit, a corner of the face: turns counter-clockwise around z to the
@@ -205,7 +195,8 @@ static uint walk_cross(private Walk* w, Mesh mesh, Behind b) {
 static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* steps) {
   const Mesh mesh = walked.mesh;
   if (has_fan(walked.fans, z))
-    w->face = face_of_fan(walked.fans, mesh.points, mesh.n, z, load_vertex(mesh.points, mesh.n, z), w->vb, steps);
+    w->face =
+        face_of_fan(walked.fans, mesh.points, mesh.n, z, load_vertex(mesh.points, mesh.n, z), line_end(w->line), steps);
   for (uint step = 0; step < walked.patience; ++step) {
     ++*steps;
     const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];

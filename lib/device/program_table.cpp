@@ -30,6 +30,7 @@ const ProgramInfo programs[] = {
     {"flip", "flip", true},
     {"imported", "imported", false},
     {"forest", "forest", false},
+    {"gates", "gates", true},
     {"given", "given", false},
     {"grow", "core", true},
     {"holes", "holes", true},

@@ -93,6 +93,8 @@ struct Tuning {
   /// Crossed faces, as many times as the mesh has faces, from which on some constraints are taken ahead of the
   /// others; none: by the device, below.
   std::optional<std::uint32_t> crossings_ahead;
+  /// The same from which on walks are given gates; none: by the device, below, and never if no buffer can hold them.
+  std::optional<std::uint32_t> crossings_gated;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
   /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
   /// need to help it, each of which wakes all of them (bench/NOTES.md).
@@ -285,6 +287,9 @@ struct Tuning {
   /// (NOTES, "Constraints in turn").
   static constexpr std::uint32_t gpu_crossings_ahead = 40, gpu_step_ahead = 16, cpu_crossings_ahead = 8,
                                  cpu_step_ahead = 8;
+  /// The same from which on a GPU's walks are given gates; a CPU's find all they need in lines of 64 bytes (NOTES,
+  /// "Many crossings").
+  static constexpr std::uint32_t gpu_crossings_gated = 2;
   /// Constraints that are edges already from which on it pays to leave them out: a few launches and a read (NOTES,
   /// "Edges already").
   static constexpr std::uint32_t gpu_least_existing = 1u << 18, cpu_least_existing = 1u << 11;

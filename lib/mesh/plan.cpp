@@ -15,6 +15,8 @@ namespace {
 // chain and their edges.
 constexpr std::uint32_t edges_of_lanes = 256, rounds_of_lanes = 16;
 
+constexpr std::uint64_t gates_of_edge = 32;  // bytes (phases/gates.hpp)
+
 const char* name(Plan::By by) {
   switch (by) {
     case Plan::By::one: return "one work-item";
@@ -93,6 +95,10 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.crossings_per_part = threads ? Tuning::cpu_crossings_per_part : tuning.crossings_per_part;
   plan.crossings_ahead =
       tuning.crossings_ahead.value_or(gpu ? Tuning::gpu_crossings_ahead : Tuning::cpu_crossings_ahead);
+  const std::uint64_t gates = gates_of_edge * device::gcdt_forest_edges(sizes.vertices, sizes.problems);
+  plan.crossings_gated = gates > device.largest_buffer
+                             ? UINT32_MAX
+                             : tuning.crossings_gated.value_or(gpu ? Tuning::gpu_crossings_gated : UINT32_MAX);
   plan.step_ahead = gpu ? Tuning::gpu_step_ahead : Tuning::cpu_step_ahead;
   plan.least_existing = tuning.least_existing.value_or(gpu ? Tuning::gpu_least_existing : Tuning::cpu_least_existing);
   plan.least_grouped = threads ? UINT32_MAX : tuning.least_grouped;
@@ -123,7 +129,7 @@ std::string Plan::text() const {
 
 PlannedDevice planned_device(const runtime::Runtime& runtime) {
   return {runtime.kind(), runtime.info().compute_units, static_cast<std::uint32_t>(runtime.geometry().max_groups),
-          runtime.info().local_bytes};
+          runtime.info().local_bytes, runtime.info().largest_buffer_bytes};
 }
 
 Plan make_plan(const runtime::Runtime& runtime, const PlannedSizes& sizes) {

@@ -18,6 +18,7 @@ struct PlannedDevice {
   std::uint32_t units = 1;               ///< compute units
   std::uint32_t groups = 1;              ///< of a launch at most
   std::uint64_t local_bytes = 1u << 15;  ///< local memory of a work-group
+  std::uint64_t largest_buffer = UINT64_MAX;
 };
 
 /// What a plan knows of the input. Of several problems, sums, but for `largest`.
@@ -76,7 +77,8 @@ struct Plan {
   /// Crossed faces, as many times as there are faces, from which on every `step_ahead`-th constraint is cleaned and
   /// enforced ahead of the others.
   std::uint32_t crossings_ahead = 0, step_ahead = 0;
-  std::uint32_t least_existing = 0;  ///< pieces that are edges already from which on these are left out
+  std::uint32_t crossings_gated = 0;  ///< so many times as many, from which on walks are given gates (phases/gates.hpp)
+  std::uint32_t least_existing = 0;   ///< pieces that are edges already from which on these are left out
   /// Edges of the mesh from which on pieces have slots of their own, and crossed faces of a piece up to which.
   std::uint32_t least_grouped = 0, grouped_crossings = 0;
   std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings

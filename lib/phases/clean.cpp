@@ -143,8 +143,9 @@ void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const KeptCons
   const Fans& fans = walked.history.fans;
   runtime_.launch("clean", "clean_walk", over(parts.capacity), task, kept.count, parts.capacity, mesh.n,
                   vertices_.points, mesh.face_data, mesh.edge_faces, cl_uint{fans.made}, fans.begins, fans.faces,
-                  kept.ends, kept.list, parts.begins, found.begins.lines, found.begins.pieces, found.begins.faces,
-                  searched, found.offsets, counts, found.first_hits, found.hits, found.crossed, counters.buffer());
+                  cl_uint{walked.history.gates.made}, walked.history.gates.at, kept.ends, kept.list, parts.begins,
+                  found.begins.lines, found.begins.pieces, found.begins.faces, searched, found.offsets, counts,
+                  found.first_hits, found.hits, found.crossed, counters.buffer());
 }
 
 Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts,
@@ -155,6 +156,8 @@ Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const KeptConstraints& ke
   found.offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   found.first_hits = runtime_.allocate<cl_uint>("first vertices on parts", parts.capacity);
   found.hits = runtime_.allocate<cl_uint>("vertices on constraints", 0);
+  if (!walked.history.fans.made && pays_for_gates(walked.plan, walked.mesh, 4 * kept.crossings))
+    make_gates(runtime_, vertices_, walked.mesh, walked.history.gates);
   launch_walk(GCDT_CLEAN_ALL, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
   primitives_.exclusive_scan(found.offsets, found.offsets, parts.capacity);
   if (counters.read().unfinished > 0) walk_rest(walked, kept, parts, found, counters);
@@ -166,6 +169,7 @@ Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const KeptConstraints& ke
 void Cleaner::walk_rest(const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts, Found& found,
                         PhaseCounters& counters) {
   Fans& fans = walked.history.fans;
+  walked.history.gates = no_gates(runtime_);
   if (!fans.made) fans = make_fans(runtime_, primitives_, vertices_, walked.mesh, counters);
   const auto searched = std::move(found.begins.faces);
   found.begins.faces = runtime_.allocate<cl_uint>("first faces of parts", parts.capacity);

@@ -44,7 +44,7 @@ class Constraining {
  private:
   bool failed() { return counters_.read().failed != 0; }
 
-  // With the counters read last.
+  // With the counters read last. A mesh that has not changed is located in by whoever looks for what crosses.
   ConstrainResult finish(bool changed) {
     const device::Counters& c = counters_.last();
     ConstrainResult result;
@@ -58,6 +58,7 @@ class Constraining {
     std::copy(std::begin(c.pairs_of_two), std::end(c.pairs_of_two), result.pairs_of_two.begin());
     result.crossed_pairs = wide(c.pairs_low, c.pairs_high);
     result.steps = wide(c.steps_low, c.steps_high);
+    if (!changed) give_history_back();
     return result;
   }
 
@@ -66,13 +67,33 @@ class Constraining {
     parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
     begins_ = find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_,
                                pieces_.walked.located ? &pieces_.walked : nullptr, false, counters_);
-    history_.fans = no_fans(runtime_);
+    take_gates();
     near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_near", over(parts_.capacity), pieces_.count, parts_.capacity, mesh_.n,
-                    walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, near_, pieces_.ends,
-                    parts_.begins, begins_.lines, begins_.pieces, begins_.faces, piece_edge_, claim_,
-                    counters_.buffer());
+                    walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, cl_uint{gates_.made}, gates_.at,
+                    mesh_.edge_marks, near_, pieces_.ends, parts_.begins, begins_.lines, begins_.pieces, begins_.faces,
+                    piece_edge_, counters_.buffer());
+  }
+
+  void give_history_back() {
+    if (!gates_.made) return;
+    gates_ = {};
+    history_ = freeze_all(runtime_, walked_.vertices, mesh_, counters_);
+  }
+
+  // They take the room of the history, which nobody needs unless this fails. (Cleaning goes by lengths, which may tell
+  // too much.)
+  void take_gates() {
+    history_.fans = no_fans(runtime_);
+    gates_ = std::move(history_.gates);
+    history_.gates = no_gates(runtime_);
+    if (!pays_for_gates(walked_.plan, mesh_, pieces_.walked.crossed)) {
+      gates_ = no_gates(runtime_);
+      return;
+    }
+    make_gates(runtime_, walked_.vertices, mesh_, gates_);
+    history_ = {};
   }
 
   // One claim for crossed faces, and one for each hexagon.
@@ -113,7 +134,7 @@ class Constraining {
     hexagon_face_ = runtime_.allocate<cl_uint>("faces of hexagons", hexagons_);
     if (hexagons_ > 0)
       runtime_.launch("constrain", "constrain_list_hexagons", over(crossed_faces_), crossed_faces_, claim_, crossed_,
-                      mesh_.face_data, hexagon_face_);
+                      mesh_.face_data, hexagon_face_, cl_uint{gates_.made}, gates_.at);
     if (!grouped_) return;
     primitives_.exclusive_scan(face_ends_, face_ends_, pieces_.count);
     primitives_.exclusive_scan(edge_ends_, edge_ends_, pieces_.count);
@@ -133,14 +154,15 @@ class Constraining {
     chunk_capacity_ = crossed_faces_ / GCDT_CHUNK_LENGTH + parts_.capacity;
     chunk_heads_ = runtime_.allocate<cl_uint4>("chunk heads", chunk_capacity_);
     chunk_entries_ =
-        runtime_.allocate<cl_uint2>("chunks of owned vertices", GCDT_CHUNK_LENGTH * std::size_t{chunk_capacity_});
+        runtime_.allocate<cl_uint>("chunks of owned vertices", GCDT_CHUNK_LENGTH * std::size_t{chunk_capacity_});
     starts_ = runtime_.allocate<cl_uint>("chain starts", 2 * std::size_t{parts_.capacity} + 1);
     far_ = runtime_.filled<cl_uint>("farthest cuts", 3 * std::size_t(hexagons_), GCDT_NONE);
     last_sides_ = runtime_.allocate<cl_uint2>("last sides of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
-                    chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                    pieces_.ends, parts_.begins, piece_edge_, begins_.lines, begins_.pieces, begins_.faces, starts_,
-                    far_, chunk_heads_, chunk_entries_, last_sides_, claim_, counters_.buffer());
+                    chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces,
+                    cl_uint{gates_.made}, gates_.at, near_, pieces_.ends, parts_.begins, piece_edge_, begins_.lines,
+                    begins_.pieces, begins_.faces, starts_, far_, chunk_heads_, chunk_entries_, last_sides_, claim_,
+                    counters_.buffer());
     primitives_.exclusive_scan(starts_, starts_, 2 * std::size_t{parts_.capacity});
   }
 
@@ -158,9 +180,10 @@ class Constraining {
     hole_place_ = runtime_.allocate<cl_uint>("hole corners", 3 * std::size_t(hexagons_));
     if (hexagons_ > 0)
       runtime_.launch("holes", "hole_corners", over(3 * std::size_t{hexagons_}), hexagons_, pieces_.count,
-                      parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, near_,
-                      pieces_.ends, parts_.begins, begins_.lines, begins_.faces, starts_, far_, hexagon_face_,
-                      hole_place_, counters_.buffer());
+                      parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces,
+                      cl_uint{gates_.made}, gates_.at, near_, pieces_.ends, parts_.begins, begins_.lines, begins_.faces,
+                      starts_, far_, hexagon_face_, hole_place_, counters_.buffer());
+    gates_ = {};
   }
 
   void write_chains() {
@@ -171,9 +194,10 @@ class Constraining {
     chain_side_ = runtime_.allocate<cl_uint>("sides along chains", length_);
     const cl_uint taken = counters_.last().chunks;
     runtime_.launch("constrain", "constrain_chain", over(GCDT_CHUNK_LENGTH * (std::size_t{parts_.capacity} + taken)),
-                    pieces_.count, taken, parts_.capacity, mesh_.n, walked_.vertices.points, pieces_.ends,
-                    parts_.begins, piece_edge_, begins_.lines, begins_.pieces, last_sides_, starts_, chunk_heads_,
-                    chunk_entries_, chain_vertex_, chain_distances_, chain_piece_, chain_side_, counters_.buffer());
+                    pieces_.count, taken, parts_.capacity, mesh_.n, walked_.vertices.points, mesh_.face_data,
+                    mesh_.edge_faces, near_, pieces_.ends, parts_.begins, piece_edge_, begins_.lines, begins_.pieces,
+                    last_sides_, starts_, chunk_heads_, chunk_entries_, chain_vertex_, chain_distances_, chain_piece_,
+                    chain_side_, counters_.buffer());
     chunk_heads_ = {};
     chunk_entries_ = {};
     make_minima();
@@ -259,11 +283,11 @@ class Constraining {
   PhaseCounters& counters_;
   PieceParts parts_;
   PartBegins begins_;
-  runtime::Buffer<cl_uint> near_, piece_edge_, crossed_, crossed_edges_, face_ends_, edge_ends_, spare_, starts_, far_,
-      hexagon_face_;
+  Gates gates_;
+  runtime::Buffer<cl_uint> near_, piece_edge_, chunk_entries_, crossed_, crossed_edges_, face_ends_, edge_ends_, spare_,
+      starts_, far_, hexagon_face_;
   runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_, records_;
-  runtime::Buffer<cl_uint2> chunk_entries_;
   runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, chain_side_, hole_place_, table_;
   runtime::Buffer<cl_ulong> chain_distances_, minima_;
   runtime::Buffer<device::MinimaLayers> layers_buffer_;

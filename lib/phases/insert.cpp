@@ -184,6 +184,7 @@ History make_history(runtime::Runtime& runtime, const device::Levels& levels, st
   history.nodes = runtime.allocate<cl_uint4>("history nodes", largest);
   history.shape = runtime.allocate<cl_uint>("history shapes", largest);
   history.fans = no_fans(runtime);
+  history.gates = no_gates(runtime);
   return history;
 }
 
@@ -196,6 +197,7 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& me
   history.nodes = runtime.allocate<cl_uint4>("history nodes", 0);
   history.shape = runtime.allocate<cl_uint>("history shapes", 0);
   history.fans = no_fans(runtime);
+  history.gates = no_gates(runtime);
   const cl_uint faces = mesh.faces();
   runtime.fill<cl_uint>(history.vertex_face, 0, mesh.n);
   runtime.launch("insert", "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "phases/fans.hpp"
+#include "phases/gates.hpp"
 
 namespace gcdt {
 
@@ -12,7 +13,8 @@ struct History {
   cl_uint level = 0, begin = 0, end = 0;
   runtime::Buffer<cl_uint4> top, nodes;
   runtime::Buffer<cl_uint> vertex_face, shape;
-  Fans fans;  ///< of the mesh with the level in it
+  Fans fans;    ///< of the mesh with the level in it
+  Gates gates;  ///< of the same
 };
 
 /// Buffers for the largest level; sizes in `required_bytes`.

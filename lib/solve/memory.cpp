@@ -23,6 +23,7 @@ constexpr std::uint64_t page = 4096;
 
 struct Sizes {
   std::uint64_t n, m, faces, edges, crossed_faces;
+  bool gated;  ///< whether as much is crossed as some device makes gates for
 };
 
 // Points, both maps, and the table of levels, which there is where vertices are isolated.
@@ -48,16 +49,27 @@ std::uint64_t more_parts(const Sizes& s) {
   return s.m == 0 ? 0 : std::clamp(s.n / 2, usual, most) - usual;
 }
 
-// Chunks of owned vertices, 80 bytes each: one an eighth of a crossed face, and one a part.
-std::uint64_t chunk_bytes(const Sizes& s) { return 10 * s.crossed_faces + 80 * (s.m + more_parts(s)); }
+// Chunks of owned vertices, 48 bytes each: one an eighth of a crossed face, and one a part.
+std::uint64_t chunk_bytes(const Sizes& s) { return 6 * s.crossed_faces + 48 * (s.m + more_parts(s)); }
+
+// Gates (phases/gates.hpp): two an edge, of 16 bytes.
+std::uint64_t gate_bytes(const Sizes& s) { return 32 * s.edges; }
+
+// What constraints have while they are cleaned: input, ends and number, crossed faces, lines, lengths, places and what
+// parts have (beginnings, pieces, faces twice, hits, first hits).
+std::uint64_t cleaning_bytes(const Sizes& s) { return (8 + 12 + 4 + 16 + 8 + 28) * s.m + 28 * more_parts(s); }
+
+// Gates beside the history, before or while constraints are cleaned. Where they only seemed to cross much by their
+// lengths, the history has nodes: 36 bytes a vertex.
+std::uint64_t gate_step(const Sizes& s) {
+  return vertex_bytes(s) + mesh_bytes(s) + (s.gated ? history_bytes(s) : 36 * s.n) + gate_bytes(s) + cleaning_bytes(s);
+}
 
 // Fans (phases/fans.hpp): beginnings, elements of faces, and 20 bytes for each of at most 2.3 n elements. Beside them
-// the history, and of constraints, which are no pieces yet, input, ends and number, crossed faces, lines, lengths,
-// places and what parts have (beginnings, pieces, faces twice, hits, first hits).
+// the history.
 std::uint64_t fan_step(const Sizes& s) {
   const std::uint64_t elements = 23 * s.n / 10;
-  return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 20 * elements +
-         (8 + 12 + 4 + 16 + 8 + 28) * s.m + 28 * more_parts(s);
+  return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 20 * elements + cleaning_bytes(s);
 }
 
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
@@ -68,7 +80,10 @@ std::uint64_t crossed_step(const Sizes& s) {
          (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 20 * more_parts(s) + 16 * hexagons(s);
 }
 
-std::uint64_t walk_step(const Sizes& s) { return crossed_step(s) + history_bytes(s) + chunk_bytes(s); }
+// Gates take the history's place.
+std::uint64_t walk_step(const Sizes& s) {
+  return crossed_step(s) + (s.gated ? gate_bytes(s) : history_bytes(s)) + chunk_bytes(s);
+}
 
 // After the last walk the history is gone. An entry of a chain, one for each owned vertex and four a piece, holds 20
 // bytes; of a hexagon, which no vertex is owned in, corners 12.
@@ -93,7 +108,7 @@ std::uint64_t output_step(const Sizes& s) {
 
 // ---- Refinement: n vertices become N = n + a ----
 
-Sizes sizes_of(std::uint64_t n, std::uint64_t m) { return {n, m, 2 * n + 1, 3 * n + 3, 0}; }
+Sizes sizes_of(std::uint64_t n, std::uint64_t m) { return {n, m, 2 * n + 1, 3 * n + 3, 0, false}; }
 
 // Subsegments: pieces and edges of the hull, and one more with each vertex added.
 std::uint64_t subsegments(const Sizes& before, const Sizes& after) { return before.m + after.n; }
@@ -117,7 +132,7 @@ std::uint64_t renewal_step(const Sizes& before, const Sizes& after) {
   const std::uint64_t added = after.n - before.n;
   return vertex_bytes(before) + 60 * after.n + 2 * (16 + 8) * added + 4 * after.edges + piece_bytes(before) +
          8 * subsegments(before, after) + 16 * (before.faces + after.faces) + (12 + 12 + 1 + 4) * after.faces +
-         output_step({after.n, subsegments(before, after), after.faces, after.edges, 0});
+         output_step({after.n, subsegments(before, after), after.faces, after.edges, 0, false});
 }
 
 std::uint64_t in_pages(std::uint64_t bytes) {
@@ -134,13 +149,15 @@ std::uint64_t refined_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64
 }
 
 // Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (190): order (60),
-// insertion (186 with its history), domains (180). With constraints walking (236 and 184) is above these as well:
+// insertion (186 with its history), domains (180). With constraints walking (236 and 152) is above these as well:
 // insertion (222 and 8), cleaning without fans (192 and 128), domains (180 and 76).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
-  const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed)};
+  const bool gated = m > 0 && crossed / faces >= Tuning::gpu_crossings_gated;
+  const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed), gated};
   const std::uint64_t most =
-      m == 0 ? output_step(s) : std::max({output_step(s), fan_step(s), walk_step(s), chain_step(s), stitch_step(s)});
+      m == 0 ? output_step(s)
+             : std::max({output_step(s), fan_step(s), gate_step(s), walk_step(s), chain_step(s), stitch_step(s)});
   return in_pages(most);
 }
 

@@ -68,6 +68,18 @@ TEST_CASE("who does what, by device and sizes") {
   }
 }
 
+TEST_CASE("gates are made on GPUs, if a buffer can hold them") {
+  CHECK(make_plan(gpu, {}, one(1000000)).crossings_gated == 2);
+  CHECK(make_plan(threads, {}, one(1000000)).crossings_gated == UINT32_MAX);
+  Tuning always;
+  always.crossings_gated = 0;
+  CHECK(make_plan(threads, always, one(1000000)).crossings_gated == 0);
+  PlannedDevice small = gpu;
+  small.largest_buffer = 96000096;  // two of 16 bytes for each of 3 (n + 1) edges
+  CHECK(make_plan(small, always, one(1000000)).crossings_gated == 0);
+  CHECK(make_plan(small, always, one(1000001)).crossings_gated == UINT32_MAX);
+}
+
 TEST_CASE("distinct vertices are counted where given ones are not") {
   PlannedSizes sizes = many(100, 10000, 1250);
   sizes.vertices = 9999;  // less than 8 times the largest

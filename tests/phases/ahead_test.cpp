@@ -2,10 +2,8 @@
 // Constraints that are cleaned and enforced ahead of the others (phases/ahead.hpp): the result is the same, with less
 // to walk, and what crosses is found as ever.
 #include "phases/ahead.hpp"
+#include "called.hpp"
 #include "constraint_oracle.hpp"
-#include "kinds.hpp"
-#include "solve/triangulate.hpp"
-#include "workloads.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -14,53 +12,11 @@ namespace {
 
 constexpr std::uint32_t always = 0, never = 0xFFFFFFFFu;
 
-/// What a call gives, or how it fails.
-struct Seen {
-  std::vector<cl_uint> corners, ends, sources, dropped;
-  std::string error;
-  std::vector<std::uint64_t> indices;
-  bool operator==(const Seen& o) const {
-    return corners == o.corners && ends == o.ends && sources == o.sources && dropped == o.dropped && error == o.error &&
-           indices == o.indices;
-  }
-};
-
-struct Called {
-  Seen seen;
-  Statistics statistics;
-};
-
-template <class T>
-std::vector<cl_uint> words_of(runtime::Runtime& runtime, const runtime::Buffer<T>& buffer, std::size_t count) {
-  std::vector<cl_uint> words(count * sizeof(T) / sizeof(cl_uint));
-  if (count > 0) runtime.read_bytes(buffer.handle(), 0, words.data(), count * sizeof(T));
-  return words;
-}
-
-Called call(runtime::Runtime& runtime, const Workload& work, std::optional<std::uint32_t> crossings_ahead,
-            Crossing policy = Crossing::reject) {
+Called call_ahead(runtime::Runtime& runtime, const Workload& work, std::optional<std::uint32_t> crossings_ahead,
+                  Crossing policy = Crossing::reject) {
   Tuning tuning = runtime.tuning();
   tuning.crossings_ahead = crossings_ahead;
-  const Tuned tuned(runtime, tuning);
-  Primitives primitives(runtime);
-  runtime.memory().begin_call();
-  Options options;
-  options.crossing = policy;
-  const Points points = work.points;
-  const Constraints constraints = work.constraints;
-  Called called;
-  try {
-    const DeviceTriangulation made = triangulate(runtime, primitives, source_of(runtime, points, constraints), options);
-    called.seen.corners = words_of(runtime, made.mesh.corners, 3 * std::size_t{made.mesh.triangles});
-    called.seen.ends = words_of(runtime, made.pieces.ends, made.pieces.count);
-    called.seen.sources = words_of(runtime, made.pieces.sources, made.pieces.source_count);
-    called.seen.dropped = words_of(runtime, made.dropped, made.dropped.size());
-    called.statistics = made.statistics;
-  } catch (const Error& error) {
-    called.seen.error = error.what();
-    called.seen.indices = error.indices();
-  }
-  return called;
+  return call(runtime, work, tuning, policy);
 }
 
 /// Parallel lines, and one more from the lower end of line `from` to the upper end of line `to`.
@@ -186,7 +142,7 @@ TEST_CASE("the result is the same, and pieces cross fewer faces") {
     for (const char* name : {"sunray", "hub", "fan", "letters", "spiral", "star"}) {
       CAPTURE(name);
       const Workload work = workload(name, n);
-      const Called at_once = call(runtime, work, never), in_turn = call(runtime, work, always);
+      const Called at_once = call_ahead(runtime, work, never), in_turn = call_ahead(runtime, work, always);
       CHECK(at_once.seen.error == "");
       CHECK(at_once.seen == in_turn.seen);
       const Statistics &a = at_once.statistics, &b = in_turn.statistics;
@@ -198,7 +154,7 @@ TEST_CASE("the result is the same, and pieces cross fewer faces") {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       CAPTURE(seed);
       const Workload work = random_pslg(300, seed % 2 == 0 ? 40 : 100000, 200, seed);
-      CHECK(call(runtime, work, never).seen == call(runtime, work, always).seen);
+      CHECK(call_ahead(runtime, work, never).seen == call_ahead(runtime, work, always).seen);
     }
   }
 }
@@ -213,7 +169,7 @@ TEST_CASE("constraints that cross more than their lengths tell are taken in turn
     for (const auto& p : work.points) right = std::max(right, std::max(p[0], p[1]));
     work.points.push_back({-1000 * right, -1000 * right});
     work.points.push_back({1000 * right, 1000 * right});
-    const Called at_once = call(runtime, work, never), in_turn = call(runtime, work, 1);
+    const Called at_once = call_ahead(runtime, work, never), in_turn = call_ahead(runtime, work, 1);
     CHECK(at_once.seen.error == "");
     CHECK(at_once.seen == in_turn.seen);
     const std::uint64_t part = runtime.kind() == DeviceKind::lanes ? 4 : 3;  // few rays are left further apart
@@ -225,8 +181,8 @@ TEST_CASE("few crossings: all at once") {
   for (Treated& device : devices_as_all_kinds()) {
     CAPTURE(device.name);
     const Workload work = workload("letters", 1000);
-    CHECK(call(*device.runtime, work, {}).statistics.crossed_pairs ==
-          call(*device.runtime, work, never).statistics.crossed_pairs);
+    CHECK(call_ahead(*device.runtime, work, {}).statistics.crossed_pairs ==
+          call_ahead(*device.runtime, work, never).statistics.crossed_pairs);
   }
 }
 
@@ -240,8 +196,8 @@ TEST_CASE("what crosses is found, dropped and split as ever") {
       CAPTURE(from);
       const Workload work = lines_and_one(40, from, from + 3);
       for (const Crossing policy : {Crossing::reject, Crossing::drop, Crossing::split}) {
-        const Seen at_once = call(runtime, work, never, policy).seen,
-                   in_turn = call(runtime, work, always, policy).seen;
+        const Seen at_once = call_ahead(runtime, work, never, policy).seen,
+                   in_turn = call_ahead(runtime, work, always, policy).seen;
         CHECK((at_once.error != "") == (policy == Crossing::reject));
         CHECK(at_once == in_turn);
       }
@@ -250,7 +206,7 @@ TEST_CASE("what crosses is found, dropped and split as ever") {
       CAPTURE(seed);
       const Workload work = random_crossing(100, 1000, 60, seed);
       for (const Crossing policy : {Crossing::reject, Crossing::drop, Crossing::split})
-        CHECK(call(runtime, work, never, policy).seen == call(runtime, work, always, policy).seen);
+        CHECK(call_ahead(runtime, work, never, policy).seen == call_ahead(runtime, work, always, policy).seen);
     }
   }
 }

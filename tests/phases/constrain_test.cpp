@@ -42,6 +42,7 @@ void run_case(runtime::Runtime& runtime, std::vector<Point> points, std::size_t 
   made.insert_all(flipped_before);
   if (flipped_before) made.history = freeze_all(runtime, made.vertices, made.mesh, made.counters);
   made.counters.zero();
+  made.plan.crossings_gated = seed % 3 == 1 ? UINT32_MAX : 0;
   const runtime::Buffer<cl_uint2> staged = stage(runtime, constraints);
   Cleaner cleaner(runtime, primitives, made.vertices, staged, n);
   CleanResult clean = cleaner.clean(made.walked(), cleaner.keep(made.plan, {}), made.counters);
