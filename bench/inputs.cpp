@@ -61,6 +61,7 @@ std::vector<Input> inputs(List list, const std::vector<std::string>& maps) {
   add(rows, "spiral", {100000});
   for (const std::string& path : maps) rows.push_back({stem(path), 0, path});
   add(rows, "dirty", {million});
+  add(rows, "lined_grid", {million});
   add(rows, "coasts", {415000});
   add(rows, "leafs", {1700000});
   add(rows, "uniform", {3 * million, 5 * million});
@@ -98,6 +99,7 @@ Workload make(const Input& input,
   if (input.name == "airport") return airport(input.size);
   if (input.name == "coasts") return coasts(input.size);
   if (input.name == "dirty") return dirty(input.size);
+  if (input.name == "lined_grid") return lined_grid(input.size);
   const std::string synthetic = "synthetic_cons_";
   if (input.name.compare(0, synthetic.size(), synthetic) != 0) return test::workload(input.name, input.size);
   const int k = std::atoi(input.name.c_str() + synthetic.size());
@@ -109,6 +111,25 @@ Workload make(const Input& input,
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     return edges;
   });
+}
+
+Workload lined_grid(std::size_t n) {
+  Workload work;
+  std::uint32_t side = 1;
+  while ((std::size_t{side} + 1) * (side + 1) <= n) ++side;
+  std::vector<std::uint32_t> number(std::size_t{side} * side);  // vertices in random order
+  for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = v;
+  test::Random random(22001);
+  test::shuffle(number, random);
+  work.points.resize(number.size());
+  for (std::uint32_t v = 0; v < number.size(); ++v)
+    work.points[number[v]] = {static_cast<double>(v % side), static_cast<double>(v / side)};
+  const std::uint32_t lines = 8 * side / 15, rows = lines - lines / 2;
+  for (std::uint32_t i = 0; i < lines; ++i) {
+    const std::uint32_t at = i / 2 * side / rows, begin = i % 2 ? at : side * at;
+    work.constraints.push_back({number[begin], number[begin + (side - 1) * (i % 2 ? side : 1)]});
+  }
+  return work;
 }
 
 Workload dirty(std::size_t n) {

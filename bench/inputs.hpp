@@ -47,6 +47,9 @@ Workload coasts(std::size_t n);
 /// The same with vertices and constraints in random order.
 Workload shuffled(const Workload& work, test::Random& random);
 
+/// A square of at most n integer points, and lines along whole rows and columns of it, eight for each 15 of its side:
+/// each runs through all vertices of its row or column.
+Workload lined_grid(std::size_t n);
 /// About n points of a square of integers and as many constraints along its rows and columns, 0 to 7 steps long: what
 /// cleaning has to do with overlaps, vertices inside constraints, repeated ones and such without length.
 Workload dirty(std::size_t n);

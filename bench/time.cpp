@@ -35,7 +35,7 @@ using namespace gcdt::bench;
 struct Arguments {
   std::string device, list, only, out, suffix, anchors, scratch = "/tmp", command, commit;
   std::vector<std::string> maps, peers;
-  bool quick = false, force = false, first_call = false, context_only = false;
+  bool quick = false, force = false, first_call = false, first_constrained = false, context_only = false;
 };
 
 constexpr std::size_t quick_vertices = 20000, quick_located = 20000;
@@ -313,6 +313,7 @@ const char* const usage =
     "                  [--quick] [--force] [--map FILE.poly]... [--peer COMMAND]... [--anchors FILE]\n"
     "                  [--scratch FOLDER] [--command TEXT] [--commit TEXT]\n"
     "       gcdt_bench --first-call [--device SPEC]   triangulates 1000 points and ends: to be timed from outside\n"
+    "       gcdt_bench --first-constrained [--device SPEC]   the same with letters of 98,000 vertices and constraints\n"
     "       gcdt_bench --context-only [--device SPEC] the same without triangulating\n";
 
 bool parse(int count, char** words, Arguments& a) {
@@ -330,17 +331,17 @@ bool parse(int count, char** words, Arguments& a) {
     };
     std::string map, peer;
     const bool taken = flag("--quick", a.quick) || flag("--force", a.force) || flag("--first-call", a.first_call) ||
-                       flag("--context-only", a.context_only) || option("--out", a.out) ||
-                       option("--suffix", a.suffix) || option("--device", a.device) || option("--list", a.list) ||
-                       option("--only", a.only) || option("--map", map) || option("--peer", peer) ||
-                       option("--anchors", a.anchors) || option("--scratch", a.scratch) ||
+                       flag("--first-constrained", a.first_constrained) || flag("--context-only", a.context_only) ||
+                       option("--out", a.out) || option("--suffix", a.suffix) || option("--device", a.device) ||
+                       option("--list", a.list) || option("--only", a.only) || option("--map", map) ||
+                       option("--peer", peer) || option("--anchors", a.anchors) || option("--scratch", a.scratch) ||
                        option("--command", a.command) || option("--commit", a.commit);
     if (!taken || !known) return false;
     if (!map.empty()) a.maps.push_back(map);
     if (!peer.empty()) a.peers.push_back(peer);
   }
   const bool list = a.list.empty() || a.list == "gpu" || a.list == "cpu" || a.list == "scaling" || a.list == "shapes";
-  return list && (a.first_call || a.context_only || !a.out.empty());
+  return list && (a.first_call || a.first_constrained || a.context_only || !a.out.empty());
 }
 
 }  // namespace
@@ -357,6 +358,10 @@ int main(int count, char** words) try {
     return 0;
   }
   if (arguments.first_call) return triangulate(test::uniform(1000).points, {}, {}, arguments.device).triangles.empty();
+  if (arguments.first_constrained) {
+    const Workload work = test::workload("letters", 98000);
+    return triangulate(work.points, work.constraints, {}, arguments.device).triangles.empty();
+  }
   return Benchmark(arguments).run() ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "gcdt_bench: %s\n", error.what());
