@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Point location in a finished mesh that covers the convex hull: queries are placed on the grid as vertices
-// are, sorted along the curve, and each walks from the vertex before it on the curve.
+// are, and each walks from a vertex beside it on the curve. They walk in the order of the curve, roughly, so that
+// work-items side by side go through triangles that are near each other.
 //
 // The walk goes over any edge that has the query strictly on its other side, the first of the three from a
 // place that a hash of query and step chooses. In a Delaunay triangulation every such walk ends; in a
@@ -51,19 +52,26 @@ kernel void number_least(const uint count, global const uint* input_vertex, glob
   FOR_EACH(i, count) triangles[i] = (int)least[input_vertex[i]];
 }
 
+// The 32 highest bits of a Morton code.
+GCDT_INLINE uint high_bits(u64 key) { return (uint)(key >> (GCDT_MORTON_BITS - 32u)); }
+
 // One work-item per query.
-// Reads coordinates and the grid. Writes keys[i] and numbers[i]; *not_finite by atomic_min.
-// Words i have one writer; the least bad coordinate is the same in any order.
-// After this kernel keys[i] is the Morton code of the query's grid point, or GCDT_OFF_GRID.
+// Reads coordinates and the grid. Writes keys[i] and numbers[i]; found[0], found[1] and found[2] by atomic_min.
+// Words i have one writer; least values are the same in any order.
+// After this kernel keys[i] is the Morton code of the query's grid point, or GCDT_OFF_GRID. found[0] is the first
+// coordinate that is not finite; found[1] are the least high bits of queries on the grid, and found[2] the complement
+// of the greatest; or GCDT_NONE, as before, if there are none.
 kernel void place_queries(const uint count, const uint type, global const ulong* coordinates, const uint by_decimals,
                           global const Scale* scale, global const Decimals* decimals, global ulong* keys,
-                          global uint* numbers, volatile global uint* not_finite) {
+                          global uint* numbers, volatile global uint* found) {
+  local uint of_group[2];
+  uint least = GCDT_NONE, least_complement = GCDT_NONE;
   FOR_EACH(i, count) {
     uint place[2] = {0u, 0u}, outside = 0u;
     for (uint axis = 0; axis < 2; ++axis) {
       const u64 bits = gcdt_coordinate(coordinates, type, 2u * i + axis);
       if (!gcdt_is_finite(bits)) {
-        atomic_min(not_finite, 2u * i + axis);
+        atomic_min(found, 2u * i + axis);
         outside = 1u;
         continue;
       }
@@ -71,23 +79,33 @@ kernel void place_queries(const uint count, const uint type, global const ulong*
       place[axis] = q.value;
       outside |= q.outside;
     }
-    keys[i] = outside ? GCDT_OFF_GRID : gcdt_morton(place[0], place[1]);
+    const u64 key = outside ? GCDT_OFF_GRID : gcdt_morton(place[0], place[1]);
+    keys[i] = key;
     numbers[i] = i;
+    if (outside) continue;
+    least = min(least, high_bits(key));
+    least_complement = min(least_complement, ~high_bits(key));
+  }
+  if (get_local_id(0) == 0) of_group[0] = of_group[1] = GCDT_NONE;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  atomic_min(of_group, least);
+  atomic_min(of_group + 1, least_complement);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (get_local_id(0) == 0) {
+    atomic_min(found + 1, of_group[0]);
+    atomic_min(found + 2, of_group[1]);
   }
 }
 
-// One work-item per query, in sorted order.
-// Reads levels, points, keys and starts: a triangle at each vertex. Writes places[i].
-// Word i has one writer.
-// After this kernel places[i] is a triangle at the last vertex whose Morton code is not above the query's (or
-// at the first vertex), GCDT_NONE for a query off the grid.
-kernel void locate_start(const uint count, global const Levels* levels, global const int2* points,
-                         global const ulong* keys, global const uint* starts, global uint* places) {
-  FOR_EACH(i, count) {
-    const ulong key = keys[i];
-    const uint last = levels->count - 1u, before = last_on_curve(levels, last, points, 0u, levels->n, key);
-    places[i] = key == GCDT_OFF_GRID ? GCDT_NONE : starts[gcdt_vertex_of_rank(levels, last, before)];
-  }
+// The vertex at which a query's walk begins: of the last one whose Morton code is not above the query's and the next
+// one that which is nearer to it, since where the curve jumps, one of them is often still close.
+GCDT_INLINE uint start_of(global const Levels* levels, global const int2* points, u64 key, Vertex query) {
+  const uint last = levels->count - 1u, n = levels->n, rank = last_on_curve(levels, last, points, 0u, n, key),
+             before = gcdt_vertex_of_rank(levels, last, rank),
+             after = gcdt_vertex_of_rank(levels, last, min(rank + 1u, n - 1u));
+  const Vertex p = vertex_at(points, before), q = vertex_at(points, after);
+  const i64 px = p.x - query.x, py = p.y - query.y, qx = q.x - query.x, qy = q.y - query.y;
+  return (u64)(px * px) + (u64)(py * py) <= (u64)(qx * qx) + (u64)(qy * qy) ? before : after;
 }
 
 // A number without a pattern.
@@ -128,10 +146,40 @@ static uint triangle_towards(Fans fans, uint v, Vertex query, global const uint*
   return fans.faces[low].x;
 }
 
-// One work-item per query, in sorted order.
-// Reads keys, the mesh and its fans. Writes places[i], and *pending by atomic_or.
-// Word i has one reader and writer.
-// After this kernel the query has arrived, is known to be outside, or is GCDT_LOCATE_STEPS further and *pending is 1.
+// The lesser of two triangles, of which -1 is none.
+GCDT_INLINE int lesser(int a, int b) { return a < 0 ? b : b < 0 ? a : min(a, b); }
+
+// The least kept triangle that holds the query, which triangle t of the whole mesh with corners c does; -1 if there is
+// none. `kept`: the number of a triangle in the kept mesh or -1, if `selected`; else both are the same mesh. `least`:
+// the kept mesh's least triangle at each vertex.
+static int least_that_holds(Corners c, uint t, Vertex query, global const uint* corners, global const int* neighbours,
+                            uint by_input, global const uint* input_vertex, uint selected, global const int* kept,
+                            global const uint* least) {
+  uint zeros = 0, on = 0, corner = 0;
+  for (uint k = 0; k < 3; ++k) {
+    const uint zero = area_across(c, k, query) == 0;
+    zeros += zero;
+    if (zero)
+      on = k;
+    else
+      corner = k;
+  }
+  if (zeros == 2u) return (int)least[vertex_of(input_vertex, by_input, corners[3u * t + corner])];
+  const int found = selected ? kept[t] : (int)t;
+  if (zeros == 0u) return found;
+  const int across = neighbours[3u * t + on];
+  return lesser(found, across < 0 || !selected ? across : kept[across]);
+}
+
+// One work-item per query, in the order of keys; numbers are a permutation.
+// Reads keys, levels and starts (a triangle at each vertex), the mesh and its fans; of the kept mesh (least_that_holds)
+// corners and least. Writes places[i], *pending by atomic_or, and of query q = numbers[i] triangles, areas and
+// found_corners.
+// Word i has one reader and writer, and so have those of q.
+// After this kernel the query is GCDT_LOCATE_STEPS further, at triangle places[i], and *pending is 1; or places[i] is
+// GCDT_NONE, and triangles[q] is the least kept triangle that holds the query, its border included, -1 if there is
+// none; areas[3q + k] is twice the area of the query with the edge across from that triangle's corner k, and
+// found_corners its corners; 0 without a triangle.
 // The loop ends after that many steps.
 //
 // At a vertex that has a fan a step turns around it as far as the query's direction, by bisection: the same triangles
@@ -140,19 +188,31 @@ static uint triangle_towards(Fans fans, uint v, Vertex query, global const uint*
 // constrained triangulation walks must not be without a choice (above).
 kernel void locate_walk(const uint count, const uint begun, global const uint* corners, global const int* neighbours,
                         const uint by_input, global const uint* input_vertex, const uint n, global const int2* points,
-                        GCDT_FAN_PARAMETERS, global const ulong* keys, global uint* places,
+                        GCDT_FAN_PARAMETERS, global const Levels* levels, global const ulong* keys,
+                        global const uint* numbers, global const uint* starts, const uint selected,
+                        global const int* kept, global const uint* kept_corners, global const uint* least,
+                        global uint* places, global int* triangles, global uint* found_corners, global long* areas,
                         volatile global uint* pending) {
   const Fans fans = make_fans(fans_made, fan_begins, fan_faces);
   FOR_EACH(i, count) {
-    uint t = places[i];
-    if (t == GCDT_NONE || (t & GCDT_ARRIVED)) continue;
-    const Vertex query = query_of(keys[i]);
-    for (uint step = 0; step < GCDT_LOCATE_STEPS; ++step) {
-      const Corners c = corners_of(corners, t, input_vertex, by_input, points);
+    const uint q = numbers[i];
+    const ulong key = keys[i];
+    const Vertex query = query_of(key);
+    uint t = GCDT_NONE;
+    if (begun > 0u) {
+      t = places[i];
+      if (t == GCDT_NONE) continue;
+    } else if (key != GCDT_OFF_GRID) {
+      t = starts[start_of(levels, points, key, query)];
+    }
+    Corners c;
+    bool arrived = false;
+    for (uint step = 0; step < GCDT_LOCATE_STEPS && t != GCDT_NONE && !arrived; ++step) {
+      c = corners_of(corners, t, input_vertex, by_input, points);
       const uint hash = hash_of(i, begun + step), k = edge_to_cross(c, hash % 3u, query);
       if (k == 3u) {
-        t |= GCDT_ARRIVED;
-        break;
+        arrived = true;
+        continue;
       }
       if (fans.made && (hash & 0x100u)) {
         uint v = vertex_of(input_vertex, by_input, corners[3u * t + next_corner(k)]);
@@ -165,57 +225,20 @@ kernel void locate_walk(const uint count, const uint begun, global const uint* c
           continue;
         }
       }
-      const int across = neighbours[3u * t + k];
-      t = (uint)across;  // -1, beyond an edge of the convex hull, is GCDT_NONE
-      if (across < 0) break;
+      t = (uint)neighbours[3u * t + k];  // -1, beyond an edge of the convex hull, is GCDT_NONE
     }
-    places[i] = t;
-    if (t != GCDT_NONE && !(t & GCDT_ARRIVED)) atomic_or(pending, 1u);
-  }
-}
-
-// The lesser of two triangles, of which -1 is none.
-GCDT_INLINE int lesser(int a, int b) { return a < 0 ? b : b < 0 ? a : min(a, b); }
-
-// One work-item per query, in sorted order.
-// Reads keys, numbers, places; the whole mesh; kept, the number of a triangle in the kept mesh or -1 (if
-// `selected`; else both are the same mesh); the kept mesh's corners, and least, its least triangle at each vertex.
-// Writes triangles, weights and found_corners at the query's own number: numbers is a permutation.
-// After this kernel triangles[q] is the least kept triangle that holds query q, its border included, -1 if
-// there is none; areas[3q + k] is twice the area of the query with the edge across from that triangle's
-// corner k, and found_corners its corners; 0 without a triangle.
-kernel void locate_finish(const uint count, global const ulong* keys, global const uint* numbers,
-                          global const uint* places, global const uint* corners, global const int* neighbours,
-                          const uint by_input, global const uint* input_vertex, global const int2* points,
-                          const uint selected, global const int* kept, global const uint* kept_corners,
-                          global const uint* least, global int* triangles, global uint* found_corners,
-                          global long* areas) {
-  FOR_EACH(i, count) {
-    const uint q = numbers[i];
-    const Vertex query = query_of(keys[i]);
-    int found = -1;
-    if (places[i] != GCDT_NONE) {
-      const uint t = places[i] & ~GCDT_ARRIVED;
-      const Corners c = corners_of(corners, t, input_vertex, by_input, points);
-      uint zeros = 0, on = 0, corner = 0;
-      for (uint k = 0; k < 3; ++k) {
-        const uint zero = area_across(c, k, query) == 0;
-        zeros += zero;
-        if (zero)
-          on = k;
-        else
-          corner = k;
-      }
-      found = selected ? kept[t] : (int)t;
-      if (zeros == 1u) {
-        const int across = neighbours[3u * t + on];
-        found = lesser(found, across < 0 || !selected ? across : kept[across]);
-      }
-      if (zeros == 2u) found = (int)least[vertex_of(input_vertex, by_input, corners[3u * t + corner])];
+    const bool goes_on = t != GCDT_NONE && !arrived;
+    places[i] = goes_on ? t : GCDT_NONE;
+    if (goes_on) {
+      atomic_or(pending, 1u);
+      continue;
     }
+    const int found =
+        arrived ? least_that_holds(c, t, query, corners, neighbours, by_input, input_vertex, selected, kept, least)
+                : -1;
+    if (found >= 0 && (selected || (uint)found != t))
+      c = corners_of(kept_corners, (uint)found, input_vertex, by_input, points);
     triangles[q] = found;
-    Corners c;
-    if (found >= 0) c = corners_of(kept_corners, (uint)found, input_vertex, by_input, points);
     for (uint k = 0; k < 3; ++k) {
       found_corners[3u * q + k] = found < 0 ? 0u : kept_corners[3u * (uint)found + k];
       areas[3u * q + k] = found < 0 ? 0 : area_across(c, k, query);

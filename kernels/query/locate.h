@@ -8,11 +8,6 @@
 
 // The key of a query that is not on the grid: above every Morton code.
 #define GCDT_OFF_GRID ((u64)1 << GCDT_MORTON_BITS)
-#define GCDT_QUERY_KEY_BITS (GCDT_MORTON_BITS + 1u)
-
-// Triangle numbers have 30 bits. A query's place is the triangle that its walk has reached, with this bit
-// once that holds the query; GCDT_NONE: outside.
-#define GCDT_ARRIVED 0x80000000u
 
 // Triangles that a walk goes through in one launch at most. After the first one fans are made, of which walks that are
 // long only because triangles are many there have no use: hundreds of steps are usual where vertices are sparse.

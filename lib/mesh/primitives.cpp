@@ -124,6 +124,11 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
   std::swap(values, other_values_);
 }
 
+void Primitives::sort_high(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
+                           unsigned highest) {
+  if (highest > 0) sort_pairs(sort64(), keys, values, count, bits - highest, bits, other_keys64_);
+}
+
 void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits,
                                 unsigned prefix) {
   const unsigned digit = walk_ == Walk::serial ? GCDT_SERIAL_DIGIT_BITS : GCDT_GROUP_DIGIT_BITS;

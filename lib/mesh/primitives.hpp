@@ -39,8 +39,13 @@ class Primitives {
   void sort(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 64);
   void sort(runtime::Buffer<cl_uint>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits = 32);
 
-  /// The same order by other work: sorts by the highest `prefix` of the `bits`, then mends the runs of keys that agree
-  /// in them. Keys have no bit from `bits` on. Cheaper if such runs are short: pairs of runs longer than some tens
+  /// Puts pairs in order by the highest `highest` of the lowest `bits` of their keys alone, for as many passes.
+  void sort_high(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count, unsigned bits,
+                 unsigned highest);
+
+  /// The same order as by sort(), by other work: sorts by the highest `prefix` of the `bits`, then mends the runs of
+  /// keys that agree in them. Keys have no bit from `bits` on. Cheaper if such runs are short: pairs of runs longer
+  /// than some tens
   /// (`serial`) or thousands (`group`) are sorted once more. May block.
   void sort_by_prefix(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                       unsigned bits, unsigned prefix);

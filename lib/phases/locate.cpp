@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "phases/locate.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "mesh/grid.hpp"
 #include "query/locate.h"
 
@@ -16,7 +19,11 @@ struct Queries {
   cl_uint count;
   Buffer<cl_ulong> keys;
   Buffer<cl_uint> numbers;
+  unsigned bits = 0;  ///< of the keys, on which they may differ
 };
+
+// Queries of one cell of the curve that walk in any order, about: what they go through is small enough for a cache.
+constexpr std::uint32_t queries_of_cell = 32;
 
 /// Of a query with such a coordinate.
 Error not_placed(cl_uint type, std::uint64_t coordinate) {
@@ -33,12 +40,21 @@ Queries place(Runtime& runtime, const Vertices& vertices, const InputPoints& poi
   const cl_uint by_decimals = vertices.decimals.has_value();
   const auto scale = runtime.upload_one("scale", scale_of(vertices.grid));
   const auto decimals = runtime.upload_one("decimals", query_decimals(vertices.grid, vertices.decimals));
-  auto not_finite = runtime.filled<cl_uint>("query not finite", 1, GCDT_NONE);
+  auto found = runtime.filled<cl_uint>("bad and least queries", 3, GCDT_NONE);
   runtime.launch("locate", "place_queries", over(points.n), points.n, points.type, points.coordinates, by_decimals,
-                 scale, decimals, queries.keys, queries.numbers, not_finite);
-  const cl_uint bad = runtime.read_one(not_finite);
-  if (bad != GCDT_NONE) throw not_placed(points.type, 2 * first + bad);
+                 scale, decimals, queries.keys, queries.numbers, found);
+  std::array<cl_uint, 3> words;
+  runtime.read(found, words.data(), words.size());
+  if (words[0] != GCDT_NONE) throw not_placed(points.type, 2 * first + words[0]);
+  queries.bits = GCDT_MORTON_BITS - 32 + bit_width(words[1] ^ ~words[2]);
   return queries;
+}
+
+// By the highest bits that differ. Results do not depend on the order.
+void put_in_order(Primitives& primitives, Queries& queries) {
+  const unsigned cells = bit_width(queries.count / queries_of_cell);
+  primitives.sort_high(queries.keys, queries.numbers, queries.count, queries.bits, std::min(queries.bits, cells));
+  primitives.release();
 }
 
 void find_fans(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh) {
@@ -50,12 +66,11 @@ void find_fans(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh)
   primitives.release();
 }
 
-/// The triangle that each query has arrived in, in sorted order.
-Buffer<cl_uint> walk(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const Queries& queries) {
+void walk(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh, const Queries& queries,
+          const Located& located) {
   auto places = runtime.allocate<cl_uint>("places of queries", queries.count);
   auto pending = runtime.allocate<cl_uint>("queries on their way", 1);
-  runtime.launch("locate", "locate_start", over(queries.count), queries.count, mesh.vertices.levels_buffer,
-                 mesh.vertices.points, queries.keys, mesh.starts, places);
+  const Buffer<cl_int> none = runtime.allocate<cl_int>("no selection", 0);
   if (!mesh.fans.begins.allocated()) mesh.fans = no_fans(runtime);
   // A straight way has at most as many triangles as there are; a walk that also turns back is given sixteen
   // times that.
@@ -65,9 +80,11 @@ Buffer<cl_uint> walk(Runtime& runtime, Primitives& primitives, const SearchMesh&
     runtime.fill<cl_uint>(pending, 0, 1);
     runtime.launch("locate", "locate_walk", over(queries.count), queries.count, begun, mesh.all.corners,
                    mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex, mesh.vertices.n(),
-                   mesh.vertices.points, cl_uint{mesh.fans.made}, mesh.fans.begins, mesh.fans.faces, queries.keys,
-                   places, pending);
-    if (runtime.read_one(pending) == 0) return places;
+                   mesh.vertices.points, cl_uint{mesh.fans.made}, mesh.fans.begins, mesh.fans.faces,
+                   mesh.vertices.levels_buffer, queries.keys, queries.numbers, mesh.starts,
+                   cl_uint{mesh.kept != nullptr}, mesh.kept ? *mesh.kept : none, mesh.result.corners, mesh.least,
+                   places, located.triangles, located.corners, located.areas, pending);
+    if (runtime.read_one(pending) == 0) return;
     if (!mesh.fans.made) find_fans(runtime, primitives, mesh);
   }
   throw Error(Status::round_limit, "locate: queries have not arrived after the limit of rounds");
@@ -104,14 +121,8 @@ Located locate(Runtime& runtime, Primitives& primitives, const SearchMesh& mesh,
     runtime.fill<cl_long>(located.areas, 0, std::size_t{3} * points.n);
     return located;
   }
-  primitives.sort(queries.keys, queries.numbers, queries.count, GCDT_QUERY_KEY_BITS);
-  primitives.release();
-  const Buffer<cl_uint> places = walk(runtime, primitives, mesh, queries);
-  const Buffer<cl_int> none = runtime.allocate<cl_int>("no selection", 0);
-  runtime.launch("locate", "locate_finish", over(queries.count), queries.count, queries.keys, queries.numbers, places,
-                 mesh.all.corners, mesh.all.neighbours, cl_uint{mesh.by_input}, mesh.vertices.input_vertex,
-                 mesh.vertices.points, cl_uint{mesh.kept != nullptr}, mesh.kept ? *mesh.kept : none,
-                 mesh.result.corners, mesh.least, located.triangles, located.corners, located.areas);
+  put_in_order(primitives, queries);
+  walk(runtime, primitives, mesh, queries, located);
   return located;
 }
 
