@@ -113,17 +113,32 @@ Workload make(const Input& input,
   });
 }
 
-Workload lined_grid(std::size_t n) {
-  Workload work;
+namespace {
+
+// All points of a square of integers, at most n, in random order.
+struct Square {
   std::uint32_t side = 1;
-  while ((std::size_t{side} + 1) * (side + 1) <= n) ++side;
-  std::vector<std::uint32_t> number(std::size_t{side} * side);  // vertices in random order
-  for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = v;
+  std::vector<std::uint32_t> number;  ///< the vertex at place x + side y
+  Workload work;
+};
+
+Square square(std::size_t n, test::Random& random) {
+  Square all;
+  while ((std::size_t{all.side} + 1) * (all.side + 1) <= n) ++all.side;
+  all.number.resize(std::size_t{all.side} * all.side);
+  for (std::uint32_t v = 0; v < all.number.size(); ++v) all.number[v] = v;
+  test::shuffle(all.number, random);
+  all.work.points.resize(all.number.size());
+  for (std::uint32_t v = 0; v < all.number.size(); ++v)
+    all.work.points[all.number[v]] = {static_cast<double>(v % all.side), static_cast<double>(v / all.side)};
+  return all;
+}
+
+}  // namespace
+
+Workload lined_grid(std::size_t n) {
   test::Random random(22001);
-  test::shuffle(number, random);
-  work.points.resize(number.size());
-  for (std::uint32_t v = 0; v < number.size(); ++v)
-    work.points[number[v]] = {static_cast<double>(v % side), static_cast<double>(v / side)};
+  auto [side, number, work] = square(n, random);
   const std::uint32_t lines = 8 * side / 15, rows = lines - lines / 2;
   for (std::uint32_t i = 0; i < lines; ++i) {
     const std::uint32_t at = i / 2 * side / rows, begin = i % 2 ? at : side * at;
@@ -133,16 +148,8 @@ Workload lined_grid(std::size_t n) {
 }
 
 Workload dirty(std::size_t n) {
-  std::uint32_t side = 1;
-  while ((std::size_t{side} + 1) * (side + 1) <= n) ++side;
   test::Random random(20001);
-  std::vector<std::uint32_t> number(std::size_t{side} * side);  // vertices in random order
-  for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = v;
-  test::shuffle(number, random);
-  Workload work;
-  work.points.resize(number.size());
-  for (std::uint32_t v = 0; v < number.size(); ++v)
-    work.points[number[v]] = {static_cast<double>(v % side), static_cast<double>(v / side)};
+  auto [side, number, work] = square(n, random);
   while (work.constraints.size() < n) {
     const auto v = static_cast<std::uint32_t>(random.below(number.size()));
     const auto steps = static_cast<std::uint32_t>(random.below(8));

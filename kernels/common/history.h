@@ -79,21 +79,6 @@ static inline Vertex near_germ(Germ g) {
                             g.p.y + (g.q.y - g.p.y) * (i64)g.k / (i64)g.parts);
 }
 
-static inline u64 distance_squared(int2 p, int2 q) {
-  const i64 dx = (i64)p.x - q.x, dy = (i64)p.y - q.y;
-  return (u64)(dx * dx) + (u64)(dy * dy);
-}
-
-// Of the coarser vertices `unit` and `unit` + 1 along the curve, in units of level `level` - 1, the one nearer to
-// p: where the curve jumps, one of them is often still close. There are coarser ones up to unit `coarse`.
-static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
-                                        uint unit, int2 p) {
-  const uint before = gcdt_vertex_of_rank(levels, level - 1u, unit);
-  if (unit + 1u >= coarse) return before;
-  const uint after = gcdt_vertex_of_rank(levels, level - 1u, unit + 1u);
-  return distance_squared(p, points[before]) <= distance_squared(p, points[after]) ? before : after;
-}
-
 // A coarser vertex close to vertex v: before or after it on the curve; GCDT_NONE if v's triangulation has none.
 static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
                                       History h, uint v) {

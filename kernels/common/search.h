@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Searches by bisection. OpenCL C only.
+// Searches by bisection, of them also the nearer of two on the curve. OpenCL C only.
 #ifndef GCDT_SEARCH_H
 #define GCDT_SEARCH_H
 
@@ -31,6 +31,21 @@ static inline uint last_on_curve(GCDT_LEVELS_POINTER levels, uint last, global c
       high = middle;
   }
   return low;
+}
+
+static inline u64 distance_squared(int2 p, int2 q) {
+  const i64 dx = (i64)p.x - q.x, dy = (i64)p.y - q.y;
+  return (u64)(dx * dx) + (u64)(dy * dy);
+}
+
+// Of the coarser vertices `unit` and `unit` + 1 along the curve, in units of level `level` - 1, the one nearer to
+// p: where the curve jumps, one of them is often still close. There are coarser ones up to unit `coarse`.
+static inline uint nearer_coarse_vertex(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint coarse,
+                                        uint unit, int2 p) {
+  const uint before = gcdt_vertex_of_rank(levels, level - 1u, unit);
+  if (unit + 1u >= coarse) return before;
+  const uint after = gcdt_vertex_of_rank(levels, level - 1u, unit + 1u);
+  return distance_squared(p, points[before]) <= distance_squared(p, points[after]) ? before : after;
 }
 
 #endif

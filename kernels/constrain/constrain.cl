@@ -4,8 +4,7 @@
 // Two walks over the same parts, whose first faces first.cl finds: constrain_near finds the nearest piece at
 // each end of every crossed edge; constrain_own writes the vertices that each part owns and finds, in hexagons, the
 // farthest cuts. constrain_chain puts the chains together. What follows is in retriangulate.cl, holes.cl and stitch.cl.
-// Claim words in this phase, above those of the phases before: below `claim` = not crossed, claim = crossed,
-// claim + 1 + h = crossed, hexagon h.
+// Claim words in this phase, above those of the phases before: claim + h = hexagon h.
 #include "common/append.h"
 #include "constrain/chains.h"
 #include "constrain/chunks.h"
@@ -125,9 +124,9 @@ GCDT_GIVEN_LOCAL void add_count(volatile local uint* sum, volatile global uint* 
 }
 
 // One work-item per face. Lists crossed faces, in any order: it decides only which slot a new triangle gets. (A piece
-// that crosses a face leaves it by an edge, or comes into it by one.) Writes their claim words, each its own face's:
-// hexagons are numbered by an atomic counter, as any numbering does. If `grouped`, counts the others by piece, by
-// atomic_inc (slots.cl). After: counters->hexagons and pairs_of_two.
+// that crosses a face leaves it by an edge, or comes into it by one.) Writes the claim words of hexagons among them,
+// each its own face's: they are numbered by an atomic counter, as any numbering does. If `grouped`, counts the others
+// by piece, by atomic_inc (slots.cl). After: counters->hexagons and pairs_of_two.
 kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global uint4* face_data,
                                     global const uint* near, global const uint2* ends, global uint* crossed,
                                     volatile global uint* of_pieces, volatile global Counters* counters) {
@@ -145,9 +144,10 @@ kernel void constrain_crossed_faces(uint grouped, uint faces, uint claim, global
       const uint4 corners = face_data[GCDT_CORNERS(t)];
       pairs += intersection_case(at, corners, 0u, ends) + intersection_case(at, corners, 1u, ends) +
                intersection_case(at, corners, 2u, ends);
-      const bool hexagon = is_hexagon(at);
-      *claim_word(face_data, t) = hexagon ? claim + 1u + atomic_inc(&counters->hexagons) : claim;
-      if (grouped && !hexagon) atomic_inc(of_pieces + piece_of_face(at.right));
+      if (is_hexagon(at))
+        *claim_word(face_data, t) = claim + atomic_inc(&counters->hexagons);
+      else if (grouped)
+        atomic_inc(of_pieces + piece_of_face(at.right));
     }
     append_flush(list, APPEND_CAPACITY / 2u);
   }
@@ -183,8 +183,8 @@ kernel void constrain_list_hexagons(uint count, uint claim, global const uint* c
                                     global uint* hexagon_face, uint gates_made, global int4* gates_at) {
   FOR_EACH(i, count) {
     const uint face = crossed[i], word = *claim_word(face_data, face);
-    if (word <= claim) continue;
-    hexagon_face[word - claim - 1u] = face;
+    if (word < claim) continue;
+    hexagon_face[word - claim] = face;
     if (!gates_made) continue;
     const uint4 sides = face_data[GCDT_SIDES(face)];
     for (uint k = 0; k < 3u; ++k) gates_at[element(sides, k)].y |= (int)GCDT_GATE_SIGN;
@@ -253,8 +253,8 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
         const uint2 at = near_both(near, w.code);
         if (owns_left(&w, at, c)) own_vertex(chunks, &o, w.code, 0u, w.third_side == 0, counters);
         if (owns_right(&w, at, c)) own_vertex(chunks, &o, w.code, 1u, w.third_side == 0, counters);
-        if (w.third_side != 0 && word > claim)
-          reduce_far(far + 3u * (word - claim - 1u) + cut_corner(&w, mesh), c, &w, lines, counters);
+        if (w.third_side != 0 && word >= claim)
+          reduce_far(far + 3u * (word - claim) + cut_corner(&w, mesh), c, &w, lines, counters);
         word = behind.word;
         event = walk_cross(&w, mesh, behind);
       }

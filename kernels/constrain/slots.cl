@@ -26,8 +26,8 @@ kernel void slots_of_faces(uint count, uint hexagons, uint claim, global uint4* 
                            global const uint* crossed, volatile global uint* next, global uint* grouped) {
   FOR_EACH(i, count) {
     const uint t = crossed[i], word = *claim_word(face_data, t);
-    const uint at = word > claim ? count - hexagons + (word - claim - 1u)
-                                 : atomic_inc(next + piece_of_face(near_words(near, face_data[GCDT_SIDES(t)])));
+    const uint at = word >= claim ? count - hexagons + (word - claim)
+                                  : atomic_inc(next + piece_of_face(near_words(near, face_data[GCDT_SIDES(t)])));
     grouped[at] = t;
   }
 }

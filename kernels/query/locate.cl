@@ -97,15 +97,11 @@ kernel void place_queries(const uint count, const uint type, global const ulong*
   }
 }
 
-// The vertex at which a query's walk begins: of the last one whose Morton code is not above the query's and the next
-// one that which is nearer to it, since where the curve jumps, one of them is often still close.
+// The vertex at which a query's walk begins: the last one on the curve whose Morton code is not above the query's or
+// the next one.
 GCDT_INLINE uint start_of(global const Levels* levels, global const int2* points, u64 key, Vertex query) {
-  const uint last = levels->count - 1u, n = levels->n, rank = last_on_curve(levels, last, points, 0u, n, key),
-             before = gcdt_vertex_of_rank(levels, last, rank),
-             after = gcdt_vertex_of_rank(levels, last, min(rank + 1u, n - 1u));
-  const Vertex p = vertex_at(points, before), q = vertex_at(points, after);
-  const i64 px = p.x - query.x, py = p.y - query.y, qx = q.x - query.x, qy = q.y - query.y;
-  return (u64)(px * px) + (u64)(py * py) <= (u64)(qx * qx) + (u64)(qy * qy) ? before : after;
+  const uint all = levels->count, before = last_on_curve(levels, all - 1u, points, 0u, levels->n, key);
+  return nearer_coarse_vertex(levels, all, points, levels->n, before, (int2)((int)query.x, (int)query.y));
 }
 
 // A number without a pattern.

@@ -88,17 +88,17 @@ class Constraining {
     history_.fans = no_fans(runtime_);
     gates_ = std::move(history_.gates);
     history_.gates = no_gates(runtime_);
-    if (!pays_for_gates(walked_.plan, mesh_, pieces_.walked.crossed)) {
+    if (pays_for_gates(walked_.plan, mesh_, pieces_.walked.crossed)) {
+      make_gates(runtime_, walked_.vertices, mesh_, gates_);
+      history_ = {};
+    } else {
       gates_ = no_gates(runtime_);
-      return;
     }
-    make_gates(runtime_, walked_.vertices, mesh_, gates_);
-    history_ = {};
   }
 
-  // One claim for crossed faces, and one for each hexagon.
+  // One for each hexagon. Above 0: a gate says nothing else of faces that are none.
   void take_claims() {
-    const std::uint64_t wanted = 1 + std::uint64_t{mesh_.faces()};
+    const std::uint64_t wanted = mesh_.faces();
     if (mesh_.claims_below + wanted > UINT32_MAX) clear_claims(runtime_, mesh_, mesh_.faces());
     claim_ = static_cast<cl_uint>(std::max<std::uint64_t>(mesh_.claims_below, 1));
     mesh_.claims_below = claim_ + wanted;

@@ -20,7 +20,7 @@ struct History {
 /// Buffers for the largest level; sizes in `required_bytes`.
 History make_history(runtime::Runtime& runtime, const device::Levels& levels, std::uint32_t roots = 1);
 
-/// A history without splits, of a Delaunay mesh with all vertices: all of it is top layer. Zeroes the counters.
+/// A history without splits, of a mesh with all vertices, Delaunay or not: all of it is top layer. Zeroes the counters.
 History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& mesh, PhaseCounters& counters);
 
 /// Makes the mesh hold the symbolic triangles alone, no edge constrained.

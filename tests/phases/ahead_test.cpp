@@ -3,7 +3,7 @@
 // to walk, and what crosses is found as ever.
 #include "phases/ahead.hpp"
 #include "called.hpp"
-#include "constraint_oracle.hpp"
+#include "staged.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -32,21 +32,12 @@ Workload lines_and_one(std::uint32_t lines, std::uint32_t from, std::uint32_t to
   return work;
 }
 
-/// Vertices and constraints between them, staged on a device, with the mesh before its last flips.
-struct Staged : fixture::MeshOnDevice {
+/// Some pay to be taken ahead.
+struct Staged : fixture::Staged {
   Staged(runtime::Runtime& on, const std::vector<fixture::Point>& given, const std::vector<Constraint>& pairs)
-      : MeshOnDevice(on, given, 8),
-        primitives(on),
-        constraints(fixture::renumbered(pairs, given, points)),
-        staged(stage(on, Constraints(constraints))),
-        cleaner(on, primitives, vertices, staged, n()) {
-    insert_all(false);
+      : fixture::Staged(on, given, pairs) {
     plan.crossings_ahead = 1, plan.step_ahead = 8;
   }
-  Primitives primitives;
-  std::vector<Constraint> constraints;
-  runtime::Buffer<cl_uint2> staged;
-  Cleaner cleaner;
 };
 
 /// Rays from the first vertex to others far away, a lattice between them, and vertices that lie on rays.

@@ -3,10 +3,10 @@
 // the mesh do.
 #include "phases/gates.hpp"
 #include "called.hpp"
-#include "constraint_oracle.hpp"
-#include "opencl_app.hpp"
-#include "phases/clean.hpp"
+#include "kept_hashes.hpp"
 #include "phases/constrain.hpp"
+#include "solver_fixture.hpp"
+#include "staged.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -43,23 +43,9 @@ void check_gates(const fixture::HostMesh& m, const std::vector<cl_int4>& gates) 
   CHECK(symbolic >= 3);
 }
 
-/// A mesh before its last flips, and constraints of it.
-struct Staged : fixture::MeshOnDevice {
-  Staged(runtime::Runtime& on, const std::vector<fixture::Point>& given, std::vector<Constraint> pairs)
-      : MeshOnDevice(on, given, 8),
-        primitives(on),
-        constraints(fixture::renumbered(pairs, given, points)),
-        staged(stage(on, Constraints(constraints))),
-        cleaner(on, primitives, vertices, staged, n()) {
-    insert_all(false);
-    counters.zero();
-  }
-  CleanResult clean() { return cleaner.clean(walked(), cleaner.keep(plan, {}), counters); }
-  Primitives primitives;
-  std::vector<Constraint> constraints;
-  runtime::Buffer<cl_uint2> staged;
-  Cleaner cleaner;
-};
+CleanResult clean_all(fixture::Staged& made) {
+  return made.cleaner.clean(made.walked(), made.cleaner.keep(made.plan, {}), made.counters);
+}
 
 /// A row of vertices between two far ones, which all of them have for neighbours, and a constraint between these.
 void make_hubs(std::vector<fixture::Point>& points, std::vector<Constraint>& constraints) {
@@ -67,13 +53,6 @@ void make_hubs(std::vector<fixture::Point>& points, std::vector<Constraint>& con
   points = {{length + 1, y - length}, {length + 1, y + length}};
   for (std::int64_t i = 0; i < length; ++i) points.push_back({2 * i, y});
   constraints = {{0, 1}};
-}
-
-std::vector<Segment> delaunay_edges(const std::vector<Point>& points) {
-  std::set<Segment> edges;
-  for (const auto& t : solver().triangulate(points).triangles)
-    for (std::size_t k = 0; k < 3; ++k) edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-  return {edges.begin(), edges.end()};
 }
 
 Called call_gated(runtime::Runtime& runtime, const Workload& work, std::uint32_t crossings_gated,
@@ -115,9 +94,9 @@ TEST_CASE("gates take the room of the history, and are not made beside fans") {
     runtime::Runtime& runtime = *device.runtime;
     for (const std::uint32_t gated : {always, never}) {
       CAPTURE(gated);
-      Staged made(runtime, points, few);
+      fixture::Staged made(runtime, points, few);
       made.plan.crossings_gated = gated;
-      CleanResult clean = made.clean();
+      CleanResult clean = clean_all(made);
       CHECK(made.history.gates.made == (gated == always));
       CHECK(made.history.top.allocated());
       // By lengths much seemed to be crossed, and was not: then the history stays until all is known to be right.
@@ -127,14 +106,14 @@ TEST_CASE("gates take the room of the history, and are not made beside fans") {
                   .failed == 0);
       CHECK(fixture::marked_edges(made.now()) == fixture::expected_pieces(made.points, made.constraints));
     }
-    Staged made(runtime, hubs, between);
+    fixture::Staged made(runtime, hubs, between);
     made.plan.crossings_gated = always;
     made.history.fans = no_fans(runtime);
-    CleanResult clean = made.clean();
+    CleanResult clean = clean_all(made);
     CHECK(made.history.fans.made != made.history.gates.made);
     made.history.gates = no_gates(runtime);
     made.history.fans = make_fans(runtime, made.primitives, made.vertices, made.mesh, made.counters);
-    clean = made.clean();
+    clean = clean_all(made);
     CHECK(!made.history.gates.made);
     CHECK(fixture::read_pieces(runtime, clean.pieces) == fixture::expected_pieces(made.points, made.constraints));
   }
@@ -163,7 +142,7 @@ TEST_CASE("the result is the same with gates and without") {
       CAPTURE(seed);
       compare(random_pslg(300, seed % 2 == 0 ? 40 : 100000, 200, seed));
     }
-    compare(synthetic_cons(4000, 6, delaunay_edges));
+    compare(make_workload(solver(), "synthetic_cons_6", 4000));
     CHECK(holes > 0);  // farthest cuts are asked for
   }
 }

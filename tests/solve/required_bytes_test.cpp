@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What required_bytes says is enough, and not more than half as much again as is used, for the crossed pairs that
 // statistics count, over families of inputs so large that what does not grow with them is little.
-#include <set>
-
+#include "kept_hashes.hpp"
 #include "opencl_app.hpp"
 
 using namespace gcdt;
@@ -16,15 +15,8 @@ struct Family {
   Options options;
 };
 
-std::vector<Segment> delaunay_edges(const std::vector<Point>& points) {
-  std::set<Segment> edges;
-  for (const auto& t : solver().triangulate(points).triangles)
-    for (std::size_t k = 0; k < 3; ++k) edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-  return {edges.begin(), edges.end()};
-}
-
 Family cons(std::size_t n, int k) {
-  return {"synthetic-cons " + std::to_string(k), synthetic_cons(n, k, delaunay_edges), {}};
+  return {"synthetic-cons " + std::to_string(k), make_workload(solver(), "synthetic_cons_" + std::to_string(k), n), {}};
 }
 
 Options with_domain() {
