@@ -60,16 +60,10 @@ std::uint64_t gate_bytes(const Sizes& s) { return 32 * s.edges; }
 std::uint64_t cleaning_bytes(const Sizes& s) { return (8 + 12 + 4 + 16 + 8 + 28) * s.m + 28 * more_parts(s); }
 
 // Gates beside the history, before or while constraints are cleaned. Where they only seemed to cross much by their
-// lengths, the history has nodes: 36 bytes a vertex.
+// lengths, the history has nodes: 36 bytes a vertex. (Fans, phases/fans.hpp, which are never beside gates, have 12
+// bytes a vertex, and 20 for each of at most 2.3 elements a vertex: with a whole history 6 less than this.)
 std::uint64_t gate_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + (s.gated ? history_bytes(s) : 36 * s.n) + gate_bytes(s) + cleaning_bytes(s);
-}
-
-// Fans (phases/fans.hpp): beginnings, elements of faces, and 20 bytes for each of at most 2.3 n elements. Beside them
-// the history.
-std::uint64_t fan_step(const Sizes& s) {
-  const std::uint64_t elements = 23 * s.n / 10;
-  return vertex_bytes(s) + mesh_bytes(s) + history_bytes(s) + 4 * (s.n + s.faces) + 20 * elements + cleaning_bytes(s);
 }
 
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
@@ -80,10 +74,8 @@ std::uint64_t crossed_step(const Sizes& s) {
          (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 20 * more_parts(s) + 16 * hexagons(s);
 }
 
-// Gates take the history's place.
-std::uint64_t walk_step(const Sizes& s) {
-  return crossed_step(s) + (s.gated ? gate_bytes(s) : history_bytes(s)) + chunk_bytes(s);
-}
+// Gates in the history's place are 28 bytes a vertex more, and no more than stitching has where so much is crossed.
+std::uint64_t walk_step(const Sizes& s) { return crossed_step(s) + history_bytes(s) + chunk_bytes(s); }
 
 // After the last walk the history is gone. An entry of a chain, one for each owned vertex and four a piece, holds 20
 // bytes; of a hexagon, which no vertex is owned in, corners 12.
@@ -150,14 +142,13 @@ std::uint64_t refined_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64
 
 // Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (190): order (60),
 // insertion (186 with its history), domains (180). With constraints walking (236 and 152) is above these as well:
-// insertion (222 and 8), cleaning without fans (192 and 128), domains (180 and 76).
+// insertion (222 and 8), cleaning without gates and fans (192 and 128), domains (180 and 76).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const bool gated = m > 0 && crossed / faces >= Tuning::gpu_crossings_gated;
   const Sizes s = {n, m, faces, 3 * n + 3, m == 0 ? 0 : std::min(faces, crossed), gated};
   const std::uint64_t most =
-      m == 0 ? output_step(s)
-             : std::max({output_step(s), fan_step(s), gate_step(s), walk_step(s), chain_step(s), stitch_step(s)});
+      m == 0 ? output_step(s) : std::max({output_step(s), gate_step(s), walk_step(s), chain_step(s), stitch_step(s)});
   return in_pages(most);
 }
 
