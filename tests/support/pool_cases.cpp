@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pool_cases.hpp"
 
+#include <chrono>
+#include <thread>
+
 namespace gcdt::test {
 
 namespace {
@@ -80,6 +83,16 @@ runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std
   return hook;
 }
 
+runtime::CallHook behind(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k) {
+  runtime::CallHook hook = healthy();
+  hook.before = [=](const char* call, const char*) {
+    if (std::string(call) == "clEnqueueNDRangeKernel")
+      for (int waits = 0; *calls < k && waits < 500; ++waits) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return CL_SUCCESS;
+  };
+  return hook;
+}
+
 Outcome outcome_of(DevicePool& pool, const RaggedBatch& batch, const std::vector<Triangulation>& expected,
                    const Options& options) {
   try {
@@ -115,7 +128,7 @@ void check_failing_calls(const std::vector<Workload>& problems, const Options& o
     *calls = 0;
     runtime::CallHook broken = failing(calls, k, tried % 2 == 0, codes[tried % codes.size()]);
     broken.tuning.workers = 1 + static_cast<std::uint32_t>(tried / 2 % most_workers);
-    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), healthy()}}, {}, {});
+    DevicePool pool({{cl::Context(), app_device(), broken}, {cl::Context(), app_device(), behind(calls, k)}}, {}, {});
     const Outcome outcome = outcome_of(pool, batch, expected, options);
     CAPTURE(outcome.message);
     CHECK(outcome.right);
@@ -123,7 +136,7 @@ void check_failing_calls(const std::vector<Workload>& problems, const Options& o
     lost += pool.report(0).lost.has_value();
     CHECK(pool.report(0).problems + pool.report(1).problems == problems.size());
   }
-  CHECK(lost > tried / 4);
+  CHECK(lost > tried / 2);  // the others lack memory once, which loses no device
 }
 
 std::vector<Workload> valid_problems() {

@@ -37,6 +37,10 @@ runtime::CallHook healthy();
 runtime::CallHook failing(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k, bool for_good,
                           cl_int code);
 
+/// Works, but launches nothing, for half a second at most, before another device has made its k-th call: however they
+/// are scheduled, that one gets work enough to reach the call that fails.
+runtime::CallHook behind(std::shared_ptr<std::atomic<std::uint64_t>> calls, std::uint64_t k);
+
 /// How a batch on a pool went.
 struct Outcome {
   bool right = false;    ///< every byte
