@@ -162,6 +162,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
           walk_begin(&w, mesh, part_face[part], ends[c], lines[c], part - begins[c], begins[c + 1u] - begins[c]);
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
+        event = end_of_part(&w, mesh, event);
         if (event == WALK_HIT) {
           if (task == GCDT_CLEAN_WRITE)
             hits[offsets[part] + found] = w.hit;
@@ -169,7 +170,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
             first_hits[part] = w.hit;
           ++found;
           event = walk_turn(&w, walked, w.hit, &steps);
-        } else {
+        } else if (event == WALK_CROSS) {
           event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));
           ++edges;
         }

@@ -55,7 +55,7 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCD
     uint event = walk_begin(&w, mesh, part_face[part], walk_ends(ends[c]), lines[c], part - begins[c],
                             begins[c + 1u] - begins[c]);
     if (w.k == 0u) {
-      const bool is_edge = event == WALK_END && w.hit == w.b;
+      const bool is_edge = event == WALK_HIT && w.hit == w.b;
       piece_edge[c] = is_edge ? GCDT_SIDE_EDGE(w.code) : GCDT_NONE;
       if (is_edge) {
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
@@ -65,7 +65,9 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCD
       }
     }
     // Ends: every edge crossed lies further along the piece.
-    while (event == WALK_CROSS) {
+    while (event == WALK_CROSS || event == WALK_HIT) {
+      event = end_of_part(&w, mesh, event);
+      if (event != WALK_CROSS) break;
       const uint2 at = near_both(near, w.code);
       const Gate behind = look_behind(&w, mesh, gates);
       reduce_near(near, at.x, at.y, c, &w, lines, counters);
@@ -249,6 +251,8 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       uint word = event == WALK_CROSS ? *claim_word(mesh.face_data, w.face) : 0u;
       // Ends: every edge crossed lies further along the piece.
       while (event == WALK_CROSS) {
+        event = end_of_part(&w, mesh, event);
+        if (event != WALK_CROSS) break;
         const Gate behind = look_behind(&w, mesh, gates);
         const uint2 at = near_both(near, w.code);
         if (owns_left(&w, at, c)) own_vertex(chunks, &o, w.code, 0u, w.third_side == 0, counters);
@@ -260,7 +264,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
       }
       end_chunk(chunks, &o);
       // The last part comes to b; the one before may, too.
-      if (piece_edge[c] == GCDT_NONE && part + 1u == begins[c + 1u] && event == WALK_END)
+      if (piece_edge[c] == GCDT_NONE && part + 1u == begins[c + 1u] && event == WALK_HIT)
         last[c] = last_sides(&w, mesh, near, c);
     }
     counts[part] = o.left;

@@ -27,7 +27,7 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_MESH_P
     Walk w;
     uint event = walk_begin(&w, mesh, part_face[part], walk_ends(ends[c]), lines[c], part - begins[c],
                             begins[c + 1u] - begins[c]);
-    const bool is_edge = event == WALK_END && w.hit == w.b && w.code != GCDT_NONE;
+    const bool is_edge = event == WALK_HIT && w.hit == w.b && w.code != GCDT_NONE;
     if (is_edge && w.k != 0u) continue;
     bool record = w.k == 0u;
     // Ends: every edge crossed lies further along the piece.
@@ -43,7 +43,7 @@ kernel void crossings_records(uint emit, uint pieces, uint capacity, GCDT_MESH_P
         w.face = GCDT_REF_FACE(mesh.edge_faces[w.code ^ 1u]);
         continue;
       }
-      if (event != WALK_CROSS) break;
+      if ((event = end_of_part(&w, mesh, event)) != WALK_CROSS) break;
       event = walk_cross(&w, mesh, gate_of_side(mesh, w.code ^ 1u));
       if (w.code != GCDT_NONE) w.face = GCDT_REF_FACE(left_face(&w, mesh));
     }

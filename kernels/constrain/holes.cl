@@ -4,7 +4,7 @@
 #include "constrain/near.h"
 
 // The part of piece c that crosses the edge from `right` to `left`: the first that does not end before it
-// (come_to_edge). Ends: the range halves.
+// (end_of_part). Ends: the range halves.
 static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint left, uint parts) {
   const Vertex r = load_vertex(mesh.points, mesh.n, right), l = load_vertex(mesh.points, mesh.n, left);
   uint low = 0, high = parts - 1u;
@@ -20,7 +20,8 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
 
 // One work-item per corner of a hexagon. Writes the place in the chains of the hole's corner there: the owned vertex
 // just before this place when the piece that cuts the corner farthest is run through with the hexagon's middle on its
-// left. Walks the one part that leaves the hexagon, up to there, and counts what it owns. No race: its own word.
+// left. Walks the one part that leaves the hexagon, up to there, hence before its end, and counts what it owns. No
+// race: its own word.
 kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
                          volatile global uint* near, global const uint2* ends, global const uint* begins,
                          global const int4* lines, global const uint* part_face, global const uint* starts,

@@ -9,10 +9,10 @@
 #include "constrain/fan.h"
 #include "constrain/gates.h"
 
-// What the walk has come to in the current face.
-#define WALK_CROSS 0u   // it leaves through an edge, strictly between its ends
-#define WALK_HIT 1u     // it comes to a vertex on the piece, not its end
-#define WALK_END 2u     // the part ends in this face, or before what lies ahead
+// What a walk comes to in the current face.
+#define WALK_CROSS 0u   // an edge, through which it leaves strictly between its ends
+#define WALK_HIT 1u     // a vertex on the piece
+#define WALK_END 2u     // the part ends in this face, or before what lies ahead (end_of_part)
 #define WALK_FAILED 3u  // the face does not hold the walk: the mesh or the location is wrong
 
 typedef struct Walk {
@@ -80,42 +80,44 @@ static inline bool after_next_division(const private Walk* w, Vertex z) {
   return (i64)way_along(w, z) * (i64)w->parts > (i64)way_along(w, line_end(w->line)) * (i64)(w->k + 1u);
 }
 
-static uint come_to_vertex(private Walk* w, Mesh mesh, uint z, uint code) {
+static uint come_to_vertex(private Walk* w, uint z, uint code) {
   w->hit = z;
   w->code = code;
-  if (z == w->b) return WALK_END;
-  if (w->k + 1u < w->parts && after_next_division(w, load_vertex(mesh.points, mesh.n, z))) {
-    w->hit = GCDT_NONE;
-    return WALK_END;
-  }
   return WALK_HIT;
 }
 
 // The face that the walk leaves through its exit edge, as a reference with the corner across from the edge.
 static inline uint left_face(const private Walk* w, Mesh mesh) { return mesh.edge_faces[w->code]; }
 
-// The exit edge is set: seen from inside, the line leaves it from its right to its left end. Does the next division
-// point lie on this side of it? An edge both of whose ends are not as far as that is before it, which few need to be
-// asked exactly.
-static uint come_to_edge(private Walk* w) {
-  w->hit = GCDT_NONE;
-  if (w->k + 1u < w->parts && (w->at_left >= w->until || w->at_right >= w->until) &&
-      gcdt_orient2d_division(unfolded(w->point_right), unfolded(w->point_left), line_begin(w->line), line_end(w->line),
-                             w->k + 1u, w->parts) > 0)
+// Whether the part ends before what the walk has come to: at the piece's end, or if the next division point lies on
+// this side of it. (The line leaves an exit edge from its right to its left end. An edge both of whose ends are not as
+// far as the point is before it, which few need to be asked exactly.) Each walk has one place that asks, since its text
+// is compiled as often as it stands.
+static uint end_of_part(private Walk* w, Mesh mesh, uint event) {
+  if (event == WALK_HIT && w->hit == w->b) return WALK_END;
+  if (event == WALK_FAILED || w->k + 1u >= w->parts) return event;
+  if (event == WALK_HIT) {
+    if (!after_next_division(w, load_vertex(mesh.points, mesh.n, w->hit))) return event;
+    w->hit = GCDT_NONE;
     return WALK_END;
-  return WALK_CROSS;
+  }
+  const bool ends = (w->at_left >= w->until || w->at_right >= w->until) &&
+                    gcdt_orient2d_division(unfolded(w->point_right), unfolded(w->point_left), line_begin(w->line),
+                                           line_end(w->line), w->k + 1u, w->parts) > 0;
+  return ends ? WALK_END : event;
 }
 
-// The same, where nothing is known of the edge: it is opposite corner k of the face, whose rotated corners are
-// c = (third, right, left), and whose sides are `sides`.
+// The exit edge is opposite corner k of the face, whose rotated corners are c = (third, right, left), and whose sides
+// are `sides`.
 static uint come_to_first_edge(private Walk* w, Mesh mesh, uint k, uint4 c, uint4 sides, int third_side) {
   w->third_side = third_side;
+  w->hit = GCDT_NONE;
   w->code = element(sides, k);
   w->point_right = folded_vertex(mesh.points, mesh.n, c.y);
   w->point_left = folded_vertex(mesh.points, mesh.n, c.z);
   w->at_right = way_along(w, unfolded(w->point_right));
   w->at_left = way_along(w, unfolded(w->point_left));
-  return come_to_edge(w);
+  return WALK_CROSS;
 }
 
 // Of the signs of three corners that of corner k.
@@ -144,7 +146,7 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
   // Each call stands once, since its text is compiled as often as it stands.
   if (zeros < 2 && right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, behind);
   if (zeros == 0 || (zeros == 1 && !(right > 0 && left < 0))) return WALK_FAILED;
-  return come_to_vertex(w, mesh, zeros == 1 ? r.x : behind > 0 ? r.z : r.y, zeros == 1 ? GCDT_NONE : element(sides, k));
+  return come_to_vertex(w, zeros == 1 ? r.x : behind > 0 ? r.z : r.y, zeros == 1 ? GCDT_NONE : element(sides, k));
 }
 
 // Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
@@ -174,7 +176,7 @@ static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
   if (w->third_side == 0) {
     const uint ref = mesh.edge_faces[w->code ^ 1u];
     w->face = GCDT_REF_FACE(ref);
-    return come_to_vertex(w, mesh, face_corner(mesh, w->face, GCDT_REF_CORNER(ref)), GCDT_NONE);
+    return come_to_vertex(w, face_corner(mesh, w->face, GCDT_REF_CORNER(ref)), GCDT_NONE);
   }
   const i32 at = way_along(w, apex);
   if (w->third_side > 0) {
@@ -186,7 +188,8 @@ static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
     w->at_right = at;
     w->code = gate.before;
   }
-  return come_to_edge(w);
+  w->hit = GCDT_NONE;
+  return WALK_CROSS;
 }
 
 // Goes on from the vertex z just hit, a corner of the face: turns counter-clockwise around z to the
@@ -205,7 +208,7 @@ static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* step
     const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);
     if (right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, 0);
     if ((right == 0 && left > 0) || (right < 0 && left == 0))
-      return come_to_vertex(w, mesh, right == 0 ? r.y : r.z,
+      return come_to_vertex(w, right == 0 ? r.y : r.z,
                             element(sides, right == 0 ? previous_corner(k) : next_corner(k)));
     const uint ref = mesh.edge_faces[element(sides, next_corner(k)) ^ 1u];
     if (ref == GCDT_NONE) return WALK_FAILED;
