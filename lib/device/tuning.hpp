@@ -258,9 +258,10 @@ struct Tuning {
   /// Vertices of the levels that one work-item inserts, one after the other: a thread's share of less is not worth a
   /// launch (not measured).
   static constexpr std::uint32_t most_grown_by_one = 4096;
-  /// Vertices of a share at least, and shares per compute unit: every border between shares is inserted again (not
-  /// measured).
-  static constexpr std::uint32_t least_grown = 1024, grown_shares_per_unit = 4;
+  /// Vertices of a share at least (not measured), and shares per compute unit: what lies along their borders is left,
+  /// flipped and inserted again, so that more shares than even out the units' work cost more than they save (NOTES,
+  /// "Shares of a thread").
+  static constexpr std::uint32_t least_grown = 1024, grown_shares_per_unit = 2;
   /// Shares that the next round joins, whose leavings lie along the borders between them: four cells of the curve to
   /// one (NOTES, "CPUs").
   static constexpr std::uint32_t grown_joined = 4;

@@ -112,7 +112,7 @@ TEST_CASE("limits by device") {
     CHECK(plan.most_parts == (device.kind == DeviceKind::gpu ? 1u << 17 : 512 * device.units));
     CHECK(plan.long_parts == plan.most_parts);
     CHECK(plan.least_parts == (device.kind == DeviceKind::gpu ? 4096 : 64));
-    CHECK(plan.grown_shares == 4 * device.units);
+    CHECK(plan.grown_shares == 2 * device.units);
     // A launch of many problems is as long as one of 2^24 vertices, or has a group for each.
     CHECK(make_plan(device, usual, many(10, 100, 10)).problems_of_launch ==
           (few ? device.groups : std::max<std::uint32_t>(device.groups, (1u << 24) / 10)));
