@@ -25,7 +25,7 @@ typedef struct Walk {
   int2 point_left, point_right;  // the ends of an exit edge, folded (gates.h)
   i32 at_left, at_right;         // how far they are along the piece: way_along
   i32 until;                     // the next division point is that far at least
-  u32 hit;                       // WALK_HIT, WALK_END: the vertex ahead, or GCDT_NONE
+  u32 hit;                       // WALK_HIT: the vertex
 } Walk;
 
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without
@@ -92,15 +92,11 @@ static inline uint left_face(const private Walk* w, Mesh mesh) { return mesh.edg
 // Whether the part ends before what the walk has come to: at the piece's end, or if the next division point lies on
 // this side of it. (The line leaves an exit edge from its right to its left end. An edge both of whose ends are not as
 // far as the point is before it, which few need to be asked exactly.) Each walk has one place that asks, since its text
-// is compiled as often as it stands.
-static uint end_of_part(private Walk* w, Mesh mesh, uint event) {
+// is compiled as often as it stands; not in a loop's condition, which costs a GPU registers (bench/NOTES.md).
+static uint end_of_part(const private Walk* w, Mesh mesh, uint event) {
   if (event == WALK_HIT && w->hit == w->b) return WALK_END;
   if (event == WALK_FAILED || w->k + 1u >= w->parts) return event;
-  if (event == WALK_HIT) {
-    if (!after_next_division(w, load_vertex(mesh.points, mesh.n, w->hit))) return event;
-    w->hit = GCDT_NONE;
-    return WALK_END;
-  }
+  if (event == WALK_HIT) return after_next_division(w, load_vertex(mesh.points, mesh.n, w->hit)) ? WALK_END : event;
   const bool ends = (w->at_left >= w->until || w->at_right >= w->until) &&
                     gcdt_orient2d_division(unfolded(w->point_right), unfolded(w->point_left), line_begin(w->line),
                                            line_end(w->line), w->k + 1u, w->parts) > 0;
@@ -111,7 +107,6 @@ static uint end_of_part(private Walk* w, Mesh mesh, uint event) {
 // are `sides`.
 static uint come_to_first_edge(private Walk* w, Mesh mesh, uint k, uint4 c, uint4 sides, int third_side) {
   w->third_side = third_side;
-  w->hit = GCDT_NONE;
   w->code = element(sides, k);
   w->point_right = folded_vertex(mesh.points, mesh.n, c.y);
   w->point_left = folded_vertex(mesh.points, mesh.n, c.z);
@@ -156,7 +151,6 @@ static uint walk_begin(private Walk* w, Mesh mesh, uint face, uint2 ends, int4 l
   w->line = line;
   w->k = k;
   w->parts = parts;
-  w->hit = GCDT_NONE;
   w->face = face;
   w->until = (i32)((i64)way_along(w, line_end(line)) * (i64)(k + 1u) / (i64)parts);
   return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
@@ -188,7 +182,6 @@ static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
     w->at_right = at;
     w->code = gate.before;
   }
-  w->hit = GCDT_NONE;
   return WALK_CROSS;
 }
 
