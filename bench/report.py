@@ -352,12 +352,18 @@ def verdicts(rows, machine, targets):
     return text
 
 
-def describe(machine):
+def describe(machine, rows):
     text = f"{machine['device']} ({machine['platform']}, driver {machine['driver']}), {machine['host_threads']} host threads; {machine['date']}"
     if machine.get("commit"):
         text += f", commit {machine['commit']}"
     if machine.get("command"):
         text += f". Command: `{machine['command']}`"
+    before = {}  # rows that the last run did not measure keep what an earlier one did
+    for row in rows:
+        if row.get("commit", machine.get("commit")) != machine.get("commit"):
+            before.setdefault(row["commit"], []).append(name(row))
+    for commit, names in before.items():
+        text += f"\n\nOf commit {commit}: {', '.join(names)}."
     if machine.get("copy_gb_s"):
         text += (
             f"\n\nMeasured in the same run: copy kernel {machine['copy_gb_s']:.0f} GB/s (read + written), buffer copy "
@@ -401,7 +407,7 @@ def main():
     made = plots.draw(rows, machine, stem, [name(row) for row in rows], [ours(row, gpu) for row in rows], PHASES)
     title = main_table(rows, machine)
     with open(stem + ".md", "w") as file:
-        file.write("# Results\n" + describe(machine) + "\n\n")
+        file.write("# Results\n" + describe(machine, rows) + "\n\n")
         file.writelines(f"![]({picture})\n" for picture in made)
         file.write(
             "\n"
