@@ -254,7 +254,7 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
         event = end_of_part(&w, mesh, event);
         if (event != WALK_CROSS) break;
         const Gate behind = look_behind(&w, mesh, gates);
-        const uint2 at = near_both(near, w.code);
+        const uint2 at = near_complete((global const uint*)near, w.code);
         if (owns_left(&w, at, c)) own_vertex(chunks, &o, w.code, 0u, w.third_side == 0, counters);
         if (owns_right(&w, at, c)) own_vertex(chunks, &o, w.code, 1u, w.third_side == 0, counters);
         if (w.third_side != 0 && word >= claim)

@@ -23,7 +23,7 @@ static uint part_that_crosses(Mesh mesh, Vertex a, Vertex b, uint right, uint le
 // left. Walks the one part that leaves the hexagon, up to there, hence before its end, and counts what it owns. No
 // race: its own word.
 kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
-                         volatile global uint* near, global const uint2* ends, global const uint* begins,
+                         global const uint* near, global const uint2* ends, global const uint* begins,
                          global const int4* lines, global const uint* part_face, global const uint* starts,
                          global const uint* far, global const uint* hexagon_face, global uint* hole_place,
                          volatile global Counters* counters) {
@@ -49,7 +49,7 @@ kernel void hole_corners(uint hexagons, uint pieces, uint capacity, GCDT_MESH_PA
     uint event = walk_begin(&w, mesh, part_face[begins[c] + part], walk_ends(ends[c]), lines[c], part, parts);
     // Ends: every edge crossed lies further along the piece.
     while (event == WALK_CROSS && w.code != leaves) {
-      const uint2 at = near_both(near, w.code);
+      const uint2 at = near_complete(near, w.code);
       left += owns_left(&w, at, c) ? 1u : 0u;
       right += owns_right(&w, at, c) ? 1u : 0u;
       event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));

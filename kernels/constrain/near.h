@@ -18,6 +18,12 @@ static inline uint2 near_both(volatile global uint* near, uint code) {
   return (code & 1u) ? both : both.yx;
 }
 
+// The same once all near words of crossed edges are complete, so that a GPU may keep them in the cache of a unit.
+static inline uint2 near_complete(global const uint* near, uint code) {
+  const uint2 both = ((global const uint2*)near)[GCDT_SIDE_EDGE(code)];
+  return (code & 1u) ? both : both.yx;
+}
+
 // Of a side that is not crossed, and whose edge a chain is known to run along (constrain.cl).
 #define NEAR_CHAIN (GCDT_NONE - 1u)
 

@@ -104,11 +104,8 @@ kernel void stitch_keep(uint count, global const uint* crossed, global const uin
   }
 }
 
-// The open sides of face t, as bits, whose direction u -> v has u > v (second), or u < v.
-static uint open_sides(global const uint4* face_data, uint t, bool second) {
-  const uint4 s = face_data[GCDT_SIDES(t)];
-  if (s.x != GCDT_NONE && s.y != GCDT_NONE && s.z != GCDT_NONE) return 0u;
-  const uint4 c = face_data[GCDT_CORNERS(t)];
+// The open sides of a face with corners c and sides s, as bits, whose direction u -> v has u > v (second), or u < v.
+static uint open_sides(uint4 c, uint4 s, bool second) {
   uint open = 0;
   for (uint k = 0; k < 3u; ++k)
     if (element(s, k) == GCDT_NONE && (element(c, next_corner(k)) > element(c, previous_corner(k))) == second)
@@ -136,8 +133,10 @@ kernel void stitch_first(uint grouped, uint count, global const uint* crossed, g
   FOR_EACH_TILE(tile, count) {
     const uint i = tile + get_local_id(0);
     const uint t = i < count ? crossed[i] : GCDT_NONE;
-    const uint open = t == GCDT_NONE ? 0u : open_sides(face_data, t, false);
-    const uint4 c = open ? face_data[GCDT_CORNERS(t)] : (uint4)(0u), found = find_sides(table, c, open);
+    uint4 c = (uint4)(0u), s = (uint4)(0u);
+    if (t != GCDT_NONE) c = face_data[GCDT_CORNERS(t)], s = face_data[GCDT_SIDES(t)];
+    const uint open = open_sides(c, s, false);
+    const uint4 found = find_sides(table, c, open);
     uint wanted = 0;
     for (uint k = 0; k < 3u; ++k) wanted += ((open >> k) & 1u) != 0u && element(found, k) == GCDT_NONE ? 1u : 0u;
     uint slot = take_numbers(taken, &counters->new_edges, wanted);
@@ -167,8 +166,10 @@ kernel void stitch_second(uint count, global const uint* crossed, global uint4* 
                           TABLE_PARAMETERS, volatile global Counters* counters) {
   const Table table = make_table(capacity, slots);
   FOR_EACH(i, count) {
-    const uint t = crossed[i], open = open_sides(face_data, t, true);
-    const uint4 c = open ? face_data[GCDT_CORNERS(t)] : (uint4)(0u), found = find_sides(table, c, open);
+    const uint t = crossed[i];
+    const uint4 c = face_data[GCDT_CORNERS(t)], s = face_data[GCDT_SIDES(t)];
+    const uint open = open_sides(c, s, true);
+    const uint4 found = find_sides(table, c, open);
     for (uint k = 0; k < 3u; ++k) {
       if (!((open >> k) & 1u)) continue;
       const uint code = element(found, k);

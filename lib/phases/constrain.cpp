@@ -238,10 +238,13 @@ class Constraining {
     edge_ends_ = {};
   }
 
-  // Entries: at most 3 per crossed face, less one for each crossed edge (two sides that go, one direction that
-  // is entered for the new edge in its place). A third more slots keeps probes short.
+  // Entries: the sides that stay, 3 per crossed face less two for each crossed edge, and one for each new edge, which
+  // are as many as the crossed ones, but for those that retriangulate_chains makes: one for each owned vertex, less the
+  // two roots at most of each piece that was walked. Half more slots keep probes short.
   void keep_boundary() {
-    const std::uint64_t entries = 3ull * crossed_faces_ - crossed_edge_count_;
+    const std::uint64_t owned = left_total_ + right_total_,
+                        roots = 2ull * (pieces_.count - counters_.last().existing_edges),
+                        entries = 3ull * crossed_faces_ - crossed_edge_count_ - (owned > roots ? owned - roots : 0);
     capacity_ = cl_uint(entries + entries / 2 + 1);
     table_ = runtime_.filled<cl_uint>("table of directions", 3 * std::size_t{capacity_}, GCDT_NONE);
     runtime_.launch("stitch", "stitch_keep", over(crossed_faces_), crossed_faces_, crossed_, mesh_.face_data, near_,
