@@ -136,13 +136,13 @@ kernel void clean_count(uint count, global const uint* begins, global const uint
 // order to hits[offsets[part] ...]: the first of a part is known from counting, so that only parts with more walk
 // again. No race: each part has its own words, or its own range; faces crossed are added to their constraint's count,
 // and to that of all. After counting: counts[part] for every part, 0 beyond the last; first_hits[part] if that is not
-// 0; part_face[part], where it begins, is GCDT_NONE if it failed.
+// 0; part_face[part], where it begins, is GCDT_NONE if it failed; passed[part] counts the edges that it passes.
 kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_FAN_PARAMETERS,
                        GCDT_GATE_PARAMETERS, global const uint2* ends, global const uint* list,
                        global const uint* begins, global const int4* lines, global const uint* part_piece,
-                       global uint* part_face, global const uint* searched, global const uint* offsets,
-                       global uint* counts, global uint* first_hits, global uint* hits, volatile global uint* crossed,
-                       volatile global Counters* counters) {
+                       global uint* part_face, global uint* passed, global const uint* searched,
+                       global const uint* offsets, global uint* counts, global uint* first_hits, global uint* hits,
+                       volatile global uint* crossed, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
@@ -175,6 +175,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
           ++edges;
         }
       }
+      if (task != GCDT_CLEAN_WRITE) passed[part] = edges;
       if (event == WALK_END) {
         if (task != GCDT_CLEAN_WRITE && edges > 0u) {
           atomic_add(crossed + list[c], edges);

@@ -37,19 +37,21 @@ kernel void constrain_existing(uint pieces, GCDT_MESH_PARAMETERS, volatile globa
   }
 }
 
-// One work-item per part. Writes near words by compare-and-exchange (reduce_near: order cannot matter), and for a piece
-// that is an edge already that edge's number and mark (one part, the first, owns the piece's word; marks by atomic_or).
-// After: near is complete, or failure bits are set.
+// One work-item per part, in the order that is given if `ordered`. Writes near words by compare-and-exchange
+// (reduce_near: order cannot matter), and for a piece that is an edge already that edge's number and mark (one part,
+// the first, owns the piece's word; marks by atomic_or). After: near is complete, or failure bits are set.
 kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
                            volatile global uint* edge_marks, volatile global uint* near, global const uint2* ends,
                            global const uint* begins, global const int4* lines, global const uint* part_piece,
-                           global const uint* part_face, global uint* piece_edge, volatile global Counters* counters) {
+                           global const uint* part_face, uint ordered, global const uint* order,
+                           global uint* piece_edge, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Gates gates = make_gates(gates_made, gates_at);
   const uint parts = begins[pieces];
   uint pairs = 0, existing = 0;
-  FOR_EACH(part, min(parts, capacity)) {
+  FOR_EACH(i, min(parts, capacity)) {
+    const uint part = ordered ? order[i] : i;
     const uint c = part_piece[part];
     Walk w;
     uint event = walk_begin(&w, mesh, part_face[part], walk_ends(ends[c]), lines[c], part - begins[c],
@@ -222,24 +224,25 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
                  chain_side(near, element(sides, next_corner(k)), false, in ^ 1u, c));
 }
 
-// One work-item per part. Writes where the part owns vertices to chunks, the first of which all parts have, and how
-// many are left and right (its own words, the right ones `capacity` behind), and reduces the farthest cut at each
-// corner of a hexagon (reduce_far). Of the last face it marks known sides along chains with NEAR_CHAIN. A piece that is
-// an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of each
-// piece that was walked.
+// One work-item per part, as before. Writes where the part owns vertices to chunks, the first of which all parts have,
+// and how many are left and right (its own words, the right ones `capacity` behind), and reduces the farthest cut at
+// each corner of a hexagon (reduce_far). Of the last face it marks known sides along chains with NEAR_CHAIN. A piece
+// that is an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of
+// each piece that was walked.
 kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
                           volatile global uint* near, global const uint2* ends, global const uint* begins,
                           global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
-                          global const uint* part_face, global uint* counts, volatile global uint* far,
-                          global ChunkHead* heads, global uint* entries, global uint2* last, uint claim,
-                          volatile global Counters* counters) {
+                          global const uint* part_face, uint ordered, global const uint* order, global uint* counts,
+                          volatile global uint* far, global ChunkHead* heads, global uint* entries, global uint2* last,
+                          uint claim, volatile global Counters* counters) {
   local uint sum;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Gates gates = make_gates(gates_made, gates_at);
   const Chunks chunks = {.heads = heads, .entries = entries, .pool = capacity, .capacity = chunk_capacity};
   const uint parts = begins[pieces];
   uint all_left = 0, all_right = 0;
-  FOR_EACH(part, capacity) {
+  FOR_EACH(i, capacity) {
+    const uint part = ordered ? order[i] : i;
     Owned o = own_nothing(part);
     if (part < parts) {
       const uint c = part_piece[part];

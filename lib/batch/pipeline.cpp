@@ -164,6 +164,7 @@ Pieces pieces_without(ForestRun& run, const std::vector<std::uint32_t>& problems
   kept.walked.weights = runtime.allocate<cl_uint>("weights of pieces", kept.count);
   kept.walked.parts = runtime.allocate<cl_uint2>("parts of whole pieces", kept.count);
   kept.walked.faces = std::move(all.walked.faces);
+  kept.walked.passed = std::move(all.walked.passed);
   kept.walked.crossed = all.walked.crossed, kept.walked.pool = all.walked.pool;
   runtime.launch("forest", "forest_keep_pieces", over(all.count), cl_uint{all.count}, cl_uint{walked}, run.vertices.n(),
                  run.vertices.points, runtime.upload("moves of pieces", moves), all.ends, all.source_offsets,

@@ -95,6 +95,8 @@ struct Tuning {
   std::optional<std::uint32_t> crossings_ahead;
   /// The same from which on walks are given gates; none: by the device, below, and never if no buffer can hold them.
   std::optional<std::uint32_t> crossings_gated;
+  /// Crossed faces a part from which on parts are walked in order of these; none: by the device, below.
+  std::optional<std::uint32_t> crossings_ordered;
   /// Up to so many vertices, where a work-item is a thread, one orders, puts out and checks all of them
   /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
   /// need to help it, each of which wakes all of them (bench/NOTES.md).
@@ -291,6 +293,10 @@ struct Tuning {
   /// The same from which on a GPU's walks are given gates; a CPU's find all they need in lines of 64 bytes (NOTES,
   /// "Many crossings").
   static constexpr std::uint32_t gpu_crossings_gated = 2;
+  /// Crossed faces a part from which on a GPU's lanes wait longer for those beside them than it takes to order parts;
+  /// and parts that are ordered with one another: more of them lie too far apart to read the same (NOTES, "Lanes that
+  /// walk as far").
+  static constexpr std::uint32_t gpu_crossings_ordered = 24, parts_ordered_together = 256;
   /// Constraints that are edges already from which on it pays to leave them out: a few launches and a read (NOTES,
   /// "Edges already").
   static constexpr std::uint32_t gpu_least_existing = 1u << 18, cpu_least_existing = 1u << 11;

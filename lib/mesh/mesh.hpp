@@ -48,10 +48,11 @@ struct WalkedPieces {
   bool located = true;               ///< parts, faces and pool are known, as is said here; else only weights are
   /// By piece, if it is a whole constraint: its first place in `faces`, and the number of its parts. Else (0, 0).
   runtime::Buffer<cl_uint2> parts;
-  runtime::Buffer<cl_uint> faces;  ///< where parts begin
-  std::uint64_t crossed = 0;       ///< at least the sum of the weights
-  std::uint32_t pool = 0;          ///< the pieces have so many parts at most beyond one each
-  std::uint32_t existing = 0;      ///< so many constraints are an edge of the mesh each
+  runtime::Buffer<cl_uint> faces;   ///< where parts begin
+  runtime::Buffer<cl_uint> passed;  ///< how many edges they pass
+  std::uint64_t crossed = 0;        ///< at least the sum of the weights
+  std::uint32_t pool = 0;           ///< the pieces have so many parts at most beyond one each
+  std::uint32_t existing = 0;       ///< so many constraints are an edge of the mesh each
 };
 
 /// The constraints after cleaning: distinct pieces, none with a vertex inside.

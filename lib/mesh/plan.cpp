@@ -99,6 +99,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.crossings_gated = gates > device.largest_buffer
                              ? UINT32_MAX
                              : tuning.crossings_gated.value_or(gpu ? Tuning::gpu_crossings_gated : UINT32_MAX);
+  plan.crossings_ordered = tuning.crossings_ordered.value_or(gpu ? Tuning::gpu_crossings_ordered : UINT32_MAX);
   plan.step_ahead = gpu ? Tuning::gpu_step_ahead : Tuning::cpu_step_ahead;
   plan.least_existing = tuning.least_existing.value_or(gpu ? Tuning::gpu_least_existing : Tuning::cpu_least_existing);
   plan.least_grouped = threads ? UINT32_MAX : tuning.least_grouped;

@@ -78,7 +78,8 @@ struct Plan {
   /// enforced ahead of the others.
   std::uint32_t crossings_ahead = 0, step_ahead = 0;
   std::uint32_t crossings_gated = 0;  ///< so many times as many, from which on walks are given gates (phases/gates.hpp)
-  std::uint32_t least_existing = 0;   ///< pieces that are edges already from which on these are left out
+  std::uint32_t crossings_ordered = 0;  ///< crossed faces a part from which on lanes side by side walk as far
+  std::uint32_t least_existing = 0;     ///< pieces that are edges already from which on these are left out
   /// Edges of the mesh from which on pieces have slots of their own, and crossed faces of a piece up to which.
   std::uint32_t least_grouped = 0, grouped_crossings = 0;
   std::uint32_t all_pairs = 0;  ///< pieces of a problem up to which all pairs may be tested for crossings

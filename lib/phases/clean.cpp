@@ -144,8 +144,8 @@ void Cleaner::launch_walk(cl_uint task, const WalkedMesh& walked, const KeptCons
   runtime_.launch("clean", "clean_walk", over(parts.capacity), task, kept.count, parts.capacity, mesh.n,
                   vertices_.points, mesh.face_data, mesh.edge_faces, cl_uint{fans.made}, fans.begins, fans.faces,
                   cl_uint{walked.history.gates.made}, walked.history.gates.at, kept.ends, kept.list, parts.begins,
-                  found.begins.lines, found.begins.pieces, found.begins.faces, searched, found.offsets, counts,
-                  found.first_hits, found.hits, found.crossed, counters.buffer());
+                  found.begins.lines, found.begins.pieces, found.begins.faces, found.passed, searched, found.offsets,
+                  counts, found.first_hits, found.hits, found.crossed, counters.buffer());
 }
 
 Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const KeptConstraints& kept, const PieceParts& parts,
@@ -156,6 +156,7 @@ Cleaner::Found Cleaner::walk(const WalkedMesh& walked, const KeptConstraints& ke
   found.offsets = runtime_.allocate<cl_uint>("hits of parts", std::size_t(parts.capacity) + 1);
   found.first_hits = runtime_.allocate<cl_uint>("first vertices on parts", parts.capacity);
   found.hits = runtime_.allocate<cl_uint>("vertices on constraints", 0);
+  found.passed = runtime_.allocate<cl_uint>("edges that parts pass", parts.capacity);
   if (!walked.history.fans.made && pays_for_gates(walked.plan, walked.mesh, 4 * kept.crossings))
     make_gates(runtime_, vertices_, walked.mesh, walked.history.gates);
   launch_walk(GCDT_CLEAN_ALL, walked, kept, parts, found, found.begins.faces, found.offsets, counters);
@@ -231,6 +232,7 @@ CleanResult Cleaner::clean(const WalkedMesh& walked, const KeptConstraints& kept
                   kept.list, kept.along_curve ? kept.places : kept.list, firsts, keys, sources, found.crossed, whole);
   result.pieces = merge(vertices_, std::move(keys), std::move(sources), found.crossed, whole, count, bits);
   result.pieces.walked.faces = std::move(found.begins.faces);
+  result.pieces.walked.passed = std::move(found.passed);
   result.pieces.walked.crossed = crossed;
   result.pieces.walked.pool = parts.pool;
   result.pieces.walked.existing = counters.last().existing_edges;

@@ -67,6 +67,7 @@ class Cleaner {
     PartBegins begins;
     runtime::Buffer<cl_uint> offsets;     ///< parts + 1: of each part's vertices among all
     runtime::Buffer<cl_uint> crossed;     ///< faces, by constraint
+    runtime::Buffer<cl_uint> passed;      ///< edges, by part: what its walk passes
     runtime::Buffer<cl_uint> first_hits;  ///< the first vertex of each part that has some
     runtime::Buffer<cl_uint> hits;        ///< the vertices, after write_hits()
   };

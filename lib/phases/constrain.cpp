@@ -43,6 +43,7 @@ class Constraining {
 
  private:
   bool failed() { return counters_.read().failed != 0; }
+  cl_uint ordered() const { return order_.size() > 0; }
 
   // With the counters read last. A mesh that has not changed is located in by whoever looks for what crosses.
   ConstrainResult finish(bool changed) {
@@ -67,13 +68,14 @@ class Constraining {
     parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
     begins_ = find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_,
                                pieces_.walked.located ? &pieces_.walked : nullptr, false, counters_);
+    order_ = order_parts(runtime_, walked_.plan, pieces_, parts_, begins_);
     take_gates();
     near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
     piece_edge_ = runtime_.allocate<cl_uint>("edges of pieces", pieces_.count);
     runtime_.launch("constrain", "constrain_near", over(parts_.capacity), pieces_.count, parts_.capacity, mesh_.n,
                     walked_.vertices.points, mesh_.face_data, mesh_.edge_faces, cl_uint{gates_.made}, gates_.at,
                     mesh_.edge_marks, near_, pieces_.ends, parts_.begins, begins_.lines, begins_.pieces, begins_.faces,
-                    piece_edge_, counters_.buffer());
+                    ordered(), order_, piece_edge_, counters_.buffer());
   }
 
   void give_history_back() {
@@ -161,8 +163,8 @@ class Constraining {
     runtime_.launch("constrain", "constrain_own", over(parts_.capacity), pieces_.count, parts_.capacity,
                     chunk_capacity_, mesh_.n, walked_.vertices.points, mesh_.face_data, mesh_.edge_faces,
                     cl_uint{gates_.made}, gates_.at, near_, pieces_.ends, parts_.begins, piece_edge_, begins_.lines,
-                    begins_.pieces, begins_.faces, starts_, far_, chunk_heads_, chunk_entries_, last_sides_, claim_,
-                    counters_.buffer());
+                    begins_.pieces, begins_.faces, ordered(), order_, starts_, far_, chunk_heads_, chunk_entries_,
+                    last_sides_, claim_, counters_.buffer());
     primitives_.exclusive_scan(starts_, starts_, 2 * std::size_t{parts_.capacity});
   }
 
@@ -184,6 +186,7 @@ class Constraining {
                       cl_uint{gates_.made}, gates_.at, near_, pieces_.ends, parts_.begins, begins_.lines, begins_.faces,
                       starts_, far_, hexagon_face_, hole_place_, counters_.buffer());
     gates_ = {};
+    order_ = {};
   }
 
   void write_chains() {
@@ -288,7 +291,7 @@ class Constraining {
   PartBegins begins_;
   Gates gates_;
   runtime::Buffer<cl_uint> near_, piece_edge_, chunk_entries_, crossed_, crossed_edges_, face_ends_, edge_ends_, spare_,
-      starts_, far_, hexagon_face_;
+      starts_, far_, hexagon_face_, order_;
   runtime::Buffer<cl_uint2> last_sides_, roots_;
   runtime::Buffer<cl_uint4> chunk_heads_, records_;
   runtime::Buffer<cl_uint> chain_vertex_, chain_piece_, chain_side_, hole_place_, table_;
@@ -327,6 +330,7 @@ Pieces other_than_edges(runtime::Runtime& runtime, Primitives& primitives, const
   rest.walked.crossed = walked.crossed;
   rest.walked.pool = walked.pool;
   rest.walked.faces = std::move(pieces.walked.faces);
+  rest.walked.passed = std::move(pieces.walked.passed);
   return rest;
 }
 
@@ -344,6 +348,7 @@ ConstrainResult constrain(runtime::Runtime& runtime, Primitives& primitives, con
   ConstrainResult result;
   if (rest.count > 0) result = enforce(rest);
   pieces.walked.faces = std::move(rest.walked.faces);
+  pieces.walked.passed = std::move(rest.walked.passed);
   result.left_out = pieces.count - rest.count;
   result.existing_edges += result.left_out;
   return result;

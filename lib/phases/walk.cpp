@@ -83,6 +83,23 @@ PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked,
   return begins;
 }
 
+// Classes as wide as tell parts apart that pass up to four times what there is for each at least.
+runtime::Buffer<cl_uint> order_parts(runtime::Runtime& runtime, const Plan& plan, const Pieces& pieces,
+                                     const PieceParts& parts, const PartBegins& begins) {
+  constexpr cl_uint span = Tuning::parts_ordered_together;
+  const WalkedPieces& walked = pieces.walked;
+  const std::uint64_t each = walked.crossed / std::max(1u, parts.capacity);
+  const bool ordered = each >= plan.crossings_ordered;
+  auto order = runtime.allocate<cl_uint>("order of parts", ordered ? parts.capacity : 0);
+  if (!ordered) return order;
+  const auto none = runtime.allocate<cl_uint2>("no parts", 0);
+  runtime.launch("parts", "parts_order", runtime.over_groups((parts.capacity - 1) / span + 1), pieces.count,
+                 parts.capacity, span, static_cast<cl_uint>(each / 32 + 1), parts.begins, begins.pieces, walked.weights,
+                 cl_uint{walked.located}, walked.located ? walked.parts : none,
+                 walked.located ? walked.passed : walked.weights, order);
+  return order;
+}
+
 void find_missing_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
                         cl_uint pieces, const PieceParts& parts, PartBegins& begins, PhaseCounters& counters) {
   launch_first_faces(runtime, walked, ends, pieces, parts, nullptr, 0, 1, begins, counters);

@@ -50,6 +50,9 @@ struct PartBegins {
 PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
                             cl_uint pieces, const PieceParts& parts, const WalkedPieces* before, bool hasty,
                             PhaseCounters& counters);
+/// Which part each work-item walks, where lanes would wait long for others (Plan::crossings_ordered). Of none: its own.
+runtime::Buffer<cl_uint> order_parts(runtime::Runtime& runtime, const Plan& plan, const Pieces& pieces,
+                                     const PieceParts& parts, const PartBegins& begins);
 /// Finds those that a hasty search has not found.
 void find_missing_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
                         cl_uint pieces, const PieceParts& parts, PartBegins& begins, PhaseCounters& counters);

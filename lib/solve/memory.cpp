@@ -34,9 +34,11 @@ std::uint64_t mesh_bytes(const Sizes& s) { return 2 * 16 * s.faces + 12 * s.edge
 std::uint64_t history_bytes(const Sizes& s) { return 32 * s.faces + 4 * s.n; }
 // Ends, first sources, sources.
 std::uint64_t piece_bytes(const Sizes& s) { return (8 + 4 + 4) * s.m; }
-// Of constraints until they are edges: input, pieces, what cleaning says of these (weights, parts, first faces), and
-// what the sorts keep (other halves of both kinds of keys, and of values).
-std::uint64_t cleaned_bytes(const Sizes& s) { return 8 * s.m + piece_bytes(s) + (4 + 8 + 4) * s.m + (8 + 4 + 4) * s.m; }
+// Of constraints until they are edges: input, pieces, what cleaning says of these (weights, parts, first faces, edges
+// passed), and what the sorts keep (other halves of both kinds of keys, and of values).
+std::uint64_t cleaned_bytes(const Sizes& s) {
+  return 8 * s.m + piece_bytes(s) + (4 + 8 + 4 + 4) * s.m + (8 + 4 + 4) * s.m;
+}
 
 // Chains triangulate crossed faces c but for hexagons h. A hole of k of these has k + 2 sides (L8), each a segment
 // between vertices that a piece owns one after the other on one side, or its ends: one more than it has triangles
@@ -56,8 +58,8 @@ std::uint64_t chunk_bytes(const Sizes& s) { return 6 * s.crossed_faces + 48 * (s
 std::uint64_t gate_bytes(const Sizes& s) { return 32 * s.edges; }
 
 // What constraints have while they are cleaned: input, ends and number, crossed faces, lines, lengths, places and what
-// parts have (beginnings, pieces, faces twice, hits, first hits).
-std::uint64_t cleaning_bytes(const Sizes& s) { return (8 + 12 + 4 + 16 + 8 + 28) * s.m + 28 * more_parts(s); }
+// parts have (beginnings, pieces, faces twice, edges passed, hits, first hits).
+std::uint64_t cleaning_bytes(const Sizes& s) { return (8 + 12 + 4 + 16 + 8 + 32) * s.m + 32 * more_parts(s); }
 
 // Gates beside the history, before or while constraints are cleaned. Where they only seemed to cross much by their
 // lengths, the history has nodes: 36 bytes a vertex. (Fans, phases/fans.hpp, which are never beside gates, have 12
@@ -67,11 +69,11 @@ std::uint64_t gate_step(const Sizes& s) {
 }
 
 // From the walk to the stitching: the nearest piece at both ends of each edge, in place of the work lists; lists of
-// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces, those of cleaning
-// among them, and two starts; of hexagons faces and farthest cuts.
+// crossed faces and edges; of pieces lines, edges and last sides, of parts beginnings, pieces, faces and edges passed,
+// those of cleaning among them, an order, and two starts; of hexagons faces and farthest cuts.
 std::uint64_t crossed_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
-         (16 + 4 + 8 + 4 + 4 + 4 + 8) * s.m + 20 * more_parts(s) + 16 * hexagons(s);
+         (16 + 4 + 8 + 4 + 4 + 4 + 4 + 8) * s.m + 28 * more_parts(s) + 16 * hexagons(s);
 }
 
 // Gates in the history's place are 28 bytes a vertex more, and no more than stitching has where so much is crossed.

@@ -68,6 +68,14 @@ TEST_CASE("who does what, by device and sizes") {
   }
 }
 
+TEST_CASE("parts are walked in order on GPUs") {
+  CHECK(make_plan(gpu, {}, one(1000000)).crossings_ordered == 24);
+  CHECK(make_plan(threads, {}, one(1000000)).crossings_ordered == UINT32_MAX);
+  Tuning always;
+  always.crossings_ordered = 0;
+  CHECK(make_plan(threads, always, one(1000000)).crossings_ordered == 0);
+}
+
 TEST_CASE("gates are made on GPUs, if a buffer can hold them") {
   CHECK(make_plan(gpu, {}, one(1000000)).crossings_gated == 2);
   CHECK(make_plan(threads, {}, one(1000000)).crossings_gated == UINT32_MAX);

@@ -51,7 +51,7 @@ Tuning small_thresholds() {
   tuning.rows_read = 3, tuning.rows_folded = 4;
   tuning.most_ranked_by_count = tuning.most_by_teams = 16;
   tuning.curve_crossings = tuning.crossings_ahead = tuning.crossings_gated = 0;
-  tuning.least_existing = 0;
+  tuning.least_existing = tuning.crossings_ordered = 0;
   tuning.least_grouped = 0, tuning.grouped_crossings = UINT32_MAX;
   return tuning;
 }
