@@ -143,8 +143,8 @@ std::uint64_t refined_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64
 }
 
 // Other steps need less, in bytes a vertex and a constraint. Without constraints all but output (190): order (60),
-// insertion (186 with its history), domains (180). With constraints walking (236 and 152) is above these as well:
-// insertion (222 and 8), cleaning without gates and fans (192 and 128), domains (180 and 76).
+// insertion (186 with its history), domains (180). With constraints walking (236 and 160) is above these as well:
+// insertion (222 and 8), cleaning without gates and fans (192 and 132), domains (180 and 76).
 std::uint64_t device_bytes_needed(std::uint64_t n, std::uint64_t m, std::uint64_t crossed) {
   const std::uint64_t faces = 2 * n + 1;
   const bool gated = m > 0 && crossed / faces >= Tuning::gpu_crossings_gated;
