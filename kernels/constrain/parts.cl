@@ -10,9 +10,6 @@
 // Parts of a piece that a list says whose they are: nearly all there are, since few pieces are long.
 #define LISTED_PARTS 16u
 
-// Classes that a block's parts are ordered by, of `unit` edges each.
-#define PART_CLASSES 128u
-
 // One work-item per piece. The weight of a piece is its length. No race: its own word.
 kernel void parts_lengths(uint pieces, global const int2* points, global const uint2* ends, global uint* weights) {
   FOR_EACH(c, pieces) weights[c] = (uint)piece_length(points, ends[c]);
@@ -50,51 +47,6 @@ kernel void parts_count(uint pieces, ulong whole, uint pool, global const uint* 
     const uint count = whole == 0 ? 1u : 1u + (uint)min((u64)pool, (u64)weights[c] * pool / whole),
                had = again ? walked[c].y : 0u;
     counts[c] = had == 0u ? count : count / had < LEAST_CUT ? had : had * (count / had);
-  }
-}
-
-// The class of a part, of which the least passes most: by the edges that cleaning counted, if it is a part of then, or
-// by its share of the piece's weight.
-static inline uint class_of_part(uint part, global const uint* begins, global const uint* part_piece,
-                                 global const uint* weights, uint again, global const uint2* walked,
-                                 global const uint* passed, uint unit) {
-  const uint c = part_piece[part], first = begins[c], count = begins[c + 1u] - first;
-  const uint2 before = again ? walked[c] : (uint2)(0u, 0u);
-  const uint edges = before.y == count ? passed[before.x + (part - first)] : weights[c] / count;
-  return PART_CLASSES - 1u - min(edges / unit, PART_CLASSES - 1u);
-}
-
-// One work-group per block of `span` parts, the last one of fewer. Writes in which order they are walked: those that
-// pass about as many edges side by side, so that no lane waits long for another, and all within their block, since
-// parts that lie near each other read the same. (Nothing that is found depends on the order.) No race: a block's words
-// are one group's; a count or place has one writer between barriers, but for the loops over parts, where atomic_inc
-// counts, or gives out each place once.
-// After: each block of the order is a permutation of its parts, those beyond the last one behind.
-kernel void parts_order(uint pieces, uint capacity, uint span, uint unit, global const uint* begins,
-                        global const uint* part_piece, global const uint* weights, uint again,
-                        global const uint2* walked, global const uint* passed, global uint* order) {
-  local uint counts[PART_CLASSES], places[PART_CLASSES];
-  const uint lane = get_local_id(0), lanes = get_local_size(0), parts = min(begins[pieces], capacity);
-  for (uint block = get_group_id(0) * span; block < capacity; block += get_num_groups(0) * span) {
-    const uint end = min(block + span, capacity), known = min(end, parts);
-    for (uint i = lane; i < PART_CLASSES; i += lanes) counts[i] = 0u;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint part = block + lane; part < known; part += lanes)
-      atomic_inc(counts + class_of_part(part, begins, part_piece, weights, again, walked, passed, unit));
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = lane; i < PART_CLASSES; i += lanes) {
-      uint before = block;
-      for (uint j = 0; j < i; ++j) before += counts[j];
-      places[i] = before;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint part = block + lane; part < end; part += lanes) {
-      uint place = part;
-      if (part < known)
-        place = atomic_inc(places + class_of_part(part, begins, part_piece, weights, again, walked, passed, unit));
-      order[place] = part;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
   }
 }
 

@@ -40,6 +40,7 @@ const ProgramInfo programs[] = {
     {"locate", "locate", true},
     {"mesh", "core", true},
     {"order", "core", false},
+    {"order_parts", "order_parts", false},
     {"output", "core", false},
     {"parts", "parts", true},
     {"passages", "passages", false},

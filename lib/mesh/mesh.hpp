@@ -45,7 +45,6 @@ struct Vertices {
 /// What cleaning found on its walks along constraints, as long as the mesh has not changed since.
 struct WalkedPieces {
   runtime::Buffer<cl_uint> weights;  ///< about as many faces does each piece cross
-  bool located = true;               ///< parts, faces and pool are known, as is said here; else only weights are
   /// By piece, if it is a whole constraint: its first place in `faces`, and the number of its parts. Else (0, 0).
   runtime::Buffer<cl_uint2> parts;
   runtime::Buffer<cl_uint> faces;   ///< where parts begin

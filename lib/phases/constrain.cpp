@@ -66,8 +66,8 @@ class Constraining {
   void find_near() {
     take_claims();
     parts_ = parts_by_crossings(runtime_, primitives_, walked_.plan, pieces_);
-    begins_ = find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_,
-                               pieces_.walked.located ? &pieces_.walked : nullptr, false, counters_);
+    begins_ =
+        find_first_faces(runtime_, walked_, pieces_.ends, pieces_.count, parts_, &pieces_.walked, false, counters_);
     order_ = order_parts(runtime_, walked_.plan, pieces_, parts_, begins_);
     take_gates();
     near_ = runtime_.filled<cl_uint>("nearest pieces", 2 * std::size_t{mesh_.edges()}, GCDT_NONE);
@@ -306,7 +306,7 @@ class Constraining {
 bool pays_to_leave_out(const Plan& plan, const Pieces& pieces) {
   const WalkedPieces& walked = pieces.walked;
   const std::uint32_t least = plan.least_existing == 0 ? 0 : std::max(plan.least_existing, pieces.count / 4);
-  return walked.located && walked.existing >= least;
+  return walked.existing >= least;
 }
 
 /// Marks the edges that pieces are already, as far as cleaning knows. The other pieces, without their sources; the

@@ -68,7 +68,7 @@ PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives,
                               const Pieces& pieces) {
   const WalkedPieces& walked = pieces.walked;
   return make_parts(runtime, primitives, walked.weights, pieces.count, walked.crossed,
-                    part_pool(plan, walked.crossed, walked.pool), walked.located ? &walked : nullptr);
+                    part_pool(plan, walked.crossed, walked.pool), &walked);
 }
 
 PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,
@@ -92,11 +92,9 @@ runtime::Buffer<cl_uint> order_parts(runtime::Runtime& runtime, const Plan& plan
   const bool ordered = each >= plan.crossings_ordered;
   auto order = runtime.allocate<cl_uint>("order of parts", ordered ? parts.capacity : 0);
   if (!ordered) return order;
-  const auto none = runtime.allocate<cl_uint2>("no parts", 0);
-  runtime.launch("parts", "parts_order", runtime.over_groups((parts.capacity - 1) / span + 1), pieces.count,
+  runtime.launch("order_parts", "order_parts", runtime.over_groups((parts.capacity - 1) / span + 1), pieces.count,
                  parts.capacity, span, static_cast<cl_uint>(each / 32 + 1), parts.begins, begins.pieces, walked.weights,
-                 cl_uint{walked.located}, walked.located ? walked.parts : none,
-                 walked.located ? walked.passed : walked.weights, order);
+                 walked.parts, walked.passed, order);
   return order;
 }
 

@@ -25,12 +25,13 @@ struct RandomParts {
   std::uint64_t crossed = 0;
 };
 
-/// Every third piece is cut into other parts than when it was cleaned, if it was: then its parts share its weight.
-RandomParts make_random(std::uint32_t pieces, bool located, std::uint32_t seed) {
+/// Every third piece is cut into other parts than when it was cleaned, and pieces that are no whole constraint were not
+/// cut then: their parts share their weights. `cleaned`: there are others.
+RandomParts make_random(std::uint32_t pieces, bool cleaned, std::uint32_t seed) {
   std::mt19937 random(seed);
   RandomParts made;
   for (std::uint32_t c = 0; c < pieces; ++c) {
-    const cl_uint count = 1 + random() % 9, had = !located ? 0 : c % 3 == 2 ? count + 1 : count;
+    const cl_uint count = 1 + random() % 9, had = !cleaned ? 0 : c % 3 == 2 ? count + 1 : count;
     made.walked.push_back({{had > 0 ? cl_uint(made.passed.size()) : 0, had}});
     cl_uint weight = 0;
     const std::size_t first = made.passed.size();
@@ -51,13 +52,12 @@ RandomParts make_random(std::uint32_t pieces, bool located, std::uint32_t seed) 
   return made;
 }
 
-void check_order(runtime::Runtime& runtime, const RandomParts& random, bool located, cl_uint beyond) {
+void check_order(runtime::Runtime& runtime, const RandomParts& random, cl_uint beyond) {
   const auto parts_made = static_cast<cl_uint>(random.piece_of.size());
   Plan plan;
   plan.crossings_ordered = 0;
   Pieces pieces;
   pieces.count = static_cast<std::uint32_t>(random.weights.size());
-  pieces.walked.located = located;
   pieces.walked.crossed = random.crossed;
   pieces.walked.weights = runtime.upload("weights", random.weights);
   pieces.walked.parts = runtime.upload("walked", random.walked);
@@ -103,12 +103,12 @@ TEST_CASE("parts that pass about as many edges stand side by side") {
   for (Treated& device : devices_as_all_kinds()) {
     CAPTURE(device.name);
     for (const std::uint32_t count : {1u, 40u, 300u, 2000u})
-      for (const bool located : {true, false})
+      for (const bool cleaned : {true, false})
         for (const cl_uint beyond : {0u, 1u, 700u}) {
           CAPTURE(count);
-          CAPTURE(located);
+          CAPTURE(cleaned);
           CAPTURE(beyond);
-          check_order(*device.runtime, make_random(count, located, count + beyond), located, beyond);
+          check_order(*device.runtime, make_random(count, cleaned, count + beyond), beyond);
         }
   }
 }
