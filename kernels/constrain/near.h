@@ -12,16 +12,17 @@
 static inline volatile global uint* near_right(volatile global uint* near, uint code) { return near + code; }
 static inline volatile global uint* near_left(volatile global uint* near, uint code) { return near + (code ^ 1u); }
 
+// An edge's words, of its left (x) and right (y) end seen from a side.
+static inline uint2 seen_from(uint code, uint2 words) { return (code & 1u) ? words : words.yx; }
+
 // Both words of the edge that a side code belongs to, of its left (x) and right (y) end, in one load.
 static inline uint2 near_both(volatile global uint* near, uint code) {
-  const uint2 both = ((volatile global uint2*)near)[GCDT_SIDE_EDGE(code)];
-  return (code & 1u) ? both : both.yx;
+  return seen_from(code, ((volatile global uint2*)near)[GCDT_SIDE_EDGE(code)]);
 }
 
 // The same once all near words of crossed edges are complete, so that a GPU may keep them in the cache of a unit.
 static inline uint2 near_complete(global const uint* near, uint code) {
-  const uint2 both = ((global const uint2*)near)[GCDT_SIDE_EDGE(code)];
-  return (code & 1u) ? both : both.yx;
+  return seen_from(code, ((global const uint2*)near)[GCDT_SIDE_EDGE(code)]);
 }
 
 // Of a side that is not crossed, and whose edge a chain is known to run along (constrain.cl).

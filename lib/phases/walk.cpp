@@ -83,7 +83,7 @@ PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked,
   return begins;
 }
 
-// Classes as wide as tell parts apart that pass up to four times what there is for each at least.
+// The 128 classes are so wide that they reach to nearly four times the mean of what there is room for.
 runtime::Buffer<cl_uint> order_parts(runtime::Runtime& runtime, const Plan& plan, const Pieces& pieces,
                                      const PieceParts& parts, const PartBegins& begins) {
   constexpr cl_uint span = Tuning::parts_ordered_together;

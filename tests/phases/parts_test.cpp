@@ -77,7 +77,8 @@ void check_order(runtime::Runtime& runtime, const RandomParts& random, cl_uint b
   // What parts pass that stand in a wrong order differs by less than a class is wide, unless both pass much more than
   // the mean of what there is room for.
   const std::uint64_t each = random.crossed / parts.capacity, unit = each / 32 + 1, most = 127 * unit;
-  CHECK(most > 3 * each);
+  // With many pieces some are of the last class, which holds all beyond.
+  CHECK((pieces.count < 300 || *std::max_element(random.edges.begin(), random.edges.end()) >= most));
   bool permutation = true, falling = true, behind = true;
   for (cl_uint block = 0; block < parts.capacity; block += together) {
     const cl_uint end = std::min(block + together, parts.capacity);
