@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phases as one launch each, for CPUs and few vertices, where each of a phase's launches would do next to nothing. A
-// kernel here does what the kernels of order.cl, output.cl and check.cl do one after the other. The first work-item of
-// one work-group does all of it, so there is no race. It calls the functions that those kernels call, and not the
-// kernels, because drivers compile a kernel twice that another one calls.
+// kernel here does what the kernels of order.cl, output.cl and check.cl do one after the other. A launch has one
+// work-item, so there is no race. It calls the functions that those kernels call, and not the kernels, because drivers
+// compile a kernel twice that another one calls.
 #include "check/check.cl"
 #include "order/grid.h"
 #include "order/order.cl"
 #include "output/output.cl"
 #include "sort/sort_by_one_item.h"
 
-// One work-group, its first work-item alone: for CPUs, where that is faster than lanes and barriers, and than launches
-// for each digit. Sorts pairs by the bits below `bits` of the key, stably, by digits of 8 bits.
+// For CPUs, where that is faster than lanes and barriers, and than launches for each digit. Sorts pairs by the bits
+// below `bits` of the key, stably.
 // Reads, writes: keys and values, and the other ones by turns.
 // After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
 kernel void sort_by_one_item(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
                              global u32* other_values) {
-  if (get_local_id(0) == 0) sort_by_digits(count, bits, keys, values, other_keys, other_values);
+  sort_by_digits(count, bits, keys, values, other_keys, other_values);
 }
 
 // The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
@@ -41,7 +41,6 @@ kernel void order_by_one_item(uint n, uint type, global const ulong* coordinates
                               global OrderReport* report, global ulong* keys, global uint* values,
                               global ulong* other_keys, global uint* other_values, global Levels* levels,
                               global int2* points, global uint* vertex_input, global uint* input_vertex) {
-  if (get_local_id(0) != 0) return;
   report->decimal_digits = -1;
   ulong surveyed[GCDT_SURVEY_COLUMNS], quantised[GCDT_QUANTISE_COLUMNS] = {0, 0};
   survey_items((Items)(0u, n, 1u), 0u, type, coordinates, surveyed);
@@ -76,7 +75,6 @@ kernel void output_by_one_item(uint faces, global const Levels* levels, uint bit
                                global uint* refs, global ulong* other_keys, global uint* other_refs,
                                global int* positions, global uint* triangles, global uint* corners,
                                global int* neighbours, global uchar* constrained) {
-  if (get_local_id(0) != 0) return;
   uint count = 0;
   for (uint f = 0; f < faces; ++f)
     if (key_face(f, levels, bits, face_data, keys, refs)) ++count;
@@ -93,7 +91,6 @@ kernel void check_by_one_item(uint count, uint n, global const Levels* levels, g
                               global const uint* corners, global const int* neighbours, global const uchar* constrained,
                               uint pieces, global uint* first_pieces, global const uint2* ends, global uint* next,
                               global uint* previous, global CheckReport* report) {
-  if (get_local_id(0) != 0) return;
   for (uint kind = 0; kind < GCDT_CHECK_KINDS; ++kind) report->first[kind] = GCDT_NONE;
   report->hull_vertices = report->least_corners = report->constrained_edges = 0;
   for (uint v = 0; v < n; ++v) next[v] = previous[v] = GCDT_NONE;
@@ -117,7 +114,6 @@ kernel void check_by_one_item(uint count, uint n, global const Levels* levels, g
 kernel void number_by_one_item(uint inputs, uint corner_count, uint end_count, global const uint* vertex_input,
                                global const uint* input_vertex, global uint* representatives, global uint* corners,
                                global uint* ends, global uint* source_offsets) {
-  if (get_local_id(0) != 0) return;
   for (uint i = 0; i < inputs; ++i) number_representative(i, vertex_input, input_vertex, representatives);
   for (uint i = 0; i < corner_count; ++i) number_corner(i, vertex_input, corners);
   for (uint i = 0; i < end_count; ++i) number_corner(i, vertex_input, ends);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Putting values in order by buckets, for GPUs: about as many buckets as pairs of key and value, and in each few pairs,
+// Putting values in order by buckets: about as many buckets as pairs of key and value, and in each few pairs,
 // near where they were. A pair's bucket is what its key has from bit `low` on; pairs of buckets beyond the last are
 // left out. In a bucket a pair is one word, its entry: the key's low bits above the value. Keys that are not left out
 // are distinct, and so are entries.
 //
-// Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted by one work-item each, of up to GCDT_SORT_SMALL by a group in
-// local memory; pairs of longer ones are taken out, sorted by all of their keys, and put back.
+// Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted by one work-item each, on GPUs those of up to GCDT_SORT_SMALL
+// by a group in local memory; pairs of longer ones are taken out, sorted by all of their keys, and put back.
 #include "common/search.h"
 #include "sort/sort_in_group.h"
 
-// The list of long buckets: how many are longer than GCDT_SORT_SMALL; how many there are; their numbers.
+// The list of long buckets: how many are too long for a group, too, if groups sort any; how many there are; their
+// numbers.
 #define LONG_BUCKETS 2u
 
 // One work-item per pair. Adds to: counts, which were 0. Writes slots[i] of pairs that are not left out: no two of a
@@ -35,17 +36,17 @@ kernel void bucket_move(u32 count, u32 low, u32 buckets, global const u64* keys,
 }
 
 // One work-item per bucket. Writes the values of its entries, each behind those of lesser entries; or lists it, if it
-// is long.
+// is long; `most` is what no pair needs to be taken out for.
 // Reads: first, entries. Writes: values, of which places differ; adds to long_buckets, whose two counts were 0: the
 // list by atomic_inc, which gives each place once. After: the values of every bucket that is not listed are in order.
 // Ends: loops go through a bucket that is not long.
-kernel void bucket_order(u32 buckets, global const u32* first, global const u64* entries, global u32* values,
+kernel void bucket_order(u32 buckets, u32 most, global const u32* first, global const u64* entries, global u32* values,
                          volatile global u32* long_buckets) {
   FOR_EACH(b, buckets) {
     const u32 begin = first[b], end = first[b + 1u];
     if (end - begin > GCDT_SORT_IN_BUCKET) {
       long_buckets[LONG_BUCKETS + atomic_inc(long_buckets + 1)] = b;
-      if (end - begin > GCDT_SORT_SMALL) atomic_inc(long_buckets);
+      if (end - begin > most) atomic_inc(long_buckets);
       continue;
     }
     for (u32 i = begin; i < end; ++i) {
@@ -73,13 +74,13 @@ kernel void bucket_sort_long(global const u32* long_buckets, global const u32* f
   }
 }
 
-// One work-group per listed bucket. Writes: marks, which were 0, of the places of those that are longer, of which each
-// has one group.
-kernel void bucket_mark_left(global const u32* long_buckets, global const u32* first, global u32* marks) {
+// One work-group per listed bucket. Writes: marks, which were 0, of the places of those that are longer than `most`, of
+// which each has one group.
+kernel void bucket_mark_left(u32 most, global const u32* long_buckets, global const u32* first, global u32* marks) {
   const u32 found = long_buckets[1];
   for (u32 r = get_group_id(0); r < found; r += get_num_groups(0)) {
     const u32 b = long_buckets[LONG_BUCKETS + r], begin = first[b], end = first[b + 1u];
-    if (end - begin <= GCDT_SORT_SMALL) continue;
+    if (end - begin <= most) continue;
     for (u32 i = begin + get_local_id(0); i < end; i += get_local_size(0)) marks[i] = 1u;
   }
 }

@@ -3,10 +3,14 @@
 #ifndef GCDT_SIZES_H
 #define GCDT_SIZES_H
 
-// Bits of a digit. Of a work-item that walks alone: its 256 counters stay in the first-level cache. Of a group: a tile
-// holds 32 keys of each digit on average, so writes stay coalesced.
+// Bits of a digit. Of work-items that each walk through a part: its 256 counters stay in the first-level cache. Of a
+// group: a tile holds 32 keys of each digit on average, so writes stay coalesced. Of one work-item that sorts all of
+// `count` keys by itself: fewer passes, once there are about as many keys as counters to be cleared and added up
+// (bench/NOTES.md, "Few vertices on CPUs").
 #define GCDT_SERIAL_DIGIT_BITS 8u
 #define GCDT_GROUP_DIGIT_BITS 5u
+#define GCDT_MOST_ONE_ITEM_DIGIT_BITS 11u
+#define GCDT_ONE_ITEM_DIGIT_BITS(count) ((count) < 4096u ? 8u : GCDT_MOST_ONE_ITEM_DIGIT_BITS)
 
 // Bits up to which groups sort by digits however few keys there are, but for a block's: three digits take less time
 // than blocks and their merging (bench/NOTES.md, "Scans and folds").

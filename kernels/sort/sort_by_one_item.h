@@ -21,14 +21,15 @@ GCDT_INLINE void sort_run(global u64* keys, global u32* values, u32 begin, u32 e
   }
 }
 
-// By the bits below `bits` of the key, stably, by digits of GCDT_SERIAL_DIGIT_BITS: from one pair of arrays to the
+// By the bits below `bits` of the key, stably, by digits of GCDT_ONE_ITEM_DIGIT_BITS: from one pair of arrays to the
 // other and back. Returns whether the number of digits is odd, so that the pairs are in the other arrays now.
 static bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
                            global u32* other_values) {
+  const u32 width = GCDT_ONE_ITEM_DIGIT_BITS(count);
   bool other = false;
-  for (u32 shift = 0; shift < bits; shift += GCDT_SERIAL_DIGIT_BITS, other = !other) {
-    const u32 mask = (1u << min(GCDT_SERIAL_DIGIT_BITS, bits - shift)) - 1u;
-    u32 next[1u << GCDT_SERIAL_DIGIT_BITS];
+  for (u32 shift = 0; shift < bits; shift += width, other = !other) {
+    const u32 mask = (1u << min(width, bits - shift)) - 1u;
+    u32 next[1u << GCDT_MOST_ONE_ITEM_DIGIT_BITS];
     for (u32 d = 0; d <= mask; ++d) next[d] = 0;
     for (u32 i = 0; i < count; ++i) ++next[(u32)(keys[i] >> shift) & mask];
     for (u32 d = 0, sum = 0; d <= mask; ++d) {

@@ -10,6 +10,7 @@ enum class Groups {
   usual,
   wide,  ///< for kernels whose groups share much local memory
   one,   ///< exactly one, for kernels that loop with barriers
+  item,  ///< exactly one, of one work-item
 };
 
 /// How many work-items a launch wants. Kernels loop with the global size as stride, so any launch
@@ -22,6 +23,7 @@ struct Range {
 inline Range over(std::size_t items) { return {items}; }
 inline Range over_large(std::size_t items) { return {items, true}; }
 inline Range one_group() { return {1, false, Groups::one}; }
+inline Range one_item() { return {1, false, Groups::item}; }
 
 /// Launch geometry; tests change it to shake the schedule.
 struct Geometry {

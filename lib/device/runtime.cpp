@@ -393,7 +393,7 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   if (arguments != kernel.arguments)
     throw Error(Status::device_failed, kernel.name + " takes " + std::to_string(kernel.arguments) + " arguments, not " +
                                            std::to_string(arguments));
-  const bool one_group = range.groups == Groups::one;
+  const bool one_group = range.groups == Groups::one || range.groups == Groups::item;
   const std::size_t local =
       kernel.stated_group > 0 ? kernel.stated_group : std::min(group_size(range.groups), kernel.largest_group);
   const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));

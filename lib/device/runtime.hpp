@@ -342,7 +342,8 @@ class Runtime {
   void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
   std::size_t group_size(Groups groups) const {
-    const std::size_t size = groups == Groups::one    ? geometry_.single
+    const std::size_t size = groups == Groups::item   ? 1
+                             : groups == Groups::one  ? geometry_.single
                              : groups == Groups::wide ? geometry_.wide
                                                       : geometry_.local;
     return size > 0 ? size : geometry_.local;

@@ -101,6 +101,9 @@ struct Tuning {
   /// (kernels/programs/by_one_item.cl): in less time than the launches and blocking reads take that other threads would
   /// need to help it, each of which wakes all of them (bench/NOTES.md).
   std::uint32_t one_item_vertices = 2048;
+  /// It orders so many times as many: ordering has the most launches and reads for the work that it does (NOTES, "Few
+  /// vertices on CPUs").
+  static constexpr std::uint32_t one_item_orders = 6;
   /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;
   /// none: where the driver needs them to be of one width, as many as the widest has (runtime.cpp).
   std::optional<std::uint32_t> width;
@@ -231,13 +234,12 @@ struct Tuning {
   /// Elements that are worth a part of their own: of a group's scan one tile, as small tables are scanned too (NOTES,
   /// "Scans and folds"); of a work-item's not measured.
   static constexpr std::size_t scan_span_group = 512, scan_span_serial = 4096, sort_span_serial = 4096;
-  /// Keys that a CPU sorts by one work-item: faster than launches for each digit (NOTES, "CPUs").
-  static constexpr std::size_t one_item_keys = 8192;
+  /// Fewer keys than that a CPU sorts by one work-item, and begins with the high bits, or with buckets, from them on:
+  /// launches for each digit cost more below (NOTES, "Few vertices on CPUs"). Groups use buckets from as many on, and
+  /// merge blocks of up to `most_merged` keys that have none.
+  static constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
   /// Keys of a run that a work-item sorts by insertion; longer runs are a work-group's (NOTES, "Batches").
   static constexpr std::uint32_t longest_run = 32;
-  /// Keys from which on a sort by one work-item or by buckets begins with the high bits: below, its passes are launches
-  /// only (not measured). Groups merge blocks of as many as `most_merged` instead.
-  static constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
 
   // ---- Order ------------------------------------------------------------------------------------
   // (order.cpp, order_problems.cpp)

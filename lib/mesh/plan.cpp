@@ -45,8 +45,8 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const bool threads = device.kind == DeviceKind::threads, lanes = device.kind == DeviceKind::lanes;
   const bool gpu = device.kind == DeviceKind::gpu, many = sizes.problems > 1;
   const std::uint32_t units = std::max(1u, device.units);
-  const auto by_one = [&](std::uint32_t count) {
-    return threads && count <= tuning.one_item_vertices ? By::one : By::all;
+  const auto by_one = [&](std::uint32_t count, std::uint32_t times = 1) {
+    return threads && count <= std::uint64_t{times} * tuning.one_item_vertices ? By::one : By::all;
   };
   // Threads take whole problems if each has several.
   const auto shared_out = [&](std::uint32_t count) {
@@ -55,7 +55,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const auto of_lanes = [&](std::uint32_t most, std::uint32_t there) { return lanes ? std::min(most, there) : most; };
 
   Plan plan;
-  plan.order = by_one(sizes.inputs);
+  plan.order = by_one(sizes.inputs, many ? 1 : Tuning::one_item_orders);
   plan.sort_problems = !is_cpu(device.kind) && sizes.largest <= GCDT_SORT_SMALL ? By::groups
                        : shared_out(sizes.inputs)                               ? By::each
                                                                                 : By::all;

@@ -86,7 +86,7 @@ void Primitives::sort_pairs(const char* program, Buffer<Key>& keys, Buffer<cl_ui
 
 void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned bits) {
   bits = std::min(bits, 64u);
-  const std::size_t most = by_one_item()           ? Tuning::one_item_keys
+  const std::size_t most = by_one_item()           ? Tuning::least_by_prefix - 1
                            : walk_ == Walk::serial ? GCDT_SORT_SMALL
                                                    : runtime_.tuning().most_merged;
   const bool by_digit = walk_ == Walk::group && bits <= GCDT_MOST_BITS_BY_DIGIT && count > GCDT_SORT_SMALL;
@@ -117,9 +117,10 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
     }
     return;
   }
-  runtime_.launch("by_one_item", "sort_by_one_item", runtime::one_group(), n, cl_uint{bits}, keys, values,
-                  other_keys64_, other_values_);
-  if ((bits + GCDT_SERIAL_DIGIT_BITS - 1) / GCDT_SERIAL_DIGIT_BITS % 2 == 0) return;
+  runtime_.launch("by_one_item", "sort_by_one_item", runtime::one_item(), n, cl_uint{bits}, keys, values, other_keys64_,
+                  other_values_);
+  const unsigned digit_bits = GCDT_ONE_ITEM_DIGIT_BITS(count);
+  if ((bits + digit_bits - 1) / digit_bits % 2 == 0) return;
   std::swap(keys, other_keys64_);
   std::swap(values, other_values_);
 }
@@ -142,8 +143,9 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
 
 void Primitives::order_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
                                   unsigned bits, unsigned low, std::size_t buckets) {
-  if (walk_ == Walk::serial || count < Tuning::least_by_prefix)
-    return sort_by_prefix(keys, values, count, bits, bits - low);
+  if (count < Tuning::least_by_prefix) return sort_by_prefix(keys, values, count, bits, bits - low);
+  const bool by_groups = walk_ == Walk::group;  // sorts what is too long for a work-item
+  const cl_uint most = by_groups ? GCDT_SORT_SMALL : GCDT_SORT_IN_BUCKET;
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
   const auto n = static_cast<cl_uint>(count), number = static_cast<cl_uint>(buckets);
   runtime_.reserve(buckets_, "buckets", buckets + 1);
@@ -155,19 +157,19 @@ void Primitives::order_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& value
   exclusive_scan(buckets_, buckets_, buckets);
   runtime_.launch("buckets", "bucket_move", runtime::over(count), n, cl_uint{low}, number, keys, values, buckets_,
                   slots_, other_keys64_);
-  runtime_.launch("buckets", "bucket_order", runtime::over(buckets), number, buckets_, other_keys64_, values,
+  runtime_.launch("buckets", "bucket_order", runtime::over(buckets), number, most, buckets_, other_keys64_, values,
                   long_runs_);
-  runtime_.launch("buckets", "bucket_sort_long", runtime_.over_groups(kept / GCDT_SORT_SMALL, runtime::Groups::wide),
-                  long_runs_, buckets_, other_keys64_, values);
-  if (runtime_.read_one(long_runs_) != 0) order_left_buckets(keys, values, kept, bits, low, number);
+  if (by_groups)
+    runtime_.launch("buckets", "bucket_sort_long", runtime_.over_groups(kept / GCDT_SORT_SMALL, runtime::Groups::wide),
+                    long_runs_, buckets_, other_keys64_, values);
+  if (runtime_.read_one(long_runs_) != 0) order_left_buckets(keys, values, kept, bits, low, number, most);
 }
 
 void Primitives::order_left_buckets(Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values, std::size_t kept,
-                                    unsigned bits, unsigned low, cl_uint buckets) {
+                                    unsigned bits, unsigned low, cl_uint buckets, cl_uint most) {
   runtime_.reserve(marks_, "pairs left", kept + 1);
   runtime_.fill<cl_uint>(marks_, 0, kept);
-  runtime_.launch("buckets", "bucket_mark_left", runtime_.over_groups(kept / GCDT_SORT_SMALL), long_runs_, buckets_,
-                  marks_);
+  runtime_.launch("buckets", "bucket_mark_left", runtime_.over_groups(kept / most), most, long_runs_, buckets_, marks_);
   const cl_uint left = scan_total(marks_, kept);
   auto places = runtime_.allocate<cl_uint>("places of pairs left", left);
   compact_indices(marks_, places, kept);

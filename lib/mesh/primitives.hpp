@@ -52,9 +52,9 @@ class Primitives {
 
   /// Puts the values in order whose keys are below buckets * 2^low, of which there are `kept`, and leaves the others
   /// out: what `values` holds from `kept` on is undefined afterwards, and so are the keys. Keys kept are distinct, and
-  /// none has a bit from `bits` on; low <= 32. On GPUs each pair goes to its bucket, its key from bit `low` on, in one
+  /// none has a bit from `bits` on; low <= 32. Each of many pairs goes to its bucket, its key from bit `low` on, in one
   /// pass, which is cheapest if buckets are about as many as keys, and a pair's is near its place; pairs of buckets of
-  /// thousands are sorted once more (kernels/sort/buckets.cl). May block.
+  /// more than some tens (`serial`) or thousands (`group`) are sorted once more (kernels/sort/buckets.cl). May block.
   void order_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                         std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
 
@@ -85,9 +85,9 @@ class Primitives {
   /// they are most.
   void sort_left_runs(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                       unsigned low, unsigned bits);
-  /// Puts the values of buckets in order that are too long for a group.
+  /// Puts the values of buckets in order that have more than `most`.
   void order_left_buckets(runtime::Buffer<cl_ulong>& keys, const runtime::Buffer<cl_uint>& values, std::size_t kept,
-                          unsigned bits, unsigned low, cl_uint buckets);
+                          unsigned bits, unsigned low, cl_uint buckets, cl_uint most);
   /// Whether one work-item sorts few keys.
   bool by_one_item() const { return walk_ == Walk::serial && runtime_.contiguous(); }
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }

@@ -101,7 +101,7 @@ struct Checker {
     const bool lists = plan.lists_pieces && pieces.count > 0;
     auto first_pieces = runtime.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
     if (plan.check == Plan::By::one) {
-      runtime.launch("by_one_item", "check_by_one_item", runtime::one_group(), count, n, vertices.levels_buffer,
+      runtime.launch("by_one_item", "check_by_one_item", runtime::one_item(), count, n, vertices.levels_buffer,
                      vertices.points, ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count},
                      first_pieces, pieces.ends, next, previous, report);
     } else {

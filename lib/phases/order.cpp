@@ -95,7 +95,7 @@ OrderResult order_by_one_item(runtime::Runtime& runtime, InputPoints points, con
   vertices.points = runtime.allocate<cl_int2>("points", n);
   vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
   Step sorting(runtime, "sort");
-  runtime.launch("by_one_item", "order_by_one_item", runtime::one_group(), n, points.type, points.coordinates,
+  runtime.launch("by_one_item", "order_by_one_item", runtime::one_item(), n, points.type, points.coordinates,
                  cl_uint(!!given), cl_uint{coarsest_level}, report_buffer, keys, numbers, other_keys, other_numbers,
                  vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
   report = runtime.read_one(report_buffer);

@@ -56,7 +56,7 @@ OrderedMesh order_triangles_by_one_item(Runtime& runtime, const Mesh& mesh, cons
              other_refs = runtime.allocate<cl_uint>("other half of the values", faces),
              finite = runtime.allocate<cl_uint>("output count", 1);
   const auto positions = runtime.allocate<cl_int>("output positions", faces);
-  runtime.launch("by_one_item", "output_by_one_item", runtime::one_group(), faces, vertices.levels_buffer, bits,
+  runtime.launch("by_one_item", "output_by_one_item", runtime::one_item(), faces, vertices.levels_buffer, bits,
                  mesh.face_data, mesh.edge_faces, mesh.edge_marks, keys, refs, other_keys, other_refs, positions,
                  finite, ordered.corners, ordered.neighbours, ordered.constrained);
   ordered.triangles = runtime.read_one(finite);
@@ -130,7 +130,7 @@ Buffer<cl_uint> number_by_input(Runtime& runtime, const Plan& plan, const Vertic
   const cl_uint ends = 2 * pieces.count;
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
   if (inputs != 0 && plan.number == Plan::By::one) {
-    runtime.launch("by_one_item", "number_by_one_item", runtime::one_group(), inputs, cl_uint{3 * ordered.triangles},
+    runtime.launch("by_one_item", "number_by_one_item", runtime::one_item(), inputs, cl_uint{3 * ordered.triangles},
                    ends, vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners, pieces.ends,
                    pieces.source_offsets);
     return representatives;

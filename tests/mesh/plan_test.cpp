@@ -33,7 +33,9 @@ TEST_CASE("who does what, by device and sizes") {
       {"GPU, a larger one", gpu, many(100, 10000, 2049), all, all, all, all, all, all, all, false, false},
       {"threads, one", threads, one(1000000), all, all, all, all, all, all, all, true, false},
       {"threads, few", threads, one(2048), single, all, all, single, single, single, single, true, false},
-      {"threads, more", threads, one(2049), all, all, all, all, all, all, all, true, false},
+      {"threads, more", threads, one(2049), single, all, all, all, all, all, all, true, false},
+      {"threads, which one orders", threads, one(12288), single, all, all, all, all, all, all, true, false},
+      {"threads, which all order", threads, one(12289), all, all, all, all, all, all, all, true, false},
       {"threads, problems", threads, many(100, 10000, 1250), all, each, each, each, each, all, all, true, true},
       {"threads, a large one", threads, many(100, 10000, 1251), all, all, all, all, all, all, all, true, false},
       {"threads, few of small ones", threads, many(8, 80, 10), single, each, each, each, each, single, single, true,
@@ -95,11 +97,11 @@ TEST_CASE("distinct vertices are counted where given ones are not") {
   CHECK(plan.sort_problems == By::each);
   CHECK(plan.problems == By::all);
   CHECK(!plan.one_level);
-  CHECK(make_plan(threads, {}, {1, 3000, 2000}).order == By::all);
-  CHECK(make_plan(threads, {}, {1, 3000, 2000}).number == By::all);
-  CHECK(make_plan(threads, {}, {1, 3000, 2000}).constraints == By::all);
-  CHECK(make_plan(threads, {}, {1, 3000, 2000}).output == By::one);
-  CHECK(make_plan(threads, {}, {1, 3000, 2000}).check == By::one);
+  CHECK(make_plan(threads, {}, {1, 13000, 2000}).order == By::all);
+  CHECK(make_plan(threads, {}, {1, 13000, 2000}).number == By::all);
+  CHECK(make_plan(threads, {}, {1, 13000, 2000}).constraints == By::all);
+  CHECK(make_plan(threads, {}, {1, 13000, 2000}).output == By::one);
+  CHECK(make_plan(threads, {}, {1, 13000, 2000}).check == By::one);
 }
 
 TEST_CASE("limits by device") {

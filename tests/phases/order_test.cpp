@@ -182,7 +182,7 @@ TEST_CASE("the maxima of a table are those of all its rows") {
 }
 
 TEST_CASE("few vertices and one more come out alike, with equal ones among them, of any type") {
-  const auto few = static_cast<int>(Tuning().one_item_vertices);
+  const auto few = static_cast<int>(Tuning::one_item_orders * Tuning().one_item_vertices);
   Engine e(7);
   for (const int n : {few - 1, few, few + 1})
     for (const char* family : {"tenths", "uniform around 0", "1e300, 1 and 1e-300"}) {
