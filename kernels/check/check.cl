@@ -37,8 +37,6 @@
 #include "common/pieces.h"
 #include "common/predicates.h"
 
-GCDT_INLINE void note(global CheckReport* report, uint kind, uint number) { atomic_min(&report->first[kind], number); }
-
 // A kind up to `last` was noted by an earlier kernel; the caller notes later kinds only.
 GCDT_INLINE int noted(global const CheckReport* report, uint last) {
   for (uint kind = 0; kind <= last; ++kind)
@@ -115,7 +113,8 @@ static void find_first_pieces(uint begin, uint end, global const Levels* levels,
   }
 }
 
-// For CPUs: where check_edges finds the pieces of a vertex.
+#ifdef GCDT_CONTIGUOUS
+// Where check_edges finds the pieces of a vertex.
 // One work-item per share of the ranks.
 // Reads levels and pieces. Writes first[r], r = 0 .. n: the first piece whose lower end has rank r or more.
 // A word has one work-item.
@@ -125,6 +124,7 @@ kernel void check_first_pieces(const uint n, global const Levels* levels, const 
   find_first_pieces(share_begin(n + 1u, get_global_id(0), get_global_size(0)),
                     share_begin(n + 1u, get_global_id(0) + 1u, get_global_size(0)), levels, pieces, ends, first);
 }
+#endif
 
 // Whether there is a piece ab. On CPUs `first` tells where, if there are any; elsewhere it is not read.
 GCDT_INLINE bool is_piece(global const Levels* levels, uint pieces, global const uint* first, global const uint2* ends,
@@ -236,43 +236,4 @@ kernel void check_collinear(const uint count, global const int2* points, global 
   const Vertex a = vertex_at(points, 0), b = vertex_at(points, 1);
   FOR_EACH(v, count)
   if (gcdt_orient2d_finite(a, b, vertex_at(points, v)) != 0) note(report, GCDT_CHECK_COLLINEAR, v);
-}
-
-// ---- After a wrong count: which vertex, which piece? ------------------------------------------------
-
-// One work-item per corner.
-// Reads corners.
-// Writes used[corners[i]] = 1.
-// atomic_xchg: all write the same value.
-// After this kernel used[v] is 1 for every vertex that is a corner.
-kernel void mark_used(const uint count, global const uint* corners, global uint* used) {
-  FOR_EACH(i, count) atomic_xchg(&used[corners[i]], 1u);
-}
-
-// One work-item per triangle.
-// Reads levels, corners, flags and pieces.
-// Writes marks of pieces: 1: is an edge, 2: is flagged.
-// atomic_or decides, in any order the same.
-// After this kernel a piece that is a flagged edge has mark 3.
-kernel void mark_pieces(const uint count, global const Levels* levels, global const uint* corners,
-                        global const uchar* constrained, const uint pieces, global const uint2* ends,
-                        global uint* marks) {
-  FOR_EACH(t, count) {
-    uint3 c = vload3(t, corners);
-    for (uint k = 0; k < 3; ++k, c = c.yzx) {
-      const uint piece = find_piece(levels, pieces, ends, c.y, c.z);
-      if (piece != GCDT_NONE) atomic_or(&marks[piece], (constrained[t] >> k) & 1u ? 3u : 1u);
-    }
-  }
-}
-
-// One work-item per mark.
-// Reads marks.
-// Writes notes: number i under kind `kind` + marks[i] if marks[i] < wanted.
-// atomic_min decides, in any order the same.
-// After this kernel the first vertex that is no corner, or the first pieces with mark 0 and 1, are noted.
-kernel void find_unmarked(const uint count, const uint wanted, const uint kind, global const uint* marks,
-                          global CheckReport* report) {
-  FOR_EACH(i, count)
-  if (marks[i] < wanted) note(report, kind + marks[i], i);
 }

@@ -69,13 +69,18 @@ static inline void quantise_items(Items items, uint first, uint type, global con
   }
   u64 most_rest = 0;
   FOR_ITEMS(v, items) {
-    u64 rest_x, rest_y;
-    const Quantised x = gcdt_quantise_rest(gcdt_coordinate(coordinates, type, 2 * v), scale, 0, &rest_x);
-    const Quantised y = gcdt_quantise_rest(gcdt_coordinate(coordinates, type, 2 * v + 1), scale, 1, &rest_y);
-    move = max(move, max(x.move, y.move));
-    most_rest = max(most_rest, max(rest_x, rest_y));
-    if (x.outside || y.outside) outside = max(outside, ~(ulong)(2 * (v - first) + (x.outside ? 0 : 1)));
-    keys[v] = gcdt_morton(x.value, y.value);
+    const u64 x = gcdt_coordinate(coordinates, type, 2 * v), y = gcdt_coordinate(coordinates, type, 2 * v + 1);
+    ulong code = 0;
+#pragma unroll 1  // drivers take as long as the text is
+    for (uint axis = 0; axis < 2; ++axis) {
+      u64 rest;
+      const Quantised at = gcdt_quantise_rest(axis == 0u ? x : y, scale, (i32)axis, &rest);
+      move = max(move, at.move);
+      most_rest = max(most_rest, rest);
+      if (at.outside) outside = max(outside, ~(ulong)(2 * (v - first) + axis));
+      code |= gcdt_spread_bits(at.value) << axis;
+    }
+    keys[v] = code;
     values[v] = v;
   }
   out[GCDT_QUANTISE_MOVE] = max(move, gcdt_rest_key(most_rest));

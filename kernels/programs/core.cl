@@ -11,4 +11,3 @@
 #include "programs/by_one_item.cl"
 #include "sort/primitives.cl"
 #include "sort/sort64_serial.cl"
-#include "sort/sort_finish.cl"

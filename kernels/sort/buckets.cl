@@ -5,13 +5,9 @@
 // are distinct, and so are entries.
 //
 // Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted by one work-item each, on GPUs those of up to GCDT_SORT_SMALL
-// by a group in local memory; pairs of longer ones are taken out, sorted by all of their keys, and put back.
-#include "common/search.h"
+// by a group in local memory; pairs of longer ones are left (sort_left.cl).
+#include "sort/long.h"
 #include "sort/sort_in_group.h"
-
-// The list of long buckets: how many are too long for a group, too, if groups sort any; how many there are; their
-// numbers.
-#define LONG_BUCKETS 2u
 
 // One work-item per pair. Adds to: counts, which were 0. Writes slots[i] of pairs that are not left out: no two of a
 // bucket have the same, by atomic_inc, and which has which is chance.
@@ -72,32 +68,4 @@ kernel void bucket_sort_long(global const u32* long_buckets, global const u32* f
     sort_in_group(size, ~(u64)0, entries + begin, values + begin, moved, indices);
     for (u32 i = get_local_id(0); i < size; i += get_local_size(0)) values[begin + i] = (u32)entries[begin + i];
   }
-}
-
-// One work-group per listed bucket. Writes: marks, which were 0, of the places of those that are longer than `most`, of
-// which each has one group.
-kernel void bucket_mark_left(u32 most, global const u32* long_buckets, global const u32* first, global u32* marks) {
-  const u32 found = long_buckets[1];
-  for (u32 r = get_group_id(0); r < found; r += get_num_groups(0)) {
-    const u32 b = long_buckets[LONG_BUCKETS + r], begin = first[b], end = first[b + 1u];
-    if (end - begin <= most) continue;
-    for (u32 i = begin + get_local_id(0); i < end; i += get_local_size(0)) marks[i] = 1u;
-  }
-}
-
-// One work-item per place, of `count` in ascending order. Writes the pairs whose entries stand there, one after the
-// other.
-kernel void bucket_take(u32 count, u32 low, u32 buckets, global const u32* places, global const u32* first,
-                        global const u64* entries, global u64* taken_keys, global u32* taken_values) {
-  FOR_EACH(i, count) {
-    const u64 entry = entries[places[i]];
-    taken_keys[i] = (u64)last_begin(first, buckets, places[i]) << low | entry >> 32;
-    taken_values[i] = (u32)entry;
-  }
-}
-
-// One work-item per place. Puts values that were taken and sorted back: buckets are in order, so each bucket's come to
-// its own places. No race: places differ.
-kernel void bucket_put(u32 count, global const u32* places, global const u32* taken_values, global u32* values) {
-  FOR_EACH(i, count) values[places[i]] = taken_values[i];
 }

@@ -169,15 +169,16 @@ void Primitives::order_left_buckets(Buffer<cl_ulong>& keys, const Buffer<cl_uint
                                     unsigned bits, unsigned low, cl_uint buckets, cl_uint most) {
   runtime_.reserve(marks_, "pairs left", kept + 1);
   runtime_.fill<cl_uint>(marks_, 0, kept);
-  runtime_.launch("buckets", "bucket_mark_left", runtime_.over_groups(kept / most), most, long_runs_, buckets_, marks_);
+  runtime_.launch("sort_left", "bucket_mark_left", runtime_.over_groups(kept / most), most, long_runs_, buckets_,
+                  marks_);
   const cl_uint left = scan_total(marks_, kept);
   auto places = runtime_.allocate<cl_uint>("places of pairs left", left);
   compact_indices(marks_, places, kept);
   // All pairs are entries now: these go where keys and slots were.
-  runtime_.launch("buckets", "bucket_take", runtime::over(left), left, cl_uint{low}, buckets, places, buckets_,
+  runtime_.launch("sort_left", "bucket_take", runtime::over(left), left, cl_uint{low}, buckets, places, buckets_,
                   other_keys64_, keys, slots_);
   sort(keys, slots_, left, bits);
-  runtime_.launch("buckets", "bucket_put", runtime::over(left), left, places, slots_, values);
+  runtime_.launch("sort_left", "bucket_put", runtime::over(left), left, places, slots_, values);
 }
 
 void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, unsigned low,
@@ -188,8 +189,8 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
   runtime_.fill<cl_uint>(unordered_, 0, 1);
   runtime_.fill<cl_uint>(long_runs_, 0, 1);
   if (walk_ == Walk::serial) {
-    runtime_.launch("sort_finish", "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys,
-                    values, long_runs_);
+    runtime_.launch(sort64(), "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys, values,
+                    long_runs_);
   } else {
     runtime_.launch("sort_finish", "rank_runs", runtime::over(count), n, cl_uint{low}, cl_uint{GCDT_SORT_RANKED}, keys,
                     values, long_runs_, other_keys64_, other_values_);
@@ -199,7 +200,8 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
                     runtime_.over_groups(count / GCDT_SORT_SMALL, runtime::Groups::wide), n, cl_uint{low}, long_runs_,
                     keys, values);
   }
-  runtime_.launch("sort_finish", "sort_verify", runtime::over(count), n, keys, unordered_);
+  runtime_.launch(walk_ == Walk::serial ? sort64() : "sort_finish", "sort_verify", runtime::over(count), n, keys,
+                  unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_left_runs(keys, values, count, low, bits);
 }
 
@@ -209,18 +211,18 @@ void Primitives::sort_left_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
   const cl_uint most = walk_ == Walk::serial ? Tuning::longest_run : GCDT_SORT_SMALL;
   runtime_.reserve(marks_, "pairs left", count + 1);
   runtime_.fill<cl_uint>(marks_, 0, count);
-  runtime_.launch("sort_finish", "mark_left_runs", runtime_.over_groups(count / most), n, cl_uint{low}, most,
-                  long_runs_, keys, marks_);
+  runtime_.launch("sort_left", "mark_left_runs", runtime_.over_groups(count / most), n, cl_uint{low}, most, long_runs_,
+                  keys, marks_);
   const cl_uint left = scan_total(marks_, count);
   if (left > count / 2) return sort_pairs(sort64(), keys, values, count, 0, bits, other_keys64_);
   auto places = runtime_.allocate<cl_uint>("places of pairs left", left);
   auto left_keys = runtime_.allocate<cl_ulong>("keys left", left);
   auto left_values = runtime_.allocate<cl_uint>("values left", left);
   compact_indices(marks_, places, count);
-  runtime_.launch("sort_finish", "take_pairs", runtime::over(left), left, places, keys, values, left_keys, left_values);
+  runtime_.launch("sort_left", "take_pairs", runtime::over(left), left, places, keys, values, left_keys, left_values);
   // Runs are in order of their high bits, so each run's pairs come to its own places.
   sort(left_keys, left_values, left, bits);
-  runtime_.launch("sort_finish", "put_pairs", runtime::over(left), left, places, left_keys, left_values, keys, values);
+  runtime_.launch("sort_left", "put_pairs", runtime::over(left), left, places, left_keys, left_values, keys, values);
 }
 
 void Primitives::sort_segments(const Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values,

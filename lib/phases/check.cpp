@@ -180,7 +180,7 @@ struct Checker {
   [[noreturn]] void name_unused_vertex() {
     const cl_uint n = vertices.n(), corners = 3 * ordered.triangles;
     auto used = runtime.filled<cl_uint>("check vertices", n, 0);
-    runtime.launch("check", "mark_used", over(corners), corners, ordered.corners, used);
+    runtime.launch("check_faults", "mark_used", over(corners), corners, ordered.corners, used);
     name_unmarked(n, 1, GCDT_CHECK_UNUSED, used);
     fail(std::to_string(ordered.triangles) + " triangles do not fit " + std::to_string(n) + " vertices with " +
              std::to_string(found.hull_vertices) + " on the hull",
@@ -190,8 +190,9 @@ struct Checker {
   /// All flagged edges are pieces, but fewer than there are.
   [[noreturn]] void name_missing_piece() {
     auto marks = runtime.filled<cl_uint>("check pieces", pieces.count, 0);
-    runtime.launch("check", "mark_pieces", over(ordered.triangles), cl_uint{ordered.triangles}, vertices.levels_buffer,
-                   ordered.corners, ordered.constrained, cl_uint{pieces.count}, pieces.ends, marks);
+    runtime.launch("check_faults", "mark_pieces", over(ordered.triangles), cl_uint{ordered.triangles},
+                   vertices.levels_buffer, ordered.corners, ordered.constrained, cl_uint{pieces.count}, pieces.ends,
+                   marks);
     if (edges_expected == pieces.count) name_unmarked(pieces.count, 3, GCDT_CHECK_MISSING, marks);
     fail(std::to_string(found.constrained_edges) + " edges are flagged for " + std::to_string(edges_expected) +
              " pieces",
@@ -199,7 +200,7 @@ struct Checker {
   }
 
   void name_unmarked(cl_uint count, cl_uint wanted, cl_uint kind, const Buffer<cl_uint>& marks) {
-    runtime.launch("check", "find_unmarked", over(count), count, wanted, kind, marks, report);
+    runtime.launch("check_faults", "find_unmarked", over(count), count, wanted, kind, marks, report);
     read = false;
     judge(kind, kind + wanted);
   }

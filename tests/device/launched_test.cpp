@@ -23,7 +23,7 @@ const Names programs_of_cpus = {"core",        "grow",          "by_one_item",  
                                 "domain_each", "sort32_serial", "sort64_serial", "tail"};
 // Every device computes these in one way: they need not be launched by one that is treated as a GPU.
 const Names programs_of_one_way = {"predicates", "selftest"}, kernels_of_one_way = {"locate_weights"};
-const Names kernels_of_cpus = {"sort_by_one_item", "sort_runs", "scan_sum_serial", "scan_serial", "check_first_pieces"};
+const Names kernels_of_cpus = {"sort_by_one_item", "scan_sum_serial", "scan_serial", "check_first_pieces"};
 // No test launches these, and why. (Empty, and best left so.)
 const std::map<std::string, std::string> excused = {};
 

@@ -92,7 +92,10 @@ TEST_CASE("the programs that a call is said to need are those that it builds") {
   constexpr std::uint32_t fewer_merged = 1 << 14;
   CHECK(built_by(workload("uniform", 20000), fewer_merged) == in_order(programs_of_call(Meshes::one, false)));
   CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2), fewer_merged) == in_order(programs_of_call(Meshes::one, true)));
-  CHECK(built_by(workload("row", 20000), Tuning().most_merged) == in_order(programs_of_call(Meshes::one, false)));
+  // One vertex has most of the triangles, more than a group sorts.
+  std::vector<const char*> of_row = programs_of_call(Meshes::one, false);
+  of_row.push_back("sort_left");
+  CHECK(built_by(workload("row", 20000), Tuning().most_merged) == in_order(of_row));
   CHECK(built_by(workload("uniform", 20000), fewer_merged, 60000) ==
         in_order(programs_of_call(Meshes::one, false, true)));
   CHECK(built_by(workload("letters", 20000), fewer_merged, 60000, 50000) ==
