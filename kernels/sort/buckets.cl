@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Putting values in order by buckets: about as many buckets as pairs of key and value, and in each few pairs,
-// near where they were. A pair's bucket is what its key has from bit `low` on; pairs of buckets beyond the last are
-// left out. In a bucket a pair is one word, its entry: the key's low bits above the value. Keys that are not left out
-// are distinct, and so are entries.
+// Putting values in order by buckets: about as many buckets as pairs of key and value, and in each few pairs, near
+// where they were. A pair's bucket is what its key has from bit `low` on; pairs of buckets beyond the last are left
+// out. In a bucket a pair is one word, its entry: the key's low bits above the value. Keys that are not left out are
+// distinct, and so are entries.
 //
 // Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted by one work-item each, on GPUs those of up to GCDT_SORT_SMALL
 // by a group in local memory; pairs of longer ones are left (sort_left.cl).
@@ -32,7 +32,7 @@ kernel void bucket_move(u32 count, u32 low, u32 buckets, global const u64* keys,
 }
 
 // One work-item per bucket. Writes the values of its entries, each behind those of lesser entries; or lists it, if it
-// is long; `most` is what no pair needs to be taken out for.
+// is long. One of more than `most` is counted besides: its pairs will be taken out.
 // Reads: first, entries. Writes: values, of which places differ; adds to long_buckets, whose two counts were 0: the
 // list by atomic_inc, which gives each place once. After: the values of every bucket that is not listed are in order.
 // Ends: loops go through a bucket that is not long.

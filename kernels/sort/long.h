@@ -5,8 +5,7 @@
 
 #include "common/shared.h"
 
-// The list of long buckets: how many are too long for a group, too, if groups sort any; how many there are; their
-// numbers.
+// The list of long buckets: of how many the pairs will be taken out; how many there are; their numbers.
 #define LONG_BUCKETS 2u
 
 // Where the run that begins at `begin` ends, or `outside`, if that is in it. Ends: the range halves.

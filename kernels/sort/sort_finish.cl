@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the radix sort of 64-bit keys leaves to simpler ways, for GPUs: few keys, sorted by work-groups; keys that a
-// sort by their high bits has left nearly in order.
+// What the radix sort of 64-bit keys leaves to simpler ways, by work-groups: few keys; keys that a sort by their high
+// bits has left nearly in order.
 #include "sort/long.h"
 #include "sort/sort_in_group.h"
 #include "sort/verify.h"
