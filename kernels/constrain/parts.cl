@@ -7,6 +7,9 @@
 // are much too long.
 #define LEAST_CUT 4u
 
+// A piece is long whose share of the pool has so many parts: few pieces are, so that they may have more than that.
+#define LONG_SHARE 8u
+
 // Parts of a piece that a list says whose they are: nearly all there are, since few pieces are long.
 #define LISTED_PARTS 16u
 
@@ -36,15 +39,21 @@ kernel void parts_total(uint pieces, global const uint* lengths, volatile global
   add_lengths(&sum, total, mine);
 }
 
-// One work-item per piece. Writes the piece's number of parts: one, and of a pool of parts its share by weight. `whole`
-// is at least the sum of all weights. A piece that has been walked, if `again`, keeps its parts, whose beginnings are
+// Of the parts that a piece of this weight has beyond one, its share. A weight and the pool are below 2^32.
+static inline uint share_of(uint pool, uint weight, ulong whole) {
+  return whole == 0 ? 0u : (uint)min((u64)pool, (u64)weight * pool / whole);
+}
+
+// One work-item per piece. Writes the piece's number of parts: one, and of a pool of parts its share by weight; of a
+// larger pool if that is a long piece's share, since what long pieces cross may lie in few of their parts. `whole` is
+// at least the sum of all weights. A piece that has been walked, if `again`, keeps its parts, whose beginnings are
 // known, or each of them is cut in as many. No race: each its own word. After: counts[c] >= 1, their sum is at most
-// pieces + pool, and the pool of before more if `again`.
-kernel void parts_count(uint pieces, ulong whole, uint pool, global const uint* weights, uint again,
+// pieces + long_pool, and the pool of before more if `again`.
+kernel void parts_count(uint pieces, ulong whole, uint pool, uint long_pool, global const uint* weights, uint again,
                         global const uint2* walked, global uint* counts) {
   FOR_EACH(c, pieces) {
-    // A weight and the pool are below 2^32.
-    const uint count = whole == 0 ? 1u : 1u + (uint)min((u64)pool, (u64)weights[c] * pool / whole),
+    const uint share = share_of(pool, weights[c], whole),
+               count = 1u + (share < LONG_SHARE ? share : share_of(long_pool, weights[c], whole)),
                had = again ? walked[c].y : 0u;
     counts[c] = had == 0u ? count : count / had < LEAST_CUT ? had : had * (count / had);
   }

@@ -283,6 +283,10 @@ struct Tuning {
   /// vertices: a launch lasts as long as its longest walks, and lanes wait for the longest beside them. A part takes
   /// some 100 bytes (NOTES, "Many crossings").
   static constexpr std::uint32_t gpu_long_parts = 1u << 19, crossings_of_long = 32;
+  /// Pieces with many parts get so many times as many on GPUs, within gpu_long_parts: what a long piece crosses may lie
+  /// in few of its parts, as where the border of a domain goes through the faces of the last level, and a launch lasts
+  /// as long as the longest (NOTES, "Long pieces": 8 and 16 counted, 8 measured).
+  static constexpr std::uint32_t gpu_long_piece = 8;
   /// Crossed faces a constraint from which on GPUs clean them in the order of the curve: lanes side by side then read
   /// the same faces (NOTES, "Many crossings"). Constraints that a group puts into its cells at least, and groups at
   /// most: each has a word for each cell, which are scanned (not measured).

@@ -26,13 +26,23 @@ const char* name(Plan::By by) {
   }
 }
 
+// Of long_parts those that are not there already.
+std::uint32_t left_of_long(const Plan& plan, std::uint32_t had) {
+  return plan.long_parts - std::min(had, plan.long_parts);
+}
+
 }  // namespace
 
 std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had) {
   const std::uint64_t usual =
       std::min<std::uint64_t>(crossings / plan.crossings_per_part + plan.least_parts, plan.most_parts);
-  const std::uint32_t left = plan.long_parts - std::min(had, plan.long_parts);
-  return static_cast<std::uint32_t>(std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left)));
+  return static_cast<std::uint32_t>(
+      std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left_of_long(plan, had))));
+}
+
+std::uint32_t long_part_pool(const Plan& plan, std::uint32_t pool, std::uint32_t had) {
+  const std::uint64_t wanted = std::uint64_t{pool} * plan.long_piece;
+  return std::max(pool, static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, left_of_long(plan, had))));
 }
 
 bool pays_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints, std::uint64_t crossings) {
@@ -91,6 +101,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
                         ? plan.most_parts
                         : std::max(plan.most_parts, std::min(sizes.vertices / 2, Tuning::gpu_long_parts));
   plan.crossings_of_long = Tuning::crossings_of_long;
+  plan.long_piece = gpu ? Tuning::gpu_long_piece : 1;
   plan.least_parts = std::min(plan.most_parts, gpu ? Tuning::gpu_least_parts : Tuning::cpu_least_parts);
   plan.crossings_per_part = threads ? Tuning::cpu_crossings_per_part : tuning.crossings_per_part;
   plan.crossings_ahead =

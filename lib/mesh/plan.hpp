@@ -74,6 +74,7 @@ struct Plan {
   std::uint32_t crossings_per_part = 0;           ///< crossed faces of a part, about
   /// Where parts would have `crossings_of_long` faces and more, there are so many at most.
   std::uint32_t long_parts = 0, crossings_of_long = 0;
+  std::uint32_t long_piece = 0;  ///< long pieces have so many times as many parts, within long_parts
   /// Crossed faces, as many times as there are faces, from which on every `step_ahead`-th constraint is cleaned and
   /// enforced ahead of the others.
   std::uint32_t crossings_ahead = 0, step_ahead = 0;
@@ -97,6 +98,8 @@ struct Plan {
 /// Parts beyond one a constraint, where these cross so many faces in all. `had`: so many are there already, and most
 /// are kept; both are at most most_parts + long_parts.
 std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had = 0);
+/// The pool that a long piece, one that would have many parts of this pool, has its share of instead.
+std::uint32_t long_part_pool(const Plan& plan, std::uint32_t pool, std::uint32_t had = 0);
 
 /// Whether it pays to take so many constraints in turn, which cross so many faces in all (phases/ahead.hpp).
 bool pays_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints, std::uint64_t crossings);

@@ -5,14 +5,16 @@ namespace gcdt {
 
 namespace {
 // `whole`: of all weights, or more. `before`, if any, says what parts pieces have that were walked before.
-PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const runtime::Buffer<cl_uint>& weights,
-                      cl_uint pieces, std::uint64_t whole, cl_uint pool, const WalkedPieces* before) {
+PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
+                      const runtime::Buffer<cl_uint>& weights, cl_uint pieces, std::uint64_t whole,
+                      std::uint64_t crossings, const WalkedPieces* before) {
+  const cl_uint had = before ? before->pool : 0, pool = part_pool(plan, crossings, had);
   PieceParts parts;
-  parts.pool = pool;
-  parts.capacity = pieces + pool + (before ? before->pool : 0);
+  parts.pool = long_part_pool(plan, pool, had);
+  parts.capacity = pieces + parts.pool + had;
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
   const auto none = runtime.allocate<cl_uint2>("no parts", 0);
-  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, cl_ulong{whole}, pool, weights,
+  runtime.launch("parts", "parts_count", runtime::over(pieces), pieces, cl_ulong{whole}, pool, parts.pool, weights,
                  cl_uint{before != nullptr}, before ? before->parts : none, parts.begins);
   primitives.exclusive_scan(parts.begins, parts.begins, pieces);
   return parts;
@@ -53,7 +55,7 @@ std::uint64_t expected_crossings(const Vertices& vertices, std::uint64_t length)
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                            const runtime::Buffer<cl_uint>& lengths, cl_uint pieces, std::uint64_t length,
                            std::uint64_t crossings) {
-  return make_parts(runtime, primitives, lengths, pieces, length, part_pool(plan, crossings), nullptr);
+  return make_parts(runtime, primitives, plan, lengths, pieces, length, crossings, nullptr);
 }
 
 PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
@@ -67,8 +69,7 @@ PieceParts parts_by_length(runtime::Runtime& runtime, Primitives& primitives, co
 PieceParts parts_by_crossings(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan,
                               const Pieces& pieces) {
   const WalkedPieces& walked = pieces.walked;
-  return make_parts(runtime, primitives, walked.weights, pieces.count, walked.crossed,
-                    part_pool(plan, walked.crossed, walked.pool), &walked);
+  return make_parts(runtime, primitives, plan, walked.weights, pieces.count, walked.crossed, walked.crossed, &walked);
 }
 
 PartBegins find_first_faces(runtime::Runtime& runtime, const WalkedMesh& walked, const runtime::Buffer<cl_uint2>& ends,

@@ -154,6 +154,19 @@ TEST_CASE("constraints that cross much get more parts on GPUs, as far as there a
   CHECK(part_pool(make_plan(threads, {}, one(1000000)), 1u << 31) == 512 * threads.units);
 }
 
+TEST_CASE("long pieces have eight times as many parts on GPUs, of those that there is room for") {
+  const Plan plan = make_plan(gpu, {}, one(1000000));
+  CHECK(long_part_pool(plan, 5096) == 8 * 5096);
+  CHECK(long_part_pool(plan, 1u << 17) == 500000);
+  CHECK(long_part_pool(plan, 500000) == 500000);
+  // With those that there are already.
+  CHECK(long_part_pool(plan, 5096, 480000) == 20000);
+  CHECK(long_part_pool(plan, 5096, 499000) == 5096);
+  CHECK(long_part_pool(plan, 5096, 600000) == 5096);
+  CHECK(long_part_pool(make_plan(threads, {}, one(1000000)), 100) == 100);
+  CHECK(long_part_pool(make_plan(lanes, {}, one(1000000)), 100) == 100);
+}
+
 TEST_CASE("constraints that cross much are taken in turn, if they are of one problem and more than are left out") {
   const Plan plan = make_plan(gpu, {}, one(1000));
   const std::uint64_t faces = 2 * 1000 + 1;

@@ -125,6 +125,48 @@ TEST_CASE("parts have no order where they pass little") {
   CHECK(order_parts(runtime, plan, pieces, parts, {}).size() == 0);
 }
 
+// A constraint through a field of vertices that takes an eighth of its length, and a short one beside it.
+TEST_CASE("a long piece has more parts where what it crosses lies close together") {
+  constexpr std::int64_t width = 1 << 20, field = width / 8;
+  std::vector<fixture::Point> points = {{0, field / 2}, {width, field / 2}, {0, 0}, {field / 4, 0}};
+  fixture::Random random{11};
+  for (int i = 0; i < 4000; ++i)
+    points.push_back({width / 2 + std::int64_t(random.below(field)), std::int64_t(random.below(field))});
+  const std::vector<Constraint> pairs = {{0, 1}, {2, 3}};
+  for (Treated& device : devices_as_all_kinds()) {
+    CAPTURE(device.name);
+    runtime::Runtime& runtime = *device.runtime;
+    const auto clean = [&](std::uint32_t times, std::uint32_t room) {
+      fixture::Staged made(runtime, points, pairs);
+      made.plan.least_parts = made.plan.most_parts = 16;
+      made.plan.long_piece = times;
+      made.plan.long_parts = room;
+      const CleanResult result = made.cleaner.clean(made.walked(), made.cleaner.keep(made.plan, {}), made.counters);
+      REQUIRE(result.hits == 0);
+      REQUIRE(result.pieces.count == 2);
+      const WalkedPieces& walked = result.pieces.walked;
+      std::vector<cl_uint> passed(walked.passed.size());
+      std::vector<cl_uint2> parts(2);
+      runtime.read(walked.passed, passed.data(), passed.size());
+      runtime.read(walked.parts, parts.data(), 2);
+      if (parts[0].s[1] < parts[1].s[1]) std::swap(parts[0], parts[1]);
+      CHECK(parts[1].s[1] == 1);
+      const auto first = passed.begin() + parts[0].s[0], end = first + parts[0].s[1];
+      CHECK(parts[0].s[1] <= 17 * times);
+      return std::make_pair(std::accumulate(first, end, cl_uint{0}), *std::max_element(first, end));
+    };
+    const auto [few, longest_of_few] = clean(1, 16);
+    const auto [all, longest] = clean(8, 128);
+    const auto [same, longest_without_room] = clean(8, 16);
+    CHECK(all > 100);
+    CHECK(few == all);
+    CHECK(same == all);
+    CHECK(longest_of_few > all / 4);
+    CHECK(longest_without_room == longest_of_few);
+    CHECK(longest < all / 8);
+  }
+}
+
 TEST_CASE("cleaning counts what each part passes") {
   fixture::Random random{5};
   const std::vector<fixture::Point> points = fixture::make_points("uniform", 900, 3);
