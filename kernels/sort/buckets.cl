@@ -4,8 +4,9 @@
 // out. In a bucket a pair is one word, its entry: the key's low bits above the value. Keys that are not left out are
 // distinct, and so are entries.
 //
-// Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted by one work-item each, on GPUs those of up to GCDT_SORT_SMALL
-// by a group in local memory; pairs of longer ones are left (sort_left.cl).
+// Buckets of up to GCDT_SORT_IN_BUCKET pairs are sorted where they are found. Of longer ones, on GPUs those of up to
+// GCDT_SORT_SMALL pairs by a group each, in local memory, on CPUs larger ones, too, by a work-item each
+// (sort64_serial.cl); pairs of others are left (sort_left.cl).
 #include "sort/long.h"
 #include "sort/sort_in_group.h"
 

@@ -21,6 +21,27 @@ GCDT_INLINE void sort_run(global u64* keys, global u32* values, u32 begin, u32 e
   }
 }
 
+// Words by their bits from `low` up to `high`, stably, by digits of GCDT_SERIAL_DIGIT_BITS: from one array to the other
+// and back. Returns which one they are in.
+GCDT_INLINE global const u64* sort_words(u32 count, u32 low, u32 high, global u64* words, global u64* other) {
+  for (u32 shift = low; shift < high; shift += GCDT_SERIAL_DIGIT_BITS) {
+    const u32 mask = (1u << min(GCDT_SERIAL_DIGIT_BITS, high - shift)) - 1u;
+    u32 next[1u << GCDT_SERIAL_DIGIT_BITS];
+    for (u32 d = 0; d <= mask; ++d) next[d] = 0;
+    for (u32 i = 0; i < count; ++i) ++next[(u32)(words[i] >> shift) & mask];
+    for (u32 d = 0, sum = 0; d <= mask; ++d) {
+      const u32 words_of_digit = next[d];
+      next[d] = sum;
+      sum += words_of_digit;
+    }
+    for (u32 i = 0; i < count; ++i) other[next[(u32)(words[i] >> shift) & mask]++] = words[i];
+    global u64* sorted = other;
+    other = words;
+    words = sorted;
+  }
+  return words;
+}
+
 // By the bits below `bits` of the key, stably, by digits of GCDT_ONE_ITEM_DIGIT_BITS: from one pair of arrays to the
 // other and back. Returns whether the number of digits is odd, so that the pairs are in the other arrays now.
 static bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,

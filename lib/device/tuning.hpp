@@ -240,6 +240,9 @@ struct Tuning {
   static constexpr std::size_t least_by_prefix = std::size_t{1} << 14;
   /// Keys of a run that a work-item sorts by insertion; longer runs are a work-group's (NOTES, "Batches").
   static constexpr std::uint32_t longest_run = 32;
+  /// Pairs of a bucket that one work-item sorts on a CPU, where those of longer ones are taken out: ten launches more,
+  /// in which all threads take part (NOTES, "Few vertices on CPUs").
+  static constexpr std::uint32_t longest_bucket = 16384;
 
   // ---- Order ------------------------------------------------------------------------------------
   // (order.cpp, order_problems.cpp)

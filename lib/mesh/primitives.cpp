@@ -144,8 +144,8 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
 void Primitives::order_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
                                   unsigned bits, unsigned low, std::size_t buckets) {
   if (count < Tuning::least_by_prefix) return sort_by_prefix(keys, values, count, bits, bits - low);
-  const bool by_groups = walk_ == Walk::group;  // sorts what is too long for a work-item
-  const cl_uint most = by_groups ? GCDT_SORT_SMALL : GCDT_SORT_IN_BUCKET;
+  const bool by_groups = walk_ == Walk::group;
+  const cl_uint most = by_groups ? GCDT_SORT_SMALL : Tuning::longest_bucket;
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
   const auto n = static_cast<cl_uint>(count), number = static_cast<cl_uint>(buckets);
   runtime_.reserve(buckets_, "buckets", buckets + 1);
@@ -162,7 +162,12 @@ void Primitives::order_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& value
   if (by_groups)
     runtime_.launch("buckets", "bucket_sort_long", runtime_.over_groups(kept / GCDT_SORT_SMALL, runtime::Groups::wide),
                     long_runs_, buckets_, other_keys64_, values);
-  if (runtime_.read_one(long_runs_) != 0) order_left_buckets(keys, values, kept, bits, low, number, most);
+  cl_uint found[2];  // buckets longer than `most`; and all that are listed
+  runtime_.read(long_runs_, found, 2);
+  if (!by_groups && found[1] > found[0])
+    runtime_.launch(sort64(), "bucket_sort_each", runtime::over(found[1]), cl_uint{low}, most, long_runs_, buckets_,
+                    other_keys64_, keys, values);
+  if (found[0] != 0) order_left_buckets(keys, values, kept, bits, low, number, most);
 }
 
 void Primitives::order_left_buckets(Buffer<cl_ulong>& keys, const Buffer<cl_uint>& values, std::size_t kept,

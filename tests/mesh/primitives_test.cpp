@@ -285,11 +285,12 @@ TEST_CASE("a sort by prefix equals the sort, with short runs, long ones, and equ
 
 TEST_CASE("an order by buckets puts the kept values in order, however many a bucket has") {
   for_all_walks_and_geometries([](Primitives& primitives) {
-    for (std::size_t count : {std::size_t{1000}, std::size_t{16384}, std::size_t{20000}})
-      for (std::size_t in_a_bucket : {1u, 3u, 40u, 2048u, 3000u, 0u}) {  // 0: one of thousands, and many of two
+    for (std::size_t count : {1000u, 16384u, 20000u, 60000u})
+      for (std::size_t in_a_bucket : {1u, 3u, 40u, 2048u, 3000u, 16384u, 16385u, 0u}) {  // 0: a long one, many of two
         CAPTURE(count);
         CAPTURE(in_a_bucket);
-        const std::size_t begin = count / 3, end = begin + std::min<std::size_t>(begin, 4000);
+        const unsigned low = in_a_bucket % 2 == 0 ? 16 : 17;  // an even and an odd number of digits
+        const std::size_t begin = count / 3, end = begin + std::min<std::size_t>(begin, count > 50000 ? 18000 : 4000);
         const auto bucket_of = [&](std::size_t i) {
           return in_a_bucket != 0 ? i / in_a_bucket : i < begin ? i / 2 : i < end ? begin : i / 2 + begin;
         };
@@ -297,7 +298,7 @@ TEST_CASE("an order by buckets puts the kept values in order, however many a buc
                                                      : bucket_of(5 * count / 6);  // the other pairs are left out
         std::vector<std::pair<cl_ulong, cl_uint>> pairs(count);
         for (std::size_t i = 0; i < count; ++i)
-          pairs[i] = {cl_ulong{bucket_of(i)} << 12 | (i * 2311 % 4096), static_cast<cl_uint>(i)};
+          pairs[i] = {cl_ulong{bucket_of(i)} << low | (i * 2311 % 65536) << (low - 16), static_cast<cl_uint>(i)};
         std::shuffle(pairs.begin(), pairs.end(), std::mt19937(31));
         std::vector<cl_ulong> keys;
         Words values;
@@ -305,11 +306,11 @@ TEST_CASE("an order by buckets puts the kept values in order, however many a buc
         std::sort(pairs.begin(), pairs.end());
         Words values_wanted;
         for (const auto& [key, value] : pairs)
-          if (key >> 12 < buckets) values_wanted.push_back(value);
+          if (key >> low < buckets) values_wanted.push_back(value);
         auto key_buffer = guarded(keys);
         auto value_buffer = guarded(values);
         const std::size_t kept = values_wanted.size();
-        primitives.order_by_buckets(key_buffer, value_buffer, count, kept, 62, 12, buckets);
+        primitives.order_by_buckets(key_buffer, value_buffer, count, kept, 62, low, buckets);
         CHECK(contents(value_buffer, kept) == values_wanted);
       }
   });
