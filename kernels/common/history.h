@@ -65,9 +65,9 @@ typedef struct Germ {
 // side decides, since the point moves towards q; 0 only if the whole segment lies on the line (or the
 // plain vertex does).
 static inline int germ_side(Germ g, Vertex a, Vertex b) {
-  const i64 p = gcdt_orient2d(a, b, g.p);
+  const i64 p = gcdt_orient2d_from(g.p, a, b);
   if (g.k == 0u && p != 0) return gcdt_sign64(p);
-  const i64 q = gcdt_orient2d(a, b, g.q);
+  const i64 q = gcdt_orient2d_from(g.q, a, b);
   const int s = gcdt_division_sign(p, q, g.k, g.parts);
   return s != 0 ? s : gcdt_sign64(q);
 }
@@ -202,7 +202,7 @@ static inline uint descend_history(global const int2* points, uint n, History h,
   while ((ref & 3u) != HISTORY_LEAF) {
     const uint m = ref >> 2, kind = ref & 3u;
     const uint4 next = h.nodes[m - h.begin];
-    const Vertex vm = load_vertex(points, n, m);
+    const Vertex vm = vertex_at(points, m);
     ++*steps;
     if (kind == HISTORY_FACE) {
       // The germ lies in child k, left of m -> p[k+1] and not left of m -> p[k+2]; along a spoke either

@@ -80,6 +80,14 @@ GCDT_INLINE i64 gcdt_orient2d(Vertex a, Vertex b, Vertex c) {
   return gcdt_orient2d_any(a, b, c);
 }
 
+// orient2d(o, a, b) where o is finite, in one text for all: the cross product of a and b as o sees them, where a symbol
+// is its direction. (So b x o is part of it if a is finite, o x a if b is, as in orient2d_any.)
+GCDT_INLINE i64 gcdt_orient2d_from(Vertex o, Vertex a, Vertex b) {
+  const i64 ax = a.symbol == 0 ? a.x - o.x : a.x, ay = a.symbol == 0 ? a.y - o.y : a.y,
+            bx = b.symbol == 0 ? b.x - o.x : b.x, by = b.symbol == 0 ? b.y - o.y : b.y;
+  return ax * by - ay * bx;
+}
+
 // Sign of the in-circle determinant: > 0 if d lies strictly inside the circle through the
 // counter-clockwise triangle (a, b, c). All finite.
 GCDT_INLINE int gcdt_incircle_finite(Vertex a, Vertex b, Vertex c, Vertex d) {
@@ -147,7 +155,7 @@ GCDT_INLINE int gcdt_division_sign(i64 op, i64 oq, u32 k, u32 n) {
   return gcdt_sign128(gcdt_add(gcdt_multiply(op, (i64)(n - k)), gcdt_multiply(oq, (i64)k)));
 }
 GCDT_INLINE int gcdt_orient2d_division(Vertex a, Vertex b, Vertex p, Vertex q, u32 k, u32 n) {
-  return gcdt_division_sign(gcdt_orient2d(a, b, p), gcdt_orient2d(a, b, q), k, n);
+  return gcdt_division_sign(gcdt_orient2d_from(p, a, b), gcdt_orient2d_from(q, a, b), k, n);
 }
 
 #ifdef __OPENCL_VERSION__

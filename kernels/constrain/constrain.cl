@@ -292,7 +292,7 @@ typedef struct Chains {
 // every finite one, and the farther the greater its symbol.
 static inline ulong chain_distance(Vertex a, Vertex b, Vertex v) {
   if (v.symbol != 0) return ((ulong)1 << 62) + (ulong)v.symbol;
-  const i64 d = gcdt_orient2d(a, b, v);
+  const i64 d = gcdt_orient2d_finite(a, b, v);
   return (ulong)(d < 0 ? -d : d);
 }
 

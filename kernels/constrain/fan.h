@@ -49,13 +49,14 @@ static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] >
 static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Vertex at, Vertex b, private uint* steps) {
   const uint begin = f.begins[v];
   uint low = begin, high = f.begins[v + 1u];
-  const Vertex y = load_vertex(points, n, f.faces[begin].y);
-  const int first = gcdt_sign64(gcdt_orient2d(at, b, y));
-  if (first == 0 && gcdt_orient2d(at, b, load_vertex(points, n, f.faces[begin + 1u].y)) > 0) high = low + 1u;
+  const Vertex y = vertex_at(points, f.faces[begin].y);
+  const int first = gcdt_sign64(gcdt_orient2d_from(at, b, y));
+  if (first == 0 && gcdt_orient2d_from(at, b, load_vertex(points, n, f.faces[begin + 1u].y)) > 0) high = low + 1u;
   while (high - low > 1u) {
     const uint middle = low + (high - low) / 2u;
     const Vertex corner = load_vertex(points, n, f.faces[middle].y);
-    const int side = gcdt_sign64(gcdt_orient2d(at, b, corner)), turn = gcdt_sign64(gcdt_orient2d(at, y, corner));
+    const int side = gcdt_sign64(gcdt_orient2d_from(at, b, corner)),
+              turn = gcdt_sign64(gcdt_orient2d_from(at, y, corner));
     const bool beyond = first > 0 ? side > 0 && turn < 0 : first < 0 ? side > 0 || turn < 0 : side > 0;
     ++*steps;
     if (beyond)

@@ -35,9 +35,10 @@ static uint face_around(Mesh mesh, uint a, Vertex at, Vertex b, uint patience, p
     if (c.x != a && c.y != a && c.z != a) return GCDT_NONE;
   }
   uint k = c.x == a ? 0u : c.y == a ? 1u : 2u;
-  const int side_y = gcdt_sign64(gcdt_orient2d(at, load_vertex(mesh.points, mesh.n, element(c, next_corner(k))), b)),
-            side_z =
-                gcdt_sign64(gcdt_orient2d(at, load_vertex(mesh.points, mesh.n, element(c, previous_corner(k))), b));
+  const int side_y =
+                gcdt_sign64(gcdt_orient2d_from(at, load_vertex(mesh.points, mesh.n, element(c, next_corner(k))), b)),
+            side_z = gcdt_sign64(
+                gcdt_orient2d_from(at, load_vertex(mesh.points, mesh.n, element(c, previous_corner(k))), b));
   const int turn = side_y < 0 ? -1 : 1;  // counter-clockwise: 1
   if (side_y >= 0 && side_z <= 0) return face;
   for (uint passed = 0; passed < patience; ++passed) {
@@ -50,7 +51,7 @@ static uint face_around(Mesh mesh, uint a, Vertex at, Vertex b, uint patience, p
     const uint third = GCDT_REF_CORNER(ref);
     k = turn > 0 ? next_corner(third) : previous_corner(third);
     ++*steps;
-    const int side = gcdt_sign64(gcdt_orient2d(at, load_vertex(mesh.points, mesh.n, element(c, third)), b));
+    const int side = gcdt_sign64(gcdt_orient2d_from(at, load_vertex(mesh.points, mesh.n, element(c, third)), b));
     if (side * turn <= 0) return face;
   }
   return GCDT_NONE;

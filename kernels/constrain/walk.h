@@ -59,7 +59,7 @@ static inline void lose_patience(private Walked* w) { w->patience = max(w->patie
 // ---- What lies ahead -----------------------------------------------------------------------------
 
 static inline int side_of_point(const private Walk* w, Vertex v) {
-  return gcdt_sign64(gcdt_orient2d(line_begin(w->line), line_end(w->line), v));
+  return gcdt_sign64(gcdt_orient2d_from(line_begin(w->line), line_end(w->line), v));
 }
 static inline int side_of(const private Walk* w, Mesh mesh, uint v) {
   return side_of_point(w, load_vertex(mesh.points, mesh.n, v));
@@ -96,7 +96,7 @@ static inline uint left_face(const private Walk* w, Mesh mesh) { return mesh.edg
 static uint end_of_part(const private Walk* w, Mesh mesh, uint event) {
   if (event == WALK_HIT && w->hit == w->b) return WALK_END;
   if (event == WALK_FAILED || w->k + 1u >= w->parts) return event;
-  if (event == WALK_HIT) return after_next_division(w, load_vertex(mesh.points, mesh.n, w->hit)) ? WALK_END : event;
+  if (event == WALK_HIT) return after_next_division(w, vertex_at(mesh.points, w->hit)) ? WALK_END : event;
   const bool ends = (w->at_left >= w->until || w->at_right >= w->until) &&
                     gcdt_orient2d_division(unfolded(w->point_right), unfolded(w->point_left), line_begin(w->line),
                                            line_end(w->line), w->k + 1u, w->parts) > 0;
@@ -191,8 +191,7 @@ static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
 static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* steps) {
   const Mesh mesh = walked.mesh;
   if (has_fan(walked.fans, z))
-    w->face =
-        face_of_fan(walked.fans, mesh.points, mesh.n, z, load_vertex(mesh.points, mesh.n, z), line_end(w->line), steps);
+    w->face = face_of_fan(walked.fans, mesh.points, mesh.n, z, vertex_at(mesh.points, z), line_end(w->line), steps);
   for (uint step = 0; step < walked.patience; ++step) {
     ++*steps;
     const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];

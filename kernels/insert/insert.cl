@@ -36,11 +36,11 @@ static inline bool inserted_in(History h, uint v, uint round) {
 // child holds v, or which spoke? p0 is found in child 2 = (m, p0, p1).
 static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
-  const Vertex vm = load_vertex(mesh.points, mesh.n, m);
-  const i64 s0 =
-      gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 1u))].y), v);
-  const i64 s1 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.y), v);
-  const i64 s2 = gcdt_orient2d(vm, load_vertex(mesh.points, mesh.n, c.z), v);
+  const Vertex vm = vertex_at(mesh.points, m);
+  const i64 s0 = gcdt_orient2d_from(
+      vm, load_vertex(mesh.points, mesh.n, mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 1u))].y), v);
+  const i64 s1 = gcdt_orient2d_from(vm, load_vertex(mesh.points, mesh.n, c.y), v);
+  const i64 s2 = gcdt_orient2d_from(vm, load_vertex(mesh.points, mesh.n, c.z), v);
   if (s1 > 0 && s2 < 0) return t;
   if (s2 > 0 && s0 < 0) return new_face(mesh, m, 0u);
   if (s0 > 0 && s1 < 0) return new_face(mesh, m, 1u);
@@ -52,7 +52,7 @@ static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
 static uint child_of_side(Mesh mesh, Vertex v, uint m, uint t) {
   const uint a = mesh.face_data[GCDT_CORNERS(t)].y;
   const uint side = mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 0u))].z == a ? 0u : 1u;
-  const i64 s = gcdt_orient2d(load_vertex(mesh.points, mesh.n, m), load_vertex(mesh.points, mesh.n, a), v);
+  const i64 s = gcdt_orient2d_from(vertex_at(mesh.points, m), load_vertex(mesh.points, mesh.n, a), v);
   if (s > 0) return t;
   if (s < 0) return new_face(mesh, m, side);
   return ON_EDGE | new_edge(mesh, m, 1u + side);
@@ -66,7 +66,7 @@ static uint half_of_edge(Mesh mesh, History h, Vertex v, uint e, uint round) {
   const bool first = inserted_in(h, r.y, round);
   if (!first && !inserted_in(h, r.z, round)) return ON_EDGE | e;
   const uint m = first ? r.y : r.z;
-  const Vertex vm = load_vertex(mesh.points, mesh.n, m), b = load_vertex(mesh.points, mesh.n, first ? r.z : r.y);
+  const Vertex vm = vertex_at(mesh.points, m), b = vertex_at(mesh.points, first ? r.z : r.y);
   const i64 along = (b.x - vm.x) * (v.x - vm.x) + (b.y - vm.y) * (v.y - vm.y);
   return ON_EDGE | (along > 0 ? e : new_edge(mesh, m, 0u));
 }
@@ -90,7 +90,7 @@ static bool relocate_and_vote(Mesh mesh, History h, Round r, uint v) {
   const uint i = v - h.begin;
   if ((h.shape[i] & 3u) != 0u) return false;
   uint location = h.nodes[i].x, depth = h.nodes[i].y;
-  const Vertex p = load_vertex(mesh.points, mesh.n, v);
+  const Vertex p = vertex_at(mesh.points, v);
   if (location & ON_EDGE) {
     location = half_of_edge(mesh, h, p, location & ~ON_EDGE, r.number - 1u);
     const uint beside = GCDT_REF_FACE(mesh.edge_faces[2u * (location & ~ON_EDGE)]);
@@ -204,7 +204,7 @@ static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, H
                             private uint* steps, volatile global Counters* counters) {
   const uint from = coarse_vertex_near(levels, level, mesh.points, mesh.n, h, v);
   Germ g;
-  g.p = load_vertex(mesh.points, mesh.n, v);
+  g.p = vertex_at(mesh.points, v);
   g.q = g.p;
   g.k = 0;
   g.parts = 1;

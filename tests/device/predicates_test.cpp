@@ -118,6 +118,7 @@ TEST_CASE("orient2d of corners of the grid is exact, value included") {
         const wide area = static_cast<wide>(b.x - a.x) * (c.y - a.y) - static_cast<wide>(b.y - a.y) * (c.x - a.x);
         wrong += gcdt_orient2d(a, b, c) != area;
         wrong += gcdt_orient2d_finite(a, b, c) != area;
+        wrong += gcdt_orient2d_from(a, b, c) != area;
       }
   CHECK(wrong == 0);
 }
@@ -183,6 +184,19 @@ TEST_CASE("must_flip of every quadrilateral equals the circle test on real point
   CHECK(flips > 1000);
   CHECK(ties > 500);
   for (std::uint64_t with_symbols : quadrilaterals) CHECK(with_symbols > 500);
+}
+
+TEST_CASE("orient2d from a finite point is that of any, value included") {
+  TupleMaker maker(7);
+  std::uint64_t wrong = 0, symbolic = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const PredicateTuple t = maker.next();
+    if (t.a.symbol) continue;
+    symbolic += t.b.symbol && t.c.symbol;
+    wrong += gcdt_orient2d_from(t.a, t.b, t.c) != gcdt_orient2d_any(t.a, t.b, t.c);
+  }
+  CHECK(wrong == 0);
+  CHECK(symbolic > 500);
 }
 
 TEST_CASE("orient2d at division points equals orientation at the rational point") {
