@@ -79,16 +79,6 @@ static inline Vertex near_germ(Germ g) {
                             g.p.y + (g.q.y - g.p.y) * (i64)g.k / (i64)g.parts);
 }
 
-// A coarser vertex close to vertex v: before or after it on the curve; GCDT_NONE if v's triangulation has none.
-static inline uint coarse_vertex_near(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
-                                      History h, uint v) {
-  if (level == 0u) return GCDT_NONE;
-  const uint2 units = coarse_units(levels, level, points, n, v);
-  if (units.x == units.y) return GCDT_NONE;
-  const uint unit = max(gcdt_rank_of_vertex(levels, v) / levels->stride[level - 1u], units.x);
-  return nearer_coarse_vertex(levels, level, points, units.y, unit, points[v]);
-}
-
 // Straight walk in the top layer from coarser vertex `from_vertex`, or, if that is GCDT_NONE, from face `root`, to a
 // face that holds the germ in its closure: it turns around the vertex in one direction, then goes through the faces
 // that the segment to the germ crosses. So it visits no face twice in any triangulation (L5); `limit` faces at most,
@@ -104,17 +94,20 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
   Vertex x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y), z = load_vertex(points, n, c.z);
   const Vertex origin = x;
   // k: corner x; but in the first face, the walk came in across from it
-  int sx = germ_side(g, y, z);
   for (uint step = 0; step < limit; ++step) {
     const int sy = germ_side(g, z, x), sz = germ_side(g, x, y);
+    const bool inside = sy >= 0 && sz >= 0, beyond_both = sy < 0 && sz < 0;
+    // Of the first face's third edge, or which of two edges the segment crosses: one call, since its text is long.
+    int third = 1;
+    if (beyond_both || (inside && step == 0u)) third = germ_side(g, beyond_both ? origin : y, beyond_both ? x : z);
     ++*steps;
-    if (sx >= 0 && sy >= 0 && sz >= 0) {
-      *zero = sx == 0 ? k : sy == 0 ? next_corner(k) : sz == 0 ? previous_corner(k) : 3u;
+    if (inside && third >= 0) {
+      *zero = third == 0 ? k : sy == 0 ? next_corner(k) : sz == 0 ? previous_corner(k) : 3u;
       return t;
     }
     // The edge that the walk leaves through becomes y-z, seen from behind.
     const uint from = t;
-    if (sy < 0 && (sz >= 0 || germ_side(g, origin, x) < 0)) {
+    if (sy < 0 && (sz >= 0 || third < 0)) {
       t = element(across, next_corner(k));
       y = x;
     } else if (sz < 0) {
@@ -127,7 +120,6 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
       z = swap;
     }
     if (t == GCDT_NONE) return t;
-    sx = 1;
     c = h.top[GCDT_CORNERS(t)];
     across = h.top[GCDT_SIDES(t)];
     k = across.x == from ? 0u : across.y == from ? 1u : 2u;
@@ -136,39 +128,41 @@ static inline uint walk_top_layer(global const int2* points, uint n, History h, 
   return GCDT_NONE;
 }
 
-// The coarser vertex of vertex a's triangulation close to a grid point: of its neighbours on the curve, found by
-// bisection, the nearer; GCDT_NONE if there is none.
-static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n,
-                                    History h, uint a, int2 at) {
-  const u64 code = gcdt_morton((uint)at.x, (uint)at.y);
+// A coarser vertex of vertex a's triangulation close to a grid point, or GCDT_NONE if there is none: of the point's
+// neighbours on the curve the nearer. Where the point is a, `by_rank` finds these without a search. They may be far: a
+// vertex or a narrow strip of the domain beyond a border of large cells has few neighbours in its own cell, hundreds of
+// edges apart, and many just across the border. So `around` looks beyond the four sides of the largest cell that holds
+// the point and not the first vertex found, too.
+static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, uint a,
+                                    int2 at, bool by_rank, bool around) {
+  if (level == 0u) return GCDT_NONE;
   const uint2 units = coarse_units(levels, level, points, n, a);
   if (units.x == units.y) return GCDT_NONE;
-  const uint before = last_on_curve(levels, level - 1u, points, units.x, units.y, code);
-  return nearer_coarse_vertex(levels, level, points, units.y, before, at);
-}
-
-// The same where the neighbours on the curve may be far: a vertex or a narrow strip of the domain beyond a border of
-// large cells has few neighbours in its own cell, hundreds of edges apart, and many just across the border. `near`
-// is the nearest on the curve: looks beyond the four sides of the largest cell that holds the point and not `near`.
-static uint coarse_vertex_around(GCDT_LEVELS_POINTER levels, uint level, global const int2* points, uint n, History h,
-                                 uint a, int2 at, uint near) {
-  const int2 p = points[near];
-  const uint differing = (uint)((at.x ^ p.x) | (at.y ^ p.y));
-  if (differing == 0u) return near;
-  const int size = 1 << (31u - clz(differing));
-  const int2 cell = (int2)(at.x & ~(size - 1), at.y & ~(size - 1));
-  // The sides beyond which there is grid. The loop's length is data: PoCL 5 puts a barrier into a loop whose length is
-  // the same for all work-items, also where only some of them run it, if the kernel has barriers at all.
-  uint sides = (cell.x > 0 ? 1u : 0u) | ((uint)cell.x + (uint)size <= 0x7FFFFFFFu ? 2u : 0u) | (cell.y > 0 ? 4u : 0u) |
-               ((uint)cell.y + (uint)size <= 0x7FFFFFFFu ? 8u : 0u);
-  uint best = near;
-  while (sides != 0u) {  // ends: a side less each time
-    const uint side = 31u - clz(sides);
-    sides ^= 1u << side;
-    const int x = side == 0u ? cell.x - 1 : side == 1u ? cell.x + size : at.x;
-    const int y = side == 2u ? cell.y - 1 : side == 3u ? cell.y + size : at.y;
-    const uint v = coarse_vertex_at(levels, level, points, n, h, a, (int2)(x, y));
-    if (distance_squared(at, points[v]) < distance_squared(at, points[best])) best = v;
+  uint best = GCDT_NONE;
+  int2 cell = at;
+  int size = 0;
+  // Whence to look: a bit for the point itself, then one for each side beyond which there is grid. The loop's length is
+  // data: PoCL 5 puts a barrier into a loop whose length is the same for all work-items, also where only some of them
+  // run it, if the kernel has barriers at all.
+  for (uint places = 16u; places != 0u;) {  // ends: the point is taken once, and then a side less each time
+    const uint place = 31u - clz(places);
+    places ^= 1u << place;
+    const int x = place == 0u ? cell.x - 1 : place == 1u ? cell.x + size : at.x;
+    const int y = place == 2u ? cell.y - 1 : place == 3u ? cell.y + size : at.y;
+    const int2 whence = (int2)(x, y);
+    const uint unit = by_rank ? max(gcdt_rank_of_vertex(levels, a) / levels->stride[level - 1u], units.x)
+                              : last_on_curve(levels, level - 1u, points, units.x, units.y, whence);
+    const uint v = nearer_coarse_vertex(levels, level, points, units.y, unit, whence);
+    if (place == 4u || distance_squared(at, points[v]) < distance_squared(at, points[best])) best = v;
+    if (place == 4u && around) {
+      const uint differing = (uint)((at.x ^ points[v].x) | (at.y ^ points[v].y));
+      if (differing != 0u) {
+        size = 1 << (31u - clz(differing));
+        cell = (int2)(at.x & ~(size - 1), at.y & ~(size - 1));
+        places = (cell.x > 0 ? 1u : 0u) | ((uint)cell.x + (uint)size <= 0x7FFFFFFFu ? 2u : 0u) |
+                 (cell.y > 0 ? 4u : 0u) | ((uint)cell.y + (uint)size <= 0x7FFFFFFFu ? 8u : 0u);
+      }
+    }
   }
   return best;
 }
@@ -176,20 +170,21 @@ static uint coarse_vertex_around(GCDT_LEVELS_POINTER levels, uint level, global 
 // Steps that nearly all walks do with.
 #define SHORT_WALK 24u
 
-// A face of the top layer that holds the germ, of vertex a's triangulation, in its closure, or GCDT_NONE; `from` is a
-// coarser vertex of it near the germ, or GCDT_NONE if there is none. A walk that gets long is begun again from a better
-// vertex, since a launch lasts as long as its longest walk; one that passes `limit` faces is given up.
-static uint find_in_top_layer(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Germ g, uint a, uint from,
+// A face of the top layer that holds the germ, of vertex a's triangulation, in its closure, or GCDT_NONE; the germ's
+// place is a if `at_a`. A walk that gets long is begun again from a better vertex, since a launch lasts as long as its
+// longest walk; one that passes `limit` faces is given up.
+static uint find_in_top_layer(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Germ g, uint a, bool at_a,
                               uint limit, private uint* steps, private uint* zero) {
   const uint root = root_of(mesh.points, mesh.n, a), faces = min(limit, gcdt_forest_faces(h.begin, mesh.roots));
+  const Vertex goal = near_germ(g);
+  const int2 at = (int2)((int)goal.x, (int)goal.y);
   for (bool again = false;; again = true) {  // twice at most: its text is compiled once
+    const uint from = at_a && !again && a < h.begin
+                          ? a
+                          : coarse_vertex_at(levels, level, mesh.points, mesh.n, a, at, at_a && !again, again);
     const uint top =
         walk_top_layer(mesh.points, mesh.n, h, g, from, root, again ? faces : min(faces, SHORT_WALK), steps, zero);
     if (top != GCDT_NONE || from == GCDT_NONE || again) return top;
-    const Vertex goal = near_germ(g);
-    const int2 at = (int2)((int)goal.x, (int)goal.y);
-    const uint near = coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, at);
-    from = coarse_vertex_around(levels, level, mesh.points, mesh.n, h, a, at, near);
   }
 }
 
@@ -202,30 +197,31 @@ static inline uint descend_history(global const int2* points, uint n, History h,
   while ((ref & 3u) != HISTORY_LEAF) {
     const uint m = ref >> 2, kind = ref & 3u;
     const uint4 next = h.nodes[m - h.begin];
-    const Vertex vm = vertex_at(points, m);
+    const Vertex vm = vertex_at(points, m), x = load_vertex(points, n, c.x), y = load_vertex(points, n, c.y),
+                 z = load_vertex(points, n, c.z);
+    const uint a = kind == HISTORY_FACE ? 0u : (h.shape[m - h.begin] >> (2u + 2u * (kind - HISTORY_SIDE0))) & 3u;
     ++*steps;
-    if (kind == HISTORY_FACE) {
-      // The germ lies in child k, left of m -> p[k+1] and not left of m -> p[k+2]; along a spoke either
-      // child of it does.
-      const int s0 = germ_side(g, vm, load_vertex(points, n, c.x));
-      const int s1 = germ_side(g, vm, load_vertex(points, n, c.y));
-      const int s2 = germ_side(g, vm, load_vertex(points, n, c.z));
-      const uint k = (s1 >= 0 && s2 < 0) ? 0u : (s2 >= 0 && s0 < 0) ? 1u : 2u;
-      const uint4 r = rotate_to(c, k);
-      c = (uint4)(m, r.y, r.z, 0u);
-      ref = k == 0u ? next.x : k == 1u ? next.y : next.z;
-    } else {
-      const uint side = kind - HISTORY_SIDE0;
-      const uint4 r = rotate_to(c, (h.shape[m - h.begin] >> (2u + 2u * side)) & 3u);
-      const int s = germ_side(g, vm, load_vertex(points, n, r.x));
-      if (s >= 0) {
-        c = (uint4)(m, r.x, r.y, 0u);
-        ref = side == 0u ? next.x : next.z;
-      } else {
-        c = (uint4)(m, r.z, r.x, 0u);
-        ref = side == 0u ? next.y : next.w;
-      }
+    // Sides of the lines from m to the corners, of an edge's only to a. (The loop's length is data, see above.)
+    int s0 = 0, s1 = 0, s = 0;
+#pragma unroll 1
+    for (uint i = a; i < (kind == HISTORY_FACE ? 3u : a + 1u); ++i) {
+      s = germ_side(g, vm, i == 0u ? x : i == 1u ? y : z);
+      s0 = i == 0u ? s : s0;
+      s1 = i == 1u ? s : s1;
     }
+    // The germ lies in child (m, p[j], p[j+1]): in a face left of m -> p[j] and not left of m -> p[j+1]; along a spoke
+    // either child of it does.
+    uint child, j;
+    if (kind == HISTORY_FACE) {
+      child = (s1 >= 0 && s < 0) ? 0u : (s >= 0 && s0 < 0) ? 1u : 2u;
+      j = next_corner(child);
+    } else {
+      child = 2u * (kind - HISTORY_SIDE0) + (s < 0 ? 1u : 0u);
+      j = s < 0 ? previous_corner(a) : a;
+    }
+    const uint4 r = rotate_to(c, j);
+    c = (uint4)(m, r.x, r.y, 0u);
+    ref = child == 0u ? next.x : child == 1u ? next.y : child == 2u ? next.z : next.w;
   }
   return ref >> 2;
 }

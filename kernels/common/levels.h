@@ -64,17 +64,13 @@ GCDT_INLINE u32 gcdt_rank_of_vertex(GCDT_LEVELS_POINTER levels, u32 v) {
 // stride[last]. With last = K-1 it is the plain rank. Ends: j decreases.
 GCDT_INLINE u32 gcdt_vertex_of_rank(GCDT_LEVELS_POINTER levels, u32 last, u32 rank) {
   if (levels->tabled) return GCDT_LEVELS_TABLE(levels)[levels->n + rank * levels->stride[last]];
-  u32 j = last, r = rank;
-  if (j > 0 && j + 1u == levels->count) {
-    if (r % GCDT_FINEST_RATIO != 0) return levels->begin[j] + r - r / GCDT_FINEST_RATIO - 1u;
-    r /= GCDT_FINEST_RATIO;
-    --j;
+  u32 r = rank;
+  for (u32 j = last; j > 0; --j) {
+    const u32 ratio = j + 1u == levels->count ? GCDT_FINEST_RATIO : GCDT_COARSER_RATIO, coarser = r / ratio;
+    if (r % ratio != 0) return levels->begin[j] + r - coarser - 1u;
+    r = coarser;
   }
-  while (j > 0 && r % GCDT_COARSER_RATIO == 0) {
-    r /= GCDT_COARSER_RATIO;
-    --j;
-  }
-  return j == 0 ? r : levels->begin[j] + r - r / GCDT_COARSER_RATIO - 1u;
+  return r;
 }
 
 // How many vertices of `level` come before rank `unit` of the curve, which counts in units of stride[level]: of these
@@ -94,6 +90,11 @@ GCDT_INLINE u64 gcdt_spread_bits(u64 v) {
   return (v | (v << 1)) & 0x5555555555555555ul;
 }
 GCDT_INLINE u64 gcdt_morton(u32 x, u32 y) { return gcdt_spread_bits(x) | (gcdt_spread_bits(y) << 1); }
+// Is the code of p above that of q? The highest bit in which they differ decides, y before x.
+GCDT_INLINE int gcdt_after_on_curve(u32 px, u32 py, u32 qx, u32 qy) {
+  const u32 x = px ^ qx, y = py ^ qy;
+  return y < x && y < (x ^ y) ? px > qx : py > qy;
+}
 // The inverse of gcdt_spread_bits: the even bits of v. x = gather(code), y = gather(code >> 1).
 GCDT_INLINE u32 gcdt_gather_bits(u64 v) {
   v &= 0x5555555555555555ul;

@@ -18,17 +18,17 @@ static inline uint last_begin(global const uint* begins, uint count, uint at) {
   return low;
 }
 
-// The last rank in [low, high), in units of stride[last], of a vertex whose Morton code is not above `code`; low if
-// there is none. Ends: the range halves.
+// The last rank in [low, high), in units of stride[last], of a vertex whose Morton code is not above that of `at`; low
+// if there is none. Ends: the range halves.
 static inline uint last_on_curve(GCDT_LEVELS_POINTER levels, uint last, global const int2* points, uint low, uint high,
-                                 u64 code) {
+                                 int2 at) {
   while (high - low > 1u) {
     const uint middle = low + (high - low) / 2u;
     const int2 p = points[gcdt_vertex_of_rank(levels, last, middle)];
-    if (gcdt_morton((uint)p.x, (uint)p.y) <= code)
-      low = middle;
-    else
+    if (gcdt_after_on_curve((uint)p.x, (uint)p.y, (uint)at.x, (uint)at.y))
       high = middle;
+    else
+      low = middle;
   }
   return low;
 }

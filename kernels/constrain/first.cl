@@ -77,15 +77,8 @@ static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked
     const uint face = face_around(mesh, a, g.p, g.q, walked.patience, steps);
     if (face != GCDT_NONE) return face;
   }
-  uint from, zero;
-  if (k == 0u) {
-    from = a < h.begin ? a : coarse_vertex_near(levels, level, mesh.points, mesh.n, h, a);
-  } else {
-    const Vertex at = near_germ(g);
-    from = level == 0u ? GCDT_NONE
-                       : coarse_vertex_at(levels, level, mesh.points, mesh.n, h, a, (int2)((int)at.x, (int)at.y));
-  }
-  const uint top = find_in_top_layer(levels, level, mesh, h, g, a, from, walked.patience, steps, &zero);
+  uint zero;
+  const uint top = find_in_top_layer(levels, level, mesh, h, g, a, k == 0u, walked.patience, steps, &zero);
   return top == GCDT_NONE ? top : descend_history(mesh.points, mesh.n, h, g, top, steps);
 }
 

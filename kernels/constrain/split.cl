@@ -72,8 +72,8 @@ kernel void split_is_new(uint count, GCDT_LEVELS_POINTER levels, global const in
                          global uint* flags) {
   FOR_EACH(i, count) {
     const uint x = (uint)(keys[i] >> 31), y = (uint)(keys[i] & 0x7FFFFFFFu);
-    const u64 code = gcdt_morton(x, y);
-    const uint last = levels->count - 1u, before = last_on_curve(levels, last, points, 0u, levels->n, code);
+    const uint last = levels->count - 1u,
+               before = last_on_curve(levels, last, points, 0u, levels->n, (int2)((int)x, (int)y));
     const int2 p = points[gcdt_vertex_of_rank(levels, last, before)];
     flags[i] = p.x == (int)x && p.y == (int)y ? 0u : 1u;
   }

@@ -202,14 +202,13 @@ kernel void insert_freeze(uint faces, GCDT_MESH_PARAMETERS, GCDT_HISTORY_PARAMET
 // vote there. The claim words of the faces that it will bring become 0, which is nobody's ticket (split_if_won).
 static void locate_and_vote(GCDT_LEVELS_POINTER levels, uint level, Mesh mesh, History h, Round r, uint v,
                             private uint* steps, volatile global Counters* counters) {
-  const uint from = coarse_vertex_near(levels, level, mesh.points, mesh.n, h, v);
   Germ g;
   g.p = vertex_at(mesh.points, v);
   g.q = g.p;
   g.k = 0;
   g.parts = 1;
   uint zero;
-  const uint t = find_in_top_layer(levels, level, mesh, h, g, v, from, GCDT_NONE, steps, &zero);
+  const uint t = find_in_top_layer(levels, level, mesh, h, g, v, true, GCDT_NONE, steps, &zero);
   uint location = t;
   if (t == GCDT_NONE)
     atomic_or(&counters->failed, GCDT_FAILED_WALK), location = root_of(mesh.points, mesh.n, v);

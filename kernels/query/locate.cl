@@ -99,9 +99,10 @@ kernel void place_queries(const uint count, const uint type, global const ulong*
 
 // The vertex at which a query's walk begins: the last one on the curve whose Morton code is not above the query's or
 // the next one.
-GCDT_INLINE uint start_of(global const Levels* levels, global const int2* points, u64 key, Vertex query) {
-  const uint all = levels->count, before = last_on_curve(levels, all - 1u, points, 0u, levels->n, key);
-  return nearer_coarse_vertex(levels, all, points, levels->n, before, (int2)((int)query.x, (int)query.y));
+GCDT_INLINE uint start_of(global const Levels* levels, global const int2* points, Vertex query) {
+  const int2 at = (int2)((int)query.x, (int)query.y);
+  const uint all = levels->count, before = last_on_curve(levels, all - 1u, points, 0u, levels->n, at);
+  return nearer_coarse_vertex(levels, all, points, levels->n, before, at);
 }
 
 // A number without a pattern.
@@ -199,7 +200,7 @@ kernel void locate_walk(const uint count, const uint begun, global const uint* c
       t = places[i];
       if (t == GCDT_NONE) continue;
     } else if (key != GCDT_OFF_GRID) {
-      t = starts[start_of(levels, points, key, query)];
+      t = starts[start_of(levels, points, query)];
     }
     Corners c;
     bool arrived = false;

@@ -255,7 +255,7 @@ TEST_CASE("problems that a work-group triangulates, on every device whose work-i
 }
 
 // A launch with a work-item for each vertex and more, as on a CPU with many cores: some work-items of its last group
-// have nothing to do, and nothing may be done in their name (PoCL 5: kernels/common/history.h, coarse_vertex_around).
+// have nothing to do, and nothing may be done in their name (PoCL 5: kernels/common/history.h, coarse_vertex_at).
 TEST_CASE("a launch wider than the forest") {
   const runtime::Geometry usual = geometry();
   geometry().max_groups = std::size_t{1} << 20;

@@ -65,6 +65,16 @@ TEST_CASE("every rank has its own vertex") {
   }
 }
 
+TEST_CASE("points are compared along the curve as their Morton codes are") {
+  std::mt19937 e(2);
+  for (int i = 0; i < 1000000; ++i) {
+    const u32 px = u32(e()) >> 1, py = u32(e()) >> 1;
+    const u32 qx = px ^ (i % 32 == 31 ? 0u : u32(e()) >> (1 + i % 31)), qy = py ^ (u32(e()) >> (1 + i / 31 % 31));
+    REQUIRE((gcdt_after_on_curve(px, py, qx, qy) != 0) == (gcdt_morton(px, py) > gcdt_morton(qx, qy)));
+    REQUIRE(!gcdt_after_on_curve(px, py, px, py));
+  }
+}
+
 TEST_CASE("the Morton code interleaves x and y and is undone by gathering") {
   std::mt19937 e(1);
   for (int i = 0; i < 100000; ++i) {
