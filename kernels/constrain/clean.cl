@@ -158,18 +158,20 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
         (task == GCDT_CLEAN_ALL || (task == GCDT_CLEAN_REST ? searched[part] == GCDT_NONE : before > 1u))) {
       const uint c = part_piece[part];
       Walk w;
-      uint event =
-          walk_begin(&w, mesh, part_face[part], ends[c], lines[c], part - begins[c], begins[c + 1u] - begins[c]);
+      uint event = walk_set_out(&w, part_face[part], ends[c], lines[c], part - begins[c], begins[c + 1u] - begins[c]);
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
-        event = end_of_part(&w, mesh, event);
+        const bool sets_out = event == WALK_HIT && w.hit == GCDT_NONE;
+        if (!sets_out) event = end_of_part(&w, mesh, event);
         if (event == WALK_HIT) {
-          if (task == GCDT_CLEAN_WRITE)
-            hits[offsets[part] + found] = w.hit;
-          else if (found == 0u)
-            first_hits[part] = w.hit;
-          ++found;
-          event = walk_turn(&w, walked, w.hit, &steps);
+          if (!sets_out) {
+            if (task == GCDT_CLEAN_WRITE)
+              hits[offsets[part] + found] = w.hit;
+            else if (found == 0u)
+              first_hits[part] = w.hit;
+            ++found;
+          }
+          event = walk_turn(&w, walked, &steps);
         } else if (event == WALK_CROSS) {
           event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));
           ++edges;
@@ -205,13 +207,6 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
     atomic_add(&counters->existing_edges, edges_already);
 }
 
-static inline void write_piece(GCDT_LEVELS_POINTER levels, uint bits, uint u, uint v, uint source, uint at,
-                               global ulong* keys, global uint* sources) {
-  const uint ru = gcdt_rank_of_vertex(levels, u), rv = gcdt_rank_of_vertex(levels, v);
-  keys[at] = ((ulong)min(ru, rv) << bits) | max(ru, rv);
-  sources[at] = source;
-}
-
 // One work-item per part. A constraint with hits h1 .. hk becomes the pieces a-h1, h1-h2, .. hk-b. Each
 // part writes the pieces that end in its hits, the last part also the final one: piece number = hits
 // before it + constraints before it, among all that are ascending (firsts, at places, where the list is along the
@@ -228,13 +223,15 @@ kernel void clean_pieces(uint pieces, uint along_curve, uint bits, GCDT_LEVELS_P
     const uint c = part_piece[part];
     const uint first = offsets[begins[c]], last = offsets[part + 1u];
     const uint at = along_curve ? firsts[places[c]] : first + c;
-    uint before = offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u];
-    for (uint i = offsets[part]; i < last; ++i) {
-      write_piece(levels, bits, before, hits[i], list[c], at + (i - first), keys, sources);
-      before = hits[i];
+    const bool ends_here = part + 1u == begins[c + 1u];
+    uint before = gcdt_rank_of_vertex(levels, offsets[part] == first ? ends[c].x : hits[offsets[part] - 1u]);
+    for (uint i = offsets[part]; i < last + (ends_here ? 1u : 0u); ++i) {
+      const uint rank = gcdt_rank_of_vertex(levels, i < last ? hits[i] : ends[c].y);
+      keys[at + (i - first)] = ((ulong)min(before, rank) << bits) | max(before, rank);
+      sources[at + (i - first)] = list[c];
+      before = rank;
     }
-    if (part + 1u != begins[c + 1u]) continue;
-    write_piece(levels, bits, before, ends[c].y, list[c], at + (last - first), keys, sources);
+    if (!ends_here) continue;
     crossed[list[c]] = crossed[list[c]] / (last - first + 1u);
     whole[list[c]] = last == first ? (uint2)(begins[c], begins[c + 1u] - begins[c]) : (uint2)(0u, 0u);
   }

@@ -43,7 +43,7 @@ static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] >
 // corner lies left. A corner is beyond b in this order,
 //   y left:   if it is left, too, and clockwise of y
 //   y right:  unless it is y, or right or on the line, and counter-clockwise of y
-//   y on it:  unless it is y, or right or on the line, with 180 degrees
+//   y on it:  unless it is y, or right or on the line, with 180 degrees; with 0 all are, so the next one is asked first
 // Corners of one fan point into distinct directions, less than 180 degrees from one to the next. Ends: the range
 // halves.
 static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Vertex at, Vertex b, private uint* steps) {
@@ -51,9 +51,8 @@ static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Verte
   uint low = begin, high = f.begins[v + 1u];
   const Vertex y = vertex_at(points, f.faces[begin].y);
   const int first = gcdt_sign64(gcdt_orient2d_from(at, b, y));
-  if (first == 0 && gcdt_orient2d_from(at, b, load_vertex(points, n, f.faces[begin + 1u].y)) > 0) high = low + 1u;
   while (high - low > 1u) {
-    const uint middle = low + (high - low) / 2u;
+    const uint middle = first == 0 && low == begin ? begin + 1u : low + (high - low) / 2u;
     const Vertex corner = load_vertex(points, n, f.faces[middle].y);
     const int side = gcdt_sign64(gcdt_orient2d_from(at, b, corner)),
               turn = gcdt_sign64(gcdt_orient2d_from(at, y, corner));
