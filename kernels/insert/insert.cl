@@ -32,30 +32,26 @@ static inline bool inserted_in(History h, uint v, uint round) {
   return v >= h.begin && v < h.end && (h.shape[v - h.begin] >> 8) == round;
 }
 
-// The face (m, p1, p2) in slot t was the first child of a face split by m in the last round: which
-// child holds v, or which spoke? p0 is found in child 2 = (m, p0, p1).
-static uint child_of_face(Mesh mesh, Vertex v, uint m, uint t) {
+// Slot t holds the first child of what was split by m in the last round: which child holds v, or which spoke?
+//   of a face: (m, p1, p2); p0 is found in child 2 = (m, p0, p1)
+//   of one side of an edge: (m, a, b); its sibling (m, c, a) is f1 on side 0 and f2 on side 1
+static uint child_of(Mesh mesh, History h, Vertex v, uint m, uint t) {
   const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
-  const Vertex vm = vertex_at(mesh.points, m);
-  const i64 s0 = gcdt_orient2d_from(
-      vm, load_vertex(mesh.points, mesh.n, mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 1u))].y), v);
-  const i64 s1 = gcdt_orient2d_from(vm, load_vertex(mesh.points, mesh.n, c.y), v);
-  const i64 s2 = gcdt_orient2d_from(vm, load_vertex(mesh.points, mesh.n, c.z), v);
+  const Vertex vm = vertex_at(mesh.points, m), y = load_vertex(mesh.points, mesh.n, c.y);
+  if ((h.shape[m - h.begin] & 3u) != SHAPE_FACE) {
+    const uint side = mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 0u))].z == c.y ? 0u : 1u;
+    const i64 s = gcdt_orient2d_from(vm, y, v);
+    if (s > 0) return t;
+    if (s < 0) return new_face(mesh, m, side);
+    return ON_EDGE | new_edge(mesh, m, 1u + side);
+  }
+  const Vertex x = load_vertex(mesh.points, mesh.n, mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 1u))].y),
+               z = load_vertex(mesh.points, mesh.n, c.z);
+  const i64 s0 = gcdt_orient2d_from(vm, x, v), s1 = gcdt_orient2d_from(vm, y, v), s2 = gcdt_orient2d_from(vm, z, v);
   if (s1 > 0 && s2 < 0) return t;
   if (s2 > 0 && s0 < 0) return new_face(mesh, m, 0u);
   if (s0 > 0 && s1 < 0) return new_face(mesh, m, 1u);
   return ON_EDGE | new_edge(mesh, m, s0 == 0 ? 0u : s1 == 0 ? 1u : 2u);
-}
-
-// Slot t holds (m, a, b), first child of one side of an edge split by m in the last round; its
-// sibling (m, c, a) is f1 on side 0 and f2 on side 1.
-static uint child_of_side(Mesh mesh, Vertex v, uint m, uint t) {
-  const uint a = mesh.face_data[GCDT_CORNERS(t)].y;
-  const uint side = mesh.face_data[GCDT_CORNERS(new_face(mesh, m, 0u))].z == a ? 0u : 1u;
-  const i64 s = gcdt_orient2d_from(vertex_at(mesh.points, m), load_vertex(mesh.points, mesh.n, a), v);
-  if (s > 0) return t;
-  if (s < 0) return new_face(mesh, m, side);
-  return ON_EDGE | new_edge(mesh, m, 1u + side);
 }
 
 // v lies on edge e. If a vertex m was inserted on e in the last round, e is now one half and the new
@@ -99,8 +95,7 @@ static bool relocate_and_vote(Mesh mesh, History h, Round r, uint v) {
     const uint m = mesh.face_data[GCDT_CORNERS(location)].x;
     if (inserted_in(h, m, r.number - 1u)) {
       ++depth;
-      location = (h.shape[m - h.begin] & 3u) == SHAPE_FACE ? child_of_face(mesh, p, m, location)
-                                                           : child_of_side(mesh, p, m, location);
+      location = child_of(mesh, h, p, m, location);
     }
   }
   h.nodes[i] = (uint4)(location, depth, 0u, 0u);
@@ -128,9 +123,15 @@ static void hang_node(Mesh mesh, History h, uint t, uint ref) {
   next[child] = ref;
 }
 
-// Splits face t at v, and hangs v's node below its leaf if the tree is wanted.
+// Hangs v's node below the leaf of the face that it splits, or its two below those of the faces beside its edge.
+static void hang_nodes(Mesh mesh, History h, uint v, uint2 faces) {
+  const uint nodes = faces.x == faces.y ? 1u : 2u;
+  for (uint i = 0; i < nodes; ++i)
+    hang_node(mesh, h, i == 0u ? faces.x : faces.y, HISTORY_REF(v, nodes == 1u ? HISTORY_FACE : HISTORY_SIDE0 + i));
+}
+
+// Splits face t at v.
 static void insert_in_face(Mesh mesh, History h, Round r, uint tree, uint v, uint t) {
-  if (tree) hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_FACE));
   split_face(mesh, v, t, 0u, false);
   if (tree)
     h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
@@ -138,14 +139,10 @@ static void insert_in_face(Mesh mesh, History h, Round r, uint tree, uint v, uin
   h.shape[v - h.begin] = (r.number << 8) | SHAPE_FACE;
 }
 
-// Splits edge e at v, and hangs v's two nodes below the leaves of the faces on both sides if the tree is wanted.
+// Splits edge e at v.
 static void insert_on_edge(Mesh mesh, History h, Round r, uint tree, uint v, uint e) {
   const uint ref0 = mesh.edge_faces[2u * e], ref1 = mesh.edge_faces[2u * e + 1u];
   const uint t = GCDT_REF_FACE(ref0), u = GCDT_REF_FACE(ref1);
-  if (tree) {
-    hang_node(mesh, h, t, HISTORY_REF(v, HISTORY_SIDE0));
-    hang_node(mesh, h, u, HISTORY_REF(v, HISTORY_SIDE1));
-  }
   split_edge(mesh, v, e, 0u, false);
   if (tree)
     h.nodes[v - h.begin] = (uint4)(HISTORY_REF(t, HISTORY_LEAF), HISTORY_REF(new_face(mesh, v, 0u), HISTORY_LEAF),
@@ -153,10 +150,10 @@ static void insert_on_edge(Mesh mesh, History h, Round r, uint tree, uint v, uin
   h.shape[v - h.begin] = (r.number << 8) | (GCDT_REF_CORNER(ref1) << 4) | (GCDT_REF_CORNER(ref0) << 2) | SHAPE_EDGE;
 }
 
-// Splits if v owns what it voted for. The node's depth (of its side 0 if it has two) is reported; the
-// plain read before atomic_max only saves atomics. A loser may read a claim word that a winner has reset to 0 or
-// an edge's face that a winner has replaced by a new one, whose claim word was 0 before (locate_and_vote): whatever it
-// reads is not its ticket. Returns 1 if an edge was split.
+// Splits if v owns what it voted for, and hangs v's nodes into the tree if that is wanted. The node's depth (of its
+// side 0 if it has two) is reported; the plain read before atomic_max only saves atomics. A loser may read a claim word
+// that a winner has reset to 0 or an edge's face that a winner has replaced by a new one, whose claim word was 0 before
+// (locate_and_vote): whatever it reads is not its ticket. Returns 1 if an edge was split.
 static uint split_if_won(Mesh mesh, History h, Round r, uint tree, uint v, volatile global Counters* counters) {
   const uint location = h.nodes[v - h.begin].x;
   const uint ticket = ticket_of(r, v);
@@ -165,6 +162,7 @@ static uint split_if_won(Mesh mesh, History h, Round r, uint tree, uint v, volat
   if (f.y != f.x && *claim_word(mesh.face_data, f.y) != ticket) return 0u;
   const uint depth = h.nodes[v - h.begin].y + 1u;
   if (depth > counters->history_depth) atomic_max(&counters->history_depth, depth);
+  if (tree) hang_nodes(mesh, h, v, f);
   if (location & ON_EDGE) {
     insert_on_edge(mesh, h, r, tree, v, location & ~ON_EDGE);
     return 1u;
