@@ -93,7 +93,7 @@ GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint 
   const Vertex vp = vertex_at(points, p), va = vertex_at(points, a), vq = vertex_at(points, q),
                vb = vertex_at(points, b);
   if (gcdt_must_flip(va, vq, vb, vp))
-    note(report, gcdt_incircle_finite(va, vb, vp, vq) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
+    note(report, gcdt_incircle_finite(va, vq, vb, vp) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
 }
 
 // Writes first[r] for r = begin .. end - 1. Ends: the range halves; the pieces are run through.

@@ -94,13 +94,20 @@ GCDT_INLINE u64 gcdt_double_of_long(u64 bits) {
   return value > 2 * GCDT_HIDDEN_BIT ? sign | GCDT_INFINITE_BITS : gcdt_double_of_whole(sign, value);
 }
 
-// Coordinate `index` = 2 * vertex + axis as the bits of a double, -0 made 0.
+// Coordinate `index` = 2 * vertex + axis as it is given: its own bits are the lowest.
+GCDT_INLINE u64 gcdt_given_coordinate(GCDT_GLOBAL const u64* coordinates, u32 type, u32 index) {
+  if (type == GCDT_COORDINATES_FLOAT64 || type == GCDT_COORDINATES_INT64) return coordinates[index];
+  return coordinates[index >> 1] >> (32u * (index & 1u));
+}
+// The same as the bits of a double, -0 made 0.
+GCDT_INLINE u64 gcdt_double_of_given(u64 given, u32 type) {
+  if (type == GCDT_COORDINATES_FLOAT64) return gcdt_without_negative_zero(given);
+  if (type == GCDT_COORDINATES_INT64) return gcdt_double_of_long(given);
+  return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float((u32)given)
+                                                                     : gcdt_double_of_int((u32)given));
+}
 GCDT_INLINE u64 gcdt_coordinate(GCDT_GLOBAL const u64* coordinates, u32 type, u32 index) {
-  if (type == GCDT_COORDINATES_FLOAT64) return gcdt_without_negative_zero(coordinates[index]);
-  if (type == GCDT_COORDINATES_INT64) return gcdt_double_of_long(coordinates[index]);
-  const u32 bits = (u32)(coordinates[index >> 1] >> (32u * (index & 1u)));
-  return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float(bits)
-                                                                     : gcdt_double_of_int(bits));
+  return gcdt_double_of_given(gcdt_given_coordinate(coordinates, type, index), type);
 }
 
 // ---- Numbers of 128 bits: (low, high) = low + 2^64 high ----------------------------------------------

@@ -69,12 +69,14 @@ static inline void quantise_items(Items items, uint first, uint type, global con
   }
   u64 most_rest = 0;
   FOR_ITEMS(v, items) {
-    const u64 x = gcdt_coordinate(coordinates, type, 2 * v), y = gcdt_coordinate(coordinates, type, 2 * v + 1);
+    const u64 x = gcdt_given_coordinate(coordinates, type, 2 * v),
+              y = gcdt_given_coordinate(coordinates, type, 2 * v + 1);
     ulong code = 0;
 #pragma unroll 1  // drivers take as long as the text is
     for (uint axis = 0; axis < 2; ++axis) {
       u64 rest;
-      const Quantised at = gcdt_quantise_rest(axis == 0u ? x : y, scale, (i32)axis, &rest);
+      const u64 bits = gcdt_double_of_given(axis == 0u ? x : y, type);
+      const Quantised at = gcdt_quantise_rest(bits, scale, (i32)axis, &rest);
       move = max(move, at.move);
       most_rest = max(most_rest, rest);
       if (at.outside) outside = max(outside, ~(ulong)(2 * (v - first) + axis));
