@@ -158,20 +158,18 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
         (task == GCDT_CLEAN_ALL || (task == GCDT_CLEAN_REST ? searched[part] == GCDT_NONE : before > 1u))) {
       const uint c = part_piece[part];
       Walk w;
-      uint event = walk_set_out(&w, part_face[part], ends[c], lines[c], part - begins[c], begins[c + 1u] - begins[c]);
+      uint event =
+          walk_begin(&w, mesh, part_face[part], ends[c], lines[c], part - begins[c], begins[c + 1u] - begins[c]);
       // Ends: every event lies further along the piece.
       while (event == WALK_CROSS || event == WALK_HIT) {
-        const bool sets_out = event == WALK_HIT && w.hit == GCDT_NONE;
-        if (!sets_out) event = end_of_part(&w, mesh, event);
+        event = end_of_part(&w, mesh, event);
         if (event == WALK_HIT) {
-          if (!sets_out) {
-            if (task == GCDT_CLEAN_WRITE)
-              hits[offsets[part] + found] = w.hit;
-            else if (found == 0u)
-              first_hits[part] = w.hit;
-            ++found;
-          }
-          event = walk_turn(&w, walked, &steps);
+          if (task == GCDT_CLEAN_WRITE)
+            hits[offsets[part] + found] = w.hit;
+          else if (found == 0u)
+            first_hits[part] = w.hit;
+          ++found;
+          event = walk_turn(&w, walked, w.hit, &steps);
         } else if (event == WALK_CROSS) {
           event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));
           ++edges;

@@ -25,7 +25,7 @@ typedef struct Walk {
   int2 point_left, point_right;  // the ends of an exit edge, folded (gates.h)
   i32 at_left, at_right;         // how far they are along the piece: way_along
   i32 until;                     // the next division point is that far at least
-  u32 hit;                       // WALK_HIT: the vertex, or GCDT_NONE where it has just set out
+  u32 hit;                       // WALK_HIT: the vertex
 } Walk;
 
 // Walks start at the finer end: its location is a leaf below a face of the top layer, found without
@@ -144,22 +144,16 @@ static uint look_ahead_in_face(private Walk* w, Mesh mesh) {
   return come_to_vertex(w, zeros == 1 ? r.x : behind > 0 ? r.z : r.y, zeros == 1 ? GCDT_NONE : element(sides, k));
 }
 
-// Sets out for part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or
-// is GCDT_NONE. A walk that passes vertices goes on from here as from one of them (walk_turn).
-static uint walk_set_out(private Walk* w, uint face, uint2 ends, int4 line, uint k, uint parts) {
+// Starts part k of `parts` of the piece a-b in `face`, which holds division point k, moved a little towards b, or is
+// GCDT_NONE.
+static uint walk_begin(private Walk* w, Mesh mesh, uint face, uint2 ends, int4 line, uint k, uint parts) {
   w->b = ends.y;
   w->line = line;
   w->k = k;
   w->parts = parts;
   w->face = face;
   w->until = (i32)((i64)way_along(w, line_end(line)) * (i64)(k + 1u) / (i64)parts);
-  w->hit = GCDT_NONE;
-  return face == GCDT_NONE ? WALK_FAILED : WALK_HIT;
-}
-
-// The same, and looks ahead: for walks that end at the first vertex.
-static uint walk_begin(private Walk* w, Mesh mesh, uint face, uint2 ends, int4 line, uint k, uint parts) {
-  return walk_set_out(w, face, ends, line, k, parts) == WALK_FAILED ? WALK_FAILED : look_ahead_in_face(w, mesh);
+  return face == GCDT_NONE ? WALK_FAILED : look_ahead_in_face(w, mesh);
 }
 
 // What lies behind the exit edge. Loaded before anything is done at the edge, so that a GPU waits for all at once.
@@ -192,21 +186,23 @@ static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
 }
 
 // Goes on from the vertex z just hit, a corner of the face: turns counter-clockwise around z to the
-// face into which the piece continues, from where the fan says if z has one: there, what lies ahead is not z. Ends:
-// `patience` faces at most; the faces around z cover all directions, and exactly one direction is right. Fails if it is
-// not found among them. Where the walk has just set out, its face is the right one.
-static uint walk_turn(private Walk* w, Walked walked, private uint* steps) {
+// face into which the piece continues, from where the fan says if z has one. Ends: `patience` faces at most; the faces
+// around z cover all directions, and exactly one direction is right. Fails if it is not found among them.
+static uint walk_turn(private Walk* w, Walked walked, uint z, private uint* steps) {
   const Mesh mesh = walked.mesh;
-  const uint z = w->hit;
-  if (z != GCDT_NONE && has_fan(walked.fans, z))
+  if (has_fan(walked.fans, z))
     w->face = face_of_fan(walked.fans, mesh.points, mesh.n, z, vertex_at(mesh.points, z), line_end(w->line), steps);
   for (uint step = 0; step < walked.patience; ++step) {
-    const uint event = look_ahead_in_face(w, mesh);
-    if (z == GCDT_NONE) return event;
     ++*steps;
-    if (event == WALK_CROSS || (event == WALK_HIT && w->hit != z)) return event;
     const uint4 c = mesh.face_data[GCDT_CORNERS(w->face)], sides = mesh.face_data[GCDT_SIDES(w->face)];
-    const uint ref = mesh.edge_faces[element(sides, c.x == z ? 1u : c.y == z ? 2u : 0u) ^ 1u];
+    const uint k = c.x == z ? 0u : c.y == z ? 1u : 2u;
+    const uint4 r = rotate_to(c, k);
+    const int right = side_of(w, mesh, r.y), left = side_of(w, mesh, r.z);
+    if (right < 0 && left > 0) return come_to_first_edge(w, mesh, k, r, sides, 0);
+    if ((right == 0 && left > 0) || (right < 0 && left == 0))
+      return come_to_vertex(w, right == 0 ? r.y : r.z,
+                            element(sides, right == 0 ? previous_corner(k) : next_corner(k)));
+    const uint ref = mesh.edge_faces[element(sides, next_corner(k)) ^ 1u];
     if (ref == GCDT_NONE) return WALK_FAILED;
     w->face = GCDT_REF_FACE(ref);
   }
