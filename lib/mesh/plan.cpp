@@ -26,23 +26,18 @@ const char* name(Plan::By by) {
   }
 }
 
-// Of long_parts those that are not there already.
-std::uint32_t left_of_long(const Plan& plan, std::uint32_t had) {
-  return plan.long_parts - std::min(had, plan.long_parts);
-}
-
 }  // namespace
 
 std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had) {
   const std::uint64_t usual =
       std::min<std::uint64_t>(crossings / plan.crossings_per_part + plan.least_parts, plan.most_parts);
-  return static_cast<std::uint32_t>(
-      std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left_of_long(plan, had))));
+  const std::uint32_t left = plan.long_parts - std::min(had, plan.long_parts);
+  return static_cast<std::uint32_t>(std::max(usual, std::min<std::uint64_t>(crossings / plan.crossings_of_long, left)));
 }
 
-std::uint32_t long_part_pool(const Plan& plan, std::uint32_t pool, std::uint32_t had) {
+std::uint32_t long_part_pool(const Plan& plan, std::uint32_t pool) {
   const std::uint64_t wanted = std::uint64_t{pool} * plan.long_piece;
-  return std::max(pool, static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, left_of_long(plan, had))));
+  return std::max(pool, static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, plan.long_parts)));
 }
 
 bool pays_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints, std::uint64_t crossings) {

@@ -96,10 +96,11 @@ struct Plan {
 };
 
 /// Parts beyond one a constraint, where these cross so many faces in all. `had`: so many are there already, and most
-/// are kept; both are at most most_parts + long_parts.
+/// are kept, so that others are made as far as long_parts reach.
 std::uint32_t part_pool(const Plan& plan, std::uint64_t crossings, std::uint32_t had = 0);
-/// The pool that a long piece, one that would have many parts of this pool, has its share of instead.
-std::uint32_t long_part_pool(const Plan& plan, std::uint32_t pool, std::uint32_t had = 0);
+/// The pool that a long piece, one that would have many parts of this pool, has its share of instead; long_parts at
+/// most. It only bounds what is made: few pieces are long.
+std::uint32_t long_part_pool(const Plan& plan, std::uint32_t pool);
 
 /// Whether it pays to take so many constraints in turn, which cross so many faces in all (phases/ahead.hpp).
 bool pays_in_turn(const Plan& plan, const PlannedSizes& sizes, std::uint32_t constraints, std::uint64_t crossings);

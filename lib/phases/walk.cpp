@@ -10,7 +10,7 @@ PieceParts make_parts(runtime::Runtime& runtime, Primitives& primitives, const P
                       std::uint64_t crossings, const WalkedPieces* before) {
   const cl_uint had = before ? before->pool : 0, pool = part_pool(plan, crossings, had);
   PieceParts parts;
-  parts.pool = long_part_pool(plan, pool, had);
+  parts.pool = long_part_pool(plan, pool);
   parts.capacity = pieces + parts.pool + had;
   parts.begins = runtime.allocate<cl_uint>("parts of pieces", std::size_t(pieces) + 1);
   const auto none = runtime.allocate<cl_uint2>("no parts", 0);

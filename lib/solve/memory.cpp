@@ -45,14 +45,15 @@ std::uint64_t cleaned_bytes(const Sizes& s) {
 // there. So the sides of all holes, more than h, are at most (c - h) + 2 m, and h <= c / 2 + m.
 std::uint64_t hexagons(const Sizes& s) { return std::min(s.crossed_faces, s.crossed_faces / 2 + s.m); }
 
-// Of parts beyond those in constant_bytes, of constraints that cross much (part_pool, mesh/plan.cpp).
+// Of parts beyond those in constant_bytes, of constraints that cross much or are long (part_pool and long_part_pool,
+// mesh/plan.cpp): so many when they are cleaned, and as many more when they are enforced.
 std::uint64_t more_parts(const Sizes& s) {
   constexpr std::uint64_t usual = Tuning::gpu_parts, most = Tuning::gpu_long_parts;
   return s.m == 0 ? 0 : std::clamp(s.n / 2, usual, most) - usual;
 }
 
 // Chunks of owned vertices, 48 bytes each: one an eighth of a crossed face, and one a part.
-std::uint64_t chunk_bytes(const Sizes& s) { return 6 * s.crossed_faces + 48 * (s.m + more_parts(s)); }
+std::uint64_t chunk_bytes(const Sizes& s) { return 6 * s.crossed_faces + 48 * (s.m + 2 * more_parts(s)); }
 
 // Gates (phases/gates.hpp): two an edge, of 16 bytes.
 std::uint64_t gate_bytes(const Sizes& s) { return 32 * s.edges; }
@@ -73,7 +74,7 @@ std::uint64_t gate_step(const Sizes& s) {
 // those of cleaning among them, an order, and two starts; of hexagons faces and farthest cuts.
 std::uint64_t crossed_step(const Sizes& s) {
   return vertex_bytes(s) + mesh_bytes(s) + cleaned_bytes(s) + 8 * s.edges + 4 * (s.faces + s.edges) +
-         (16 + 4 + 8 + 4 + 4 + 4 + 4 + 8) * s.m + 28 * more_parts(s) + 16 * hexagons(s);
+         (16 + 4 + 8 + 4 + 4 + 4 + 4 + 8) * s.m + 2 * 28 * more_parts(s) + 16 * hexagons(s);
 }
 
 // Gates in the history's place are 28 bytes a vertex more, and no more than stitching has where so much is crossed.

@@ -159,10 +159,6 @@ TEST_CASE("long pieces have eight times as many parts on GPUs, of those that the
   CHECK(long_part_pool(plan, 5096) == 8 * 5096);
   CHECK(long_part_pool(plan, 1u << 17) == 500000);
   CHECK(long_part_pool(plan, 500000) == 500000);
-  // With those that there are already.
-  CHECK(long_part_pool(plan, 5096, 480000) == 20000);
-  CHECK(long_part_pool(plan, 5096, 499000) == 5096);
-  CHECK(long_part_pool(plan, 5096, 600000) == 5096);
   CHECK(long_part_pool(make_plan(threads, {}, one(1000000)), 100) == 100);
   CHECK(long_part_pool(make_plan(lanes, {}, one(1000000)), 100) == 100);
 }
