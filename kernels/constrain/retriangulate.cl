@@ -76,6 +76,7 @@ static uint smaller_before(global const ulong* distances, global const ulong* mi
     at = group / GCDT_MINIMA_RADIX;
   }
   --at;
+#pragma unroll 1  // drivers take as long as the text is
   while (l > 0u) {
     --l;
     uint j = min(layers->length[l], (at + 1u) * GCDT_MINIMA_RADIX) - 1u;
@@ -98,6 +99,7 @@ static uint not_larger_after(global const ulong* distances, global const ulong* 
     at = (at + GCDT_MINIMA_RADIX - 1u) / GCDT_MINIMA_RADIX;
     ++l;
   }
+#pragma unroll 1
   while (l > 0u) {
     --l;
     uint j = at * GCDT_MINIMA_RADIX;

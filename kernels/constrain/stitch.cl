@@ -94,6 +94,7 @@ kernel void stitch_keep(uint count, global const uint* crossed, global const uin
   const Table table = make_table(capacity, slots);
   FOR_EACH(i, count) {
     const uint4 s = face_data[GCDT_SIDES(crossed[i])];
+#pragma unroll 1  // drivers take as long as the text is
     for (uint k = 0; k < 3u; ++k) {
       const uint code = element(s, k);
       if (near[code] != GCDT_NONE) continue;
@@ -140,8 +141,10 @@ kernel void stitch_first(uint grouped, uint count, global const uint* crossed, g
     uint wanted = 0;
     for (uint k = 0; k < 3u; ++k) wanted += ((open >> k) & 1u) != 0u && element(found, k) == GCDT_NONE ? 1u : 0u;
     uint slot = take_numbers(taken, &counters->new_edges, wanted);
-    for (uint k = 0; k < 3u; ++k) {
-      if (!((open >> k) & 1u)) continue;
+    // Ends: a bit is taken away each time.
+#pragma unroll 1
+    for (uint left = open; left != 0u; left &= left - 1u) {
+      const uint k = left & 1u ? 0u : left & 2u ? 1u : 2u;
       uint code = element(found, k);
       if (code == GCDT_NONE) {
         if (slot >= spare_edges) {

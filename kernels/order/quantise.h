@@ -102,9 +102,8 @@ GCDT_INLINE u64 gcdt_given_coordinate(GCDT_GLOBAL const u64* coordinates, u32 ty
 // The same as the bits of a double, -0 made 0.
 GCDT_INLINE u64 gcdt_double_of_given(u64 given, u32 type) {
   if (type == GCDT_COORDINATES_FLOAT64) return gcdt_without_negative_zero(given);
-  if (type == GCDT_COORDINATES_INT64) return gcdt_double_of_long(given);
-  return gcdt_without_negative_zero(type == GCDT_COORDINATES_FLOAT32 ? gcdt_double_of_float((u32)given)
-                                                                     : gcdt_double_of_int((u32)given));
+  if (type == GCDT_COORDINATES_FLOAT32) return gcdt_without_negative_zero(gcdt_double_of_float((u32)given));
+  return gcdt_double_of_long(type == GCDT_COORDINATES_INT64 ? given : (u64)(i64)(i32)(u32)given);
 }
 GCDT_INLINE u64 gcdt_coordinate(GCDT_GLOBAL const u64* coordinates, u32 type, u32 index) {
   return gcdt_double_of_given(gcdt_given_coordinate(coordinates, type, index), type);
@@ -220,9 +219,14 @@ GCDT_INLINE u32 gcdt_fixed(u64 bits, i32 offset, u64* low, u64* high) {
     *high = m >> (64 - shift);
     return 1;
   }
-  *low = gcdt_limb(m, 0, shift);
-  *high = gcdt_limb(m, 0, shift - 64);
-  return shift <= 73 && !gcdt_loses_bits(m, 0, shift);
+  *low = *high = 0;
+  if (shift > 73 || shift <= -64) return shift < 0 && m == 0;
+  if (shift >= 64) {
+    *high = m << (shift - 64);
+    return 1;
+  }
+  *low = m >> -shift;
+  return *low << -shift == m;
 }
 
 // The same as gcdt_quantise_rest if both numbers are such: |D| = 2^64 X + remainder, which is 2^44 times that of the

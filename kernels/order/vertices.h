@@ -12,24 +12,29 @@
 // The columns of a survey of these vertices.
 static inline void survey_items(Items items, uint first, uint type, global const ulong* coordinates,
                                 private ulong* out) {
-  ulong least[2] = {0, 0}, most[2] = {0, 0}, trailing = 0, bad = 0;
+  ulong2 least = (ulong2)(0), most = (ulong2)(0);
+  ulong trailing = 0, bad = 0;
   FOR_ITEMS(v, items) {
-    for (uint axis = 0; axis < 2; ++axis) {
-      const ulong bits = gcdt_coordinate(coordinates, type, 2 * v + axis);
+    const u64 x = gcdt_given_coordinate(coordinates, type, 2 * v),
+              y = gcdt_given_coordinate(coordinates, type, 2 * v + 1);
+    // The axis at hand is the first of `least` and `most`, which change places each time.
+#pragma unroll 1  // drivers take as long as the text is
+    for (uint axis = 0; axis < 2; ++axis, least = least.yx, most = most.yx) {
+      const ulong bits = gcdt_double_of_given(axis == 0u ? x : y, type);
       if (!gcdt_is_finite(bits)) {
         bad = max(bad, ~(ulong)(2 * (v - first) + axis));
         continue;
       }
       const ulong key = gcdt_ordered(bits);
-      least[axis] = max(least[axis], ~key);
-      most[axis] = max(most[axis], key);
+      least.x = max(least.x, ~key);
+      most.x = max(most.x, key);
       if (bits != 0) trailing = max(trailing, ~(ulong)(gcdt_trailing_exponent(bits) - GCDT_LEAST_EXPONENT));
     }
   }
-  out[0] = least[0];
-  out[1] = most[0];
-  out[2] = least[1];
-  out[3] = most[1];
+  out[0] = least.x;
+  out[1] = most.x;
+  out[2] = least.y;
+  out[3] = most.y;
   out[GCDT_SURVEY_TRAILING] = trailing;
   out[GCDT_SURVEY_BAD] = bad;
 }

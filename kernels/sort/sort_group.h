@@ -116,8 +116,10 @@ kernel void sort_move_group(u32 count, u32 span, u32 parts, u32 shift, u32 mask,
       for (u32 s = lane; s < segments; s += all) {
         const u32 d = s / GCDT_SEGMENTS;
         u32 rank = 0;
+#pragma unroll 4
         for (u32 i = 0; i < d; ++i) rank += totals[i];
         if (s % GCDT_SEGMENTS == 0u) first_rank[d] = rank;
+#pragma unroll 1  // fewer than GCDT_SEGMENTS
         for (u32 i = d * GCDT_SEGMENTS; i < s; ++i) rank += sums[i];
         scan_segment(counts + s * GCDT_SEGMENT_SIZE, rank);
       }
