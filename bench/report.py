@@ -206,8 +206,7 @@ def limits_table(rows, machine):
     )
 
 
-# Kernels that do the same for few edges and for many, so that a smaller input has other shares of them. (Once flip_sweep
-# was one, which flip_test does now.)
+# Kernels that do the same for few edges and for many, so that a smaller input has other shares of them.
 ALTERNATIVES = {"flip_test": "flip_sweep, flip_test", "flip_mark": "flip_mark, flip_propagate"}
 ALTERNATIVES |= {"flip_sweep": ALTERNATIVES["flip_test"], "flip_propagate": ALTERNATIVES["flip_mark"]}
 

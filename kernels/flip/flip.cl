@@ -9,7 +9,7 @@
 //
 // The queue: the edges to be tested next have the mark GCDT_MARK_QUEUED. While they are many, that is all, and a
 // round finds them by a sweep over the marks: in order of their numbers, which is nearly the order in the plane, so
-// that neighbours are tested together (flip_test, flip_mark). When they are few they stand in a list too
+// that neighbours are tested together (flip_sweep, flip_mark). When they are few they stand in a list too
 // (flip_gather, then flip_test and flip_propagate).
 //
 // An edge that is not queued for the next round is legal or constrained. Proof: a flip puts the four edges around it
@@ -20,10 +20,11 @@
 // find it legal, and both be wrong.
 #include "flip/slide.h"
 
-// ---- Rounds by sweeps and by lists ----------------------------------------------------------------
+// ---- Rounds by sweeps -----------------------------------------------------------------------------
 
 // Edges of a tile: enough that the queued ones among them fill a group.
 #define SWEEP_TILE 512u
+#define FOR_EACH_SWEEP(tile, edges) FOR_EACH_TILE_OF(tile, SWEEP_TILE, edges)
 
 // Takes the edges first .. first + 3, those that exist, out of the queue; first is a multiple of 4. Bit i: edge
 // first + i was in it (or `all`), and is not constrained.
@@ -33,7 +34,6 @@ static inline uint take_marks(uint all, global uint* edge_marks, uint first, uin
     const uint4 four = *(global const uint4*)(edge_marks + first);
     marks[0] = four.x, marks[1] = four.y, marks[2] = four.z, marks[3] = four.w;
   } else {
-#pragma unroll 1  // drivers take as long as the text is
     for (uint i = 0; first + i < edges; ++i) marks[i] = edge_marks[first + i];
   }
   uint taken = 0;
@@ -51,40 +51,13 @@ GCDT_GIVEN_LOCAL uint place_of_bit(volatile local const uint* taken, uint i) {
   return i % 32u == 0u ? before : before + popcount(taken[i / 32u] << (32u - i % 32u));
 }
 
-// Gathers the edges of a tile that are to be tested, in order, and counts them, by the whole group: neighbours in a
-// list share cache lines. No race: a word of `taken` changes by atomic_or, and each bit has its own place. Ends: steps
-// to the end of the tile.
-GCDT_GIVEN_LOCAL void gather_marked(uint all, global uint* edge_marks, uint tile, uint edges,
-                                    volatile local uint* taken, local uint* queued, local uint* count) {
-  for (uint i = get_local_id(0); i < SWEEP_TILE / 32u; i += get_local_size(0)) taken[i] = 0u;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (uint i = GCDT_SWEEP_EDGES * get_local_id(0); i < SWEEP_TILE; i += GCDT_SWEEP_EDGES * get_local_size(0)) {
-    const uint four = take_marks(all, edge_marks, tile + i, edges);
-    if (four != 0u) atomic_or(taken + i / 32u, four << (i % 32u));
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  // All of them stand before place SWEEP_TILE.
-  for (uint i = get_local_id(0); i <= SWEEP_TILE; i += get_local_size(0)) {
-    if (i < SWEEP_TILE && !(taken[i / 32u] >> (i % 32u) & 1u)) continue;
-    const uint place = place_of_bit(taken, i);
-    if (i < SWEEP_TILE)
-      queued[place] = tile + i;
-    else
-      *count = place;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-}
-
-// One work-group per tile of the edges that are queued: those in list_test[round % 3] if `listed`, else those with the
-// mark among `edges` (`all`: every one), in order, which it gathers in local memory. Takes them out of the queue, tests
-// those that are not constrained, and lets illegal ones claim their faces. Reads the mesh, which nobody changes in this
-// launch. Writes mark words of its own edges (an edge stands in the list once), claim words (atomic_max: the greatest
-// ticket wins whatever the order) and the list of illegal edges (append.h). Work-item 0 empties the list that this
-// round's flips will fill. After: an illegal edge owns its two faces, or one of them has a better claim; no edge is
-// queued.
-kernel void flip_test(uint listed, uint all, uint edges, uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS,
-                      global uint* edge_marks, global const uint* list, global uint* illegal,
-                      volatile global Counters* counters) {
+// One work-group per tile of edges. Takes the queued ones (`all`: every one) out of the queue, gathers those that
+// are not constrained in local memory, tests them, and lets illegal ones claim their faces. Reads the mesh, which
+// nobody changes in this launch. Writes mark words of its own edges, claim words (atomic_max: the
+// greatest ticket wins whatever the order) and the list of illegal edges (append.h). After: an illegal edge owns its
+// two faces, or one of them has a better claim; no edge is queued.
+kernel void flip_sweep(uint all, uint edges, uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS,
+                       global uint* edge_marks, global uint* illegal, volatile global Counters* counters) {
   DECLARE_APPENDER(found);
   local uint queued[SWEEP_TILE];
   volatile local uint taken[SWEEP_TILE / 32u];
@@ -92,43 +65,24 @@ kernel void flip_test(uint listed, uint all, uint edges, uint round, uint stamp,
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Claim c = make_claim(stamp, bits);
   const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
-  const uint count = listed ? counters->list_test[round % 3u] : edges,
-             size = listed ? (uint)get_local_size(0) : SWEEP_TILE;
-  if (listed && get_global_id(0) == 0) counters->list_test[(round + 1u) % 3u] = 0u;
-  FOR_EACH_TILE_OF(tile, size, count) {
-    uint here = min(count - tile, size);
-    if (!listed) {
-      gather_marked(all, edge_marks, tile, edges, taken, queued, &queued_count);
-      here = queued_count;
+  FOR_EACH_SWEEP(tile, edges) {
+    for (uint i = get_local_id(0); i < SWEEP_TILE / 32u; i += get_local_size(0)) taken[i] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = GCDT_SWEEP_EDGES * get_local_id(0); i < SWEEP_TILE; i += GCDT_SWEEP_EDGES * get_local_size(0)) {
+      const uint four = take_marks(all, edge_marks, tile + i, edges);
+      if (four != 0u) atomic_or(taken + i / 32u, four << (i % 32u));
     }
-    for (uint i = get_local_id(0); i < here; i += get_local_size(0)) {
-      const uint e = listed ? list[tile + i] : queued[i];
-      if (!listed || leaves_queue(edge_marks, e)) test_and_claim(mesh, c, e, a);
-    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    // In order: neighbours in a list share cache lines. Each bit has its own place.
+    for (uint i = get_local_id(0); i < SWEEP_TILE; i += get_local_size(0))
+      if (taken[i / 32u] >> (i % 32u) & 1u) queued[place_of_bit(taken, i)] = tile + i;
+    if (get_local_id(0) == 0) queued_count = place_of_bit(taken, SWEEP_TILE);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint count = queued_count;
+    for (uint i = get_local_id(0); i < count; i += get_local_size(0)) test_and_claim(mesh, c, queued[i], a);
     append_flush(a, APPEND_CAPACITY - SWEEP_TILE);
   }
   append_flush(a, 0u);
-}
-
-// One work-item per illegal edge. Writes words of faces that it owns: claimed in flip_test (both), or
-// taken by try_lock; never given back in this launch, so no word has two owners (L1). A stale read
-// of a face that it does not own is harmless: if the face changed in this launch it is locked and the
-// try-lock fails; if not, the read is right. Mark words by atomics, the list by append.h. Work-item 0
-// empties the list of illegal edges of the next round. After: every flip was of an illegal edge, and
-// list_test of the next round holds every edge that may be illegal.
-kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
-                           global const uint* illegal, global uint* list, volatile global Counters* counters) {
-  DECLARE_APPENDER(queued);
-  local uint sum;
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Claim c = make_claim(stamp, bits);
-  const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
-  const uint count = counters->list_flip[round & 1u];
-  if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
-  uint flips = 0;
-  FOR_EACH_TILE(tile, count) flips += flip_tile(mesh, c, illegal, count, tile, make_list_queue(edge_marks, a));
-  append_flush(a, 0u);
-  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }
 
 // One work-item per illegal edge, as flip_propagate, but the queue is the marks alone.
@@ -157,6 +111,46 @@ kernel void flip_gather(uint all, uint edges, uint round, global const uint* edg
     append_flush(a, APPEND_CAPACITY / 2u);
   }
   append_flush(a, 0u);
+}
+
+// ---- Rounds by lists ------------------------------------------------------------------------------
+
+// One work-item per edge in list_test[round % 3]. Reads the mesh, which nobody changes in this launch.
+// Writes the edge's own mark word (an edge stands in the list once), the claim words of its faces
+// (atomic_max: the greatest ticket wins whatever the order) and the list of illegal edges (append.h).
+// Work-item 0 empties the list that this round's flips will fill. After: an illegal edge owns its two
+// faces, or one of them has a better claim.
+kernel void flip_test(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
+                      global const uint* list, global uint* illegal, volatile global Counters* counters) {
+  DECLARE_APPENDER(found);
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Claim c = make_claim(stamp, bits);
+  const Appender a = make_appender(found_items, found_gathered, illegal, &counters->list_flip[round & 1u]);
+  const uint count = counters->list_test[round % 3u];
+  if (get_global_id(0) == 0) counters->list_test[(round + 1u) % 3u] = 0u;
+  FOR_EACH_TILE(tile, count) test_tile(mesh, edge_marks, c, list, count, tile, a);
+  append_flush(a, 0u);
+}
+
+// One work-item per illegal edge. Writes words of faces that it owns: claimed in flip_test (both), or
+// taken by try_lock; never given back in this launch, so no word has two owners (L1). A stale read
+// of a face that it does not own is harmless: if the face changed in this launch it is locked and the
+// try-lock fails; if not, the read is right. Mark words by atomics, the list by append.h. Work-item 0
+// empties the list of illegal edges of the next round. After: every flip was of an illegal edge, and
+// list_test of the next round holds every edge that may be illegal.
+kernel void flip_propagate(uint round, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
+                           global const uint* illegal, global uint* list, volatile global Counters* counters) {
+  DECLARE_APPENDER(queued);
+  local uint sum;
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Claim c = make_claim(stamp, bits);
+  const Appender a = make_appender(queued_items, queued_gathered, list, &counters->list_test[(round + 1u) % 3u]);
+  const uint count = counters->list_flip[round & 1u];
+  if (get_global_id(0) == 0) counters->list_flip[(round + 1u) & 1u] = 0u;
+  uint flips = 0;
+  FOR_EACH_TILE(tile, count) flips += flip_tile(mesh, c, illegal, count, tile, make_list_queue(edge_marks, a));
+  append_flush(a, 0u);
+  add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);
 }
 
 // ---- Rounds of one work-group ----------------------------------------------------------------------

@@ -89,6 +89,14 @@ static uint flip_if_won(Mesh mesh, Claim c, uint e, Queue queue) {
   return go_on_around(mesh, c, ticket, around, queue);
 }
 
+// A tile of the edges to be tested, by the whole group.
+static void test_tile(Mesh mesh, global uint* edge_marks, Claim c, global const uint* list, uint count, uint tile,
+                      Appender illegal) {
+  const uint i = tile + get_local_id(0);
+  if (i < count && leaves_queue(edge_marks, list[i])) test_and_claim(mesh, c, list[i], illegal);
+  append_flush(illegal, APPEND_CAPACITY / 2u);
+}
+
 // A tile of illegal edges, by the whole group. Returns the work-item's flips.
 static uint flip_tile(Mesh mesh, Claim c, global const uint* illegal, uint count, uint tile, Queue queue) {
   const uint i = tile + get_local_id(0);

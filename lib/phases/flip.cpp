@@ -195,7 +195,8 @@ class Flipping {
       for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
-        test_queued(false, round_ == 0 && !queued, edges_ / GCDT_SWEEP_EDGES, stamp);
+        launch("flip_sweep", edges_ / GCDT_SWEEP_EDGES,
+               std::make_tuple(cl_uint(round_ == 0 && !queued), edges_, round_, stamp), lists_.second);
         launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
       }
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
@@ -219,11 +220,6 @@ class Flipping {
                           mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists..., counters_.buffer());
         },
         scalars);
-  }
-
-  void test_queued(bool listed, bool all, std::uint32_t items, cl_uint stamp) {
-    launch("flip_test", items, std::make_tuple(cl_uint(listed), cl_uint(all), edges_, round_, stamp), lists_.first,
-           lists_.second);
   }
 
   std::uint32_t most_between_reads() const {
@@ -262,7 +258,7 @@ class Flipping {
     for (std::uint32_t i = 0; i < rounds; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
-      test_queued(true, false, pending, stamp);
+      launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
       launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
     }
   }
