@@ -46,23 +46,11 @@ GCDT_INLINE u64 gcdt_mul_high(u64 a, u64 b) {
 #endif
 }
 
-// The same of signed words. By limbs, the unsigned product less b * 2^64 if a < 0, less a * 2^64 if b < 0.
-GCDT_INLINE i64 gcdt_mul_high_signed(i64 a, i64 b) {
-#if GCDT_HAS_INT128 && !defined(GCDT_EMULATE_MUL_HI)
-  __extension__ typedef __int128 wide;
-  return (i64)(((wide)a * b) >> 64);
-#elif defined(__OPENCL_VERSION__) && !defined(GCDT_EMULATE_MUL_HI)
-  return mul_hi(a, b);
-#else
-  return (i64)(gcdt_mul_high_limbs((u64)a, (u64)b) - (a < 0 ? (u64)b : 0) - (b < 0 ? (u64)a : 0));
-#endif
-}
-
-// a * b for any two signed words.
+// a * b for any two signed words: the unsigned product less b * 2^64 if a < 0, less a * 2^64 if b < 0.
 GCDT_INLINE Int128 gcdt_multiply(i64 a, i64 b) {
   Int128 r;
   r.low = (u64)a * (u64)b;
-  r.high = gcdt_mul_high_signed(a, b);
+  r.high = (i64)(gcdt_mul_high((u64)a, (u64)b) - (a < 0 ? (u64)b : 0) - (b < 0 ? (u64)a : 0));
   return r;
 }
 

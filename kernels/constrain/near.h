@@ -56,7 +56,7 @@ static int compare_with_walk(int4 line, const private Walk* w, int side, Vertex 
   const int place = place_beside(w, line);
   if (place != PLACE_ASTRIDE) return place == PLACE_ON ? SAME_PLACE : place == side ? FIRST_NEARER : SECOND_NEARER;
   const Vertex p = line_begin(line), q = line_end(line);
-  const int s = gcdt_sign64(gcdt_orient2d_from(p, q, u)),
+  const int s = gcdt_sign64(gcdt_orient2d(p, q, u)),
             x = s * gcdt_sign64(gcdt_orient2d_finite(p, q, line_begin(w->line))),
             y = s * gcdt_sign64(gcdt_orient2d_finite(p, q, line_end(w->line)));
   if (x >= 0 && y >= 0) return SECOND_NEARER;

@@ -165,10 +165,8 @@ static inline Gate look_behind(const private Walk* w, Mesh mesh, Gates gates) {
 // decides: left of the line, the exit is right -> apex; right of it, apex -> left.
 static uint walk_cross(private Walk* w, Mesh mesh, Gate gate) {
   if (gate.after == GCDT_NONE) return WALK_FAILED;
-  const Vertex apex = unfolded(gate.apex), from = line_begin(w->line), to = line_end(w->line);
-  // Nearly all are finite, and a GPU multiplies their words in half the steps.
-  w->third_side =
-      gcdt_sign64(apex.symbol == 0 ? gcdt_orient2d_finite(from, to, apex) : gcdt_orient2d_from(from, to, apex));
+  const Vertex apex = unfolded(gate.apex);
+  w->third_side = side_of_point(w, apex);
   if (w->third_side == 0) {
     const uint ref = mesh.edge_faces[w->code ^ 1u];
     w->face = GCDT_REF_FACE(ref);
