@@ -141,18 +141,18 @@ static inline uint coarse_vertex_at(GCDT_LEVELS_POINTER levels, uint level, glob
   uint best = GCDT_NONE;
   int2 cell = at;
   int size = 0;
-  // Whence to look: a bit for the point itself, then one for each side beyond which there is grid. The loop's length is
-  // data: PoCL 5 puts a barrier into a loop whose length is the same for all work-items, also where only some of them
-  // run it, if the kernel has barriers at all.
+  // Where to look from: a bit for the point itself, then one for each side beyond which there is grid. The loop's
+  // length is data: PoCL 5 puts a barrier into a loop whose length is the same for all work-items, also where only some
+  // of them run it, if the kernel has barriers at all.
   for (uint places = 16u; places != 0u;) {  // ends: the point is taken once, and then a side less each time
     const uint place = 31u - clz(places);
     places ^= 1u << place;
     const int x = place == 0u ? cell.x - 1 : place == 1u ? cell.x + size : at.x;
     const int y = place == 2u ? cell.y - 1 : place == 3u ? cell.y + size : at.y;
-    const int2 whence = (int2)(x, y);
+    const int2 from = (int2)(x, y);
     const uint unit = by_rank ? max(gcdt_rank_of_vertex(levels, a) / levels->stride[level - 1u], units.x)
-                              : last_on_curve(levels, level - 1u, points, units.x, units.y, whence);
-    const uint v = nearer_coarse_vertex(levels, level, points, units.y, unit, whence);
+                              : last_on_curve(levels, level - 1u, points, units.x, units.y, from);
+    const uint v = nearer_coarse_vertex(levels, level, points, units.y, unit, from);
     if (place == 4u || distance_squared(at, points[v]) < distance_squared(at, points[best])) best = v;
     if (place == 4u && around) {
       const uint differing = (uint)((at.x ^ points[v].x) | (at.y ^ points[v].y));

@@ -54,7 +54,7 @@ class Primitives {
   /// out: what `values` holds from `kept` on is undefined afterwards, and so are the keys. Keys kept are distinct, and
   /// none has a bit from `bits` on; low <= 32. Each of many pairs goes to its bucket, its key from bit `low` on, in one
   /// pass, which is cheapest if buckets are about as many as keys, and a pair's is near its place; pairs of buckets of
-  /// more than some tens (`serial`) or thousands (`group`) are sorted once more (kernels/sort/buckets.cl). May block.
+  /// more than some thousands are sorted once more (kernels/sort/buckets.cl). Blocks.
   void order_by_buckets(runtime::Buffer<cl_ulong>& keys, runtime::Buffer<cl_uint>& values, std::size_t count,
                         std::size_t kept, unsigned bits, unsigned low, std::size_t buckets);
 
