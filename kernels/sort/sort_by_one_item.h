@@ -21,6 +21,15 @@ GCDT_INLINE void sort_run(global u64* keys, global u32* values, u32 begin, u32 e
   }
 }
 
+// Where the first key of each digit up to `last` comes, instead of how many have it.
+GCDT_INLINE void counts_to_begins(u32 last, private u32* next) {
+  for (u32 d = 0, sum = 0; d <= last; ++d) {
+    const u32 count = next[d];
+    next[d] = sum;
+    sum += count;
+  }
+}
+
 // Words by their bits from `low` up to `high`, stably, by digits of GCDT_SERIAL_DIGIT_BITS: from one array to the other
 // and back. Returns which one they are in.
 GCDT_INLINE global const u64* sort_words(u32 count, u32 low, u32 high, global u64* words, global u64* other) {
@@ -29,11 +38,7 @@ GCDT_INLINE global const u64* sort_words(u32 count, u32 low, u32 high, global u6
     u32 next[1u << GCDT_SERIAL_DIGIT_BITS];
     for (u32 d = 0; d <= mask; ++d) next[d] = 0;
     for (u32 i = 0; i < count; ++i) ++next[(u32)(words[i] >> shift) & mask];
-    for (u32 d = 0, sum = 0; d <= mask; ++d) {
-      const u32 words_of_digit = next[d];
-      next[d] = sum;
-      sum += words_of_digit;
-    }
+    counts_to_begins(mask, next);
     for (u32 i = 0; i < count; ++i) other[next[(u32)(words[i] >> shift) & mask]++] = words[i];
     global u64* sorted = other;
     other = words;
@@ -53,11 +58,7 @@ static bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* va
     u32 next[1u << GCDT_MOST_ONE_ITEM_DIGIT_BITS];
     for (u32 d = 0; d <= mask; ++d) next[d] = 0;
     for (u32 i = 0; i < count; ++i) ++next[(u32)(keys[i] >> shift) & mask];
-    for (u32 d = 0, sum = 0; d <= mask; ++d) {
-      const u32 keys_of_digit = next[d];
-      next[d] = sum;
-      sum += keys_of_digit;
-    }
+    counts_to_begins(mask, next);
     for (u32 i = 0; i < count; ++i) {
       const u64 key = keys[i];
       const u32 to = next[(u32)(key >> shift) & mask]++;
