@@ -3,7 +3,7 @@
 //
 // Top layer: the mesh of the levels before, frozen before the level's first split. Below each of its
 // faces hangs a tree of splits. A split by vertex m makes a node in m's own record; the triangle's
-// slot is used again by its first child (kernels/insert/insert.cl), and each child keeps m as corner 0, so
+// slot is used again by its first child (kernels/insert/insert.h), and each child keeps m as corner 0, so
 // the corners of a node can be carried along while descending and are not stored.
 //
 //   face split by m, corners p            edge split by m on the edge opposite corner a

@@ -37,13 +37,15 @@ static inline Fans make_fans(GCDT_FAN_PARAMETERS) {
 
 static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] > f.begins[v]; }
 
-// The face of vertex v's fan, which there is, whose closure holds a point next to v towards b; of two, the one left of
-// the line. Directions are compared by their angles counter-clockwise from the first corner y of the fan: that of b is
-// above 180 degrees if y lies left of v -> b, below if right, and 0 or 180 if y lies on the line: 0 where the next
-// corner lies left. A corner is beyond b in this order,
+// The face of vertex v's fan, which there is, whose closure holds a point next to v towards b; of two, either.
+// Directions are compared by their angles counter-clockwise from the first corner y of the fan: that of b is above 180
+// degrees if y lies left of v -> b, below if right, and 0 or 180 if y lies on the line. A corner is beyond b in this
+// order,
 //   y left:   if it is left, too, and clockwise of y
 //   y right:  unless it is y, or right or on the line, and counter-clockwise of y
-//   y on it:  unless it is y, or right or on the line, with 180 degrees; with 0 all are, so the next one is asked first
+//   y on it:  with 180 degrees if it is left. With 0 all are but y, and those that are not left count as not beyond:
+//   the
+//             search ends at the first face, or at the last one, both of which have y.
 // Corners of one fan point into distinct directions, less than 180 degrees from one to the next. Ends: the range
 // halves.
 static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Vertex at, Vertex b, private uint* steps) {
@@ -52,7 +54,7 @@ static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Verte
   const Vertex y = vertex_at(points, f.faces[begin].y);
   const int first = gcdt_sign64(gcdt_orient2d_from(at, b, y));
   while (high - low > 1u) {
-    const uint middle = first == 0 && low == begin ? begin + 1u : low + (high - low) / 2u;
+    const uint middle = low + (high - low) / 2u;
     const Vertex corner = load_vertex(points, n, f.faces[middle].y);
     const int side = gcdt_sign64(gcdt_orient2d_from(at, b, corner)),
               turn = gcdt_sign64(gcdt_orient2d_from(at, y, corner));

@@ -291,7 +291,7 @@ ForestResult triangulate_forest(runtime::Runtime& runtime, Primitives& primitive
   ForestRoom room(runtime, ranges, staging, result);
   runtime.memory().begin_call();
   runtime.use_programs(runtime::Meshes::many);
-  const runtime::Builders ahead(runtime, programs_of_call(runtime::Meshes::many, ranges.first_constraint.back() > 0));
+  const runtime::Builders ahead(runtime, programs_of_call({runtime::Meshes::many, ranges.first_constraint.back() > 0}));
   ForestRun run(runtime, primitives, options, batch, numbers, ranges);
   const DeviceTriangulation made = run_steps(run, staging.chunks);
   runtime.tracer().begin_phase("copy");

@@ -42,6 +42,14 @@ void BuiltPrograms::clear() {
   built_.clear();
 }
 
+SparedPrograms::SparedPrograms(Runtime& runtime, bool may) : runtime_(runtime) {
+  // Every call has flips.
+  runtime_.spares_ =
+      may && runtime.kind() == DeviceKind::gpu && runtime.most_builds() > 1 && runtime.would_compile("flip");
+}
+
+SparedPrograms::~SparedPrograms() { runtime_.spares_ = false; }
+
 Builders::Builders(Runtime& runtime, const std::vector<const char*>& programs) {
   if (runtime.most_builds() < 2) return;
   std::copy_if(programs.begin(), programs.end(), std::back_inserter(programs_),

@@ -38,6 +38,20 @@ class BuiltPrograms {
   std::set<Key> begun_;
 };
 
+/// While it lives, calls go without programs that only save time, where the driver of a GPU would have to compile all
+/// that a call needs: it takes longer for them than they save. What a call does then is slower, its result the same.
+class SparedPrograms {
+ public:
+  /// `may`: nothing is spared otherwise, as for inputs that are large.
+  SparedPrograms(Runtime& runtime, bool may);
+  SparedPrograms(const SparedPrograms&) = delete;
+  SparedPrograms& operator=(const SparedPrograms&) = delete;
+  ~SparedPrograms();
+
+ private:
+  Runtime& runtime_;
+};
+
 /// Builds programs by threads of its own while a call is under way, which needs them one after the other: where a
 /// driver compiles a program when it is built, some at once take less than all in turn (bench/NOTES.md, "First call").
 /// What is built or kept in the cache is left to the call. Errors are: it tries again, and tells them.

@@ -275,6 +275,8 @@ class Runtime {
   /// What the meshes are from now on whose kernels are launched; at first of one triangulation. Each run says it once.
   /// Programs of both kinds that have been built are kept.
   void use_programs(Meshes meshes) { meshes_ = meshes; }
+  /// Whether the call under way goes without programs that only save time (SparedPrograms).
+  bool spares_programs() const { return spares_; }
   /// Whether built programs go into the library's cache.
   bool keeps_programs() const;
   /// See Tuning::states_one_group.
@@ -325,6 +327,7 @@ class Runtime {
     bool launched = false;
   };
 
+  friend class SparedPrograms;
   Meshes meshes_of(const char* program) const;
   void self_test();
   void read_large(TransferChunks& chunks, const std::vector<HostRead>& reads);
@@ -385,6 +388,7 @@ class Runtime {
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
+  bool spares_ = false;
   bool times_steps_ = true;
   bool emulate_mul_hi_ = false;                                         ///< the device's own is wrong
   bool shares_context_ = false, wants_chunks_ = false, alone_ = false;  ///< shared: it asks, and does not wait

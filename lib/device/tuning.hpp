@@ -165,6 +165,13 @@ struct Tuning {
   /// faces, costs their square (not measured). Of lanes: their loops may end early.
   static constexpr std::uint32_t most_of_all_pairs = 1u << 16, most_of_all_pairs_of_lanes = 1u << 11;
 
+  // ---- Programs that only save time (solve/programs.hpp) ------------------------------------------
+
+  /// The first call of a process goes without them below so many edges, and does so many rounds of a phase by launches
+  /// before one work-group does those of few: a round there costs 10 microseconds more, its program 0.1 s and more
+  /// (NOTES, "First call").
+  static constexpr std::uint32_t least_all_programs = 1u << 22, rounds_without_few = 1024;
+
   // ---- Flips (flip.cpp) -------------------------------------------------------------------------
 
   /// Of the edges of a list, what is left after `rounds_per_read` rounds is about one in so many; of those that sweeps

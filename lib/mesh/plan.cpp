@@ -83,7 +83,8 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.district_vertices = tuning.district_vertices;
   plan.patch_bytes = std::min<std::uint64_t>(device.local_bytes, Tuning::most_patch_bytes) - Tuning::spare_local_bytes;
   plan.patch_rounds = of_lanes(tuning.rounds_of_patch, rounds_of_lanes);
-  plan.least_sweep = tuning.least_sweep;
+  plan.rounds_before_few = device.spares_programs ? Tuning::rounds_without_few : 0;
+  plan.least_sweep = device.spares_programs ? UINT32_MAX : tuning.least_sweep;
   plan.sweep_share = tuning.sweep_share;
   plan.grown_shares = units * Tuning::grown_shares_per_unit;
 
@@ -130,13 +131,18 @@ std::string Plan::text() const {
   if (!grows)
     all += "; flips within patches from " + std::to_string(least_patched) + " edges on, and districts from " +
            std::to_string(least_divided);
-  if (!grows) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
+  if (!grows && least_sweep < UINT32_MAX) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
+  if (rounds_before_few > 0) all += "; without programs that only save time, since none is compiled yet";
   return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check);
 }
 
 PlannedDevice planned_device(const runtime::Runtime& runtime) {
-  return {runtime.kind(), runtime.info().compute_units, static_cast<std::uint32_t>(runtime.geometry().max_groups),
-          runtime.info().local_bytes, runtime.info().largest_buffer_bytes};
+  return {runtime.kind(),
+          runtime.info().compute_units,
+          static_cast<std::uint32_t>(runtime.geometry().max_groups),
+          runtime.info().local_bytes,
+          runtime.info().largest_buffer_bytes,
+          runtime.spares_programs()};
 }
 
 Plan make_plan(const runtime::Runtime& runtime, const PlannedSizes& sizes) {

@@ -19,6 +19,7 @@ struct PlannedDevice {
   std::uint32_t groups = 1;              ///< of a launch at most
   std::uint64_t local_bytes = 1u << 15;  ///< local memory of a work-group
   std::uint64_t largest_buffer = UINT64_MAX;
+  bool spares_programs = false;  ///< see runtime::SparedPrograms
 };
 
 /// What a plan knows of the input. Of several problems, sums, but for `largest`.
@@ -52,6 +53,7 @@ struct Plan {
   std::uint32_t group_edges = 0;     ///< so many are flipped by one work-group
   std::uint32_t group_rounds = 0;    ///< of insertion by one group in one launch at most
   std::uint32_t group_flip_rounds = 0;
+  std::uint32_t rounds_before_few = 0;  ///< of a phase, before one work-group may do rounds
   std::uint32_t rounds_per_read = 0;
   std::uint32_t least_patched = 0;   ///< edges from which on flips begin within patches
   std::uint32_t patch_vertices = 0;  ///< of a patch at most

@@ -43,6 +43,10 @@ Primitives::Partition Primitives::partition(std::size_t count, std::size_t least
           runtime_.over_groups(parts)};
 }
 
+std::size_t Primitives::most_merged() const {
+  return runtime_.spares_programs() ? most_elements : runtime_.tuning().most_merged;
+}
+
 void Primitives::exclusive_scan(const Buffer<cl_uint>& in, const Buffer<cl_uint>& out, std::size_t count) {
   const Partition cut = partition(count, walk_ == Walk::serial ? Tuning::scan_span_serial : Tuning::scan_span_group);
   const bool serial = walk_ == Walk::serial;
@@ -88,8 +92,9 @@ void Primitives::sort(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size
   bits = std::min(bits, 64u);
   const std::size_t most = by_one_item()           ? Tuning::least_by_prefix - 1
                            : walk_ == Walk::serial ? GCDT_SORT_SMALL
-                                                   : runtime_.tuning().most_merged;
-  const bool by_digit = walk_ == Walk::group && bits <= GCDT_MOST_BITS_BY_DIGIT && count > GCDT_SORT_SMALL;
+                                                   : most_merged();
+  const bool by_digit =
+      walk_ == Walk::group && bits <= GCDT_MOST_BITS_BY_DIGIT && count > GCDT_SORT_SMALL && !runtime_.spares_programs();
   if (count <= most && !by_digit)
     sort_few(keys, values, count, bits);
   else
@@ -106,11 +111,11 @@ void Primitives::sort_few(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::
   }
   if (by_blocks) {
     const cl_ulong mask = ~cl_ulong{0} >> (64 - bits);
-    runtime_.launch("sort_finish", "sort_blocks",
+    runtime_.launch("sort_merge", "sort_blocks",
                     runtime_.over_groups((count - 1) / GCDT_SORT_SMALL + 1, runtime::Groups::wide), n, mask, keys,
                     values);
     for (cl_uint width = GCDT_SORT_SMALL; width < n; width *= 4) {
-      runtime_.launch("sort_finish", "merge_runs", runtime::over(count), n, width, mask, keys, values, other_keys64_,
+      runtime_.launch("sort_merge", "merge_runs", runtime::over(count), n, width, mask, keys, values, other_keys64_,
                       other_values_);
       std::swap(keys, other_keys64_);
       std::swap(values, other_values_);
@@ -134,7 +139,7 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
                                 unsigned prefix) {
   const unsigned digit = walk_ == Walk::serial ? GCDT_SERIAL_DIGIT_BITS : GCDT_GROUP_DIGIT_BITS;
   prefix = (prefix + digit - 1) / digit * digit;
-  const bool few = walk_ == Walk::serial ? count < Tuning::least_by_prefix : count <= runtime_.tuning().most_merged;
+  const bool few = walk_ == Walk::serial ? count < Tuning::least_by_prefix : count <= most_merged();
   if (few || prefix + digit >= bits) return sort(keys, values, count, bits);
   const unsigned low = bits - prefix;
   sort_pairs(sort64(), keys, values, count, low, bits, other_keys64_);
@@ -143,7 +148,8 @@ void Primitives::sort_by_prefix(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values,
 
 void Primitives::order_by_buckets(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std::size_t count, std::size_t kept,
                                   unsigned bits, unsigned low, std::size_t buckets) {
-  if (count < Tuning::least_by_prefix) return sort_by_prefix(keys, values, count, bits, bits - low);
+  if (count < Tuning::least_by_prefix || runtime_.spares_programs())
+    return sort_by_prefix(keys, values, count, bits, bits - low);
   const bool by_groups = walk_ == Walk::group;
   const cl_uint most = by_groups ? GCDT_SORT_SMALL : Tuning::longest_bucket;
   match(runtime_, other_keys64_, "other half of the keys", keys.size());
@@ -197,16 +203,15 @@ void Primitives::sort_runs(Buffer<cl_ulong>& keys, Buffer<cl_uint>& values, std:
     runtime_.launch(sort64(), "sort_runs", runtime::over(count), n, cl_uint{low}, Tuning::longest_run, keys, values,
                     long_runs_);
   } else {
-    runtime_.launch("sort_finish", "rank_runs", runtime::over(count), n, cl_uint{low}, cl_uint{GCDT_SORT_RANKED}, keys,
+    runtime_.launch("sort64_group", "rank_runs", runtime::over(count), n, cl_uint{low}, cl_uint{GCDT_SORT_RANKED}, keys,
                     values, long_runs_, other_keys64_, other_values_);
     std::swap(keys, other_keys64_);
     std::swap(values, other_values_);
-    runtime_.launch("sort_finish", "sort_long_runs",
+    runtime_.launch("sort64_group", "sort_long_runs",
                     runtime_.over_groups(count / GCDT_SORT_SMALL, runtime::Groups::wide), n, cl_uint{low}, long_runs_,
                     keys, values);
   }
-  runtime_.launch(walk_ == Walk::serial ? sort64() : "sort_finish", "sort_verify", runtime::over(count), n, keys,
-                  unordered_);
+  runtime_.launch(sort64(), "sort_verify", runtime::over(count), n, keys, unordered_);
   if (runtime_.read_one(unordered_) != 0) sort_left_runs(keys, values, count, low, bits);
 }
 

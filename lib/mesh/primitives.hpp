@@ -90,6 +90,8 @@ class Primitives {
                           unsigned bits, unsigned low, cl_uint buckets, cl_uint most);
   /// Whether one work-item sorts few keys.
   bool by_one_item() const { return walk_ == Walk::serial && runtime_.contiguous(); }
+  /// Keys that groups merge at most.
+  std::size_t most_merged() const;
   const char* sort64() const { return walk_ == Walk::serial ? "sort64_serial" : "sort64_group"; }
 
   runtime::Runtime& runtime_;

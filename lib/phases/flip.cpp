@@ -127,9 +127,9 @@ class Flipping {
   FlipResult finish(std::uint32_t pending, After after, Ticker& ticker) {
     for (std::uint32_t rounds = rounds_to_few(pending, after); pending > 0;) {
       const std::uint32_t before = pending;
-      const bool many = pending > plan_.group_edges;
+      const bool by_one_group = may_by_one_group(), many = pending > few();
       if (many) rounds_wide(pending, rounds);
-      pending = read_after(!many || plan_.rounds_per_read > 1);
+      pending = read_after(by_one_group && (!many || plan_.rounds_per_read > 1));
       check(round_, ticker);
       rounds = rounds_at_this_rate(before, pending, rounds);
     }
@@ -195,9 +195,9 @@ class Flipping {
       for (std::uint32_t i = 0; i < plan_.rounds_per_read; ++i, ++round_) {
         renew_stamps();
         const cl_uint stamp = stamps_.take();
-        launch("flip_sweep", edges_ / GCDT_SWEEP_EDGES,
+        launch("sweeps", "flip_sweep", edges_ / GCDT_SWEEP_EDGES,
                std::make_tuple(cl_uint(round_ == 0 && !queued), edges_, round_, stamp), lists_.second);
-        launch("flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
+        launch("sweeps", "flip_mark", illegal, std::make_tuple(round_, stamp), lists_.second);
       }
       illegal = counters_.read().list_flip[(round_ - 1) & 1];
       check(round_, ticker);
@@ -213,14 +213,19 @@ class Flipping {
 
   // Arguments in the order of all kernels that flip: scalars, stamp bits, mesh, marks, lists, counters.
   template <class Scalars, class... Lists>
-  void launch(const char* kernel, std::uint32_t items, const Scalars& scalars, const Lists&... lists) {
+  void launch(const char* program, const char* kernel, std::uint32_t items, const Scalars& scalars,
+              const Lists&... lists) {
     std::apply(
         [&](const auto&... scalar) {
-          runtime_.launch("flip", kernel, runtime::over(items), scalar..., stamps_.bits(), mesh_.n, vertices_.points,
+          runtime_.launch(program, kernel, runtime::over(items), scalar..., stamps_.bits(), mesh_.n, vertices_.points,
                           mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, lists..., counters_.buffer());
         },
         scalars);
   }
+
+  // Edges of which one work-group does the rounds, if it may now.
+  bool may_by_one_group() const { return round_ >= plan_.rounds_before_few; }
+  std::uint32_t few() const { return may_by_one_group() ? plan_.group_edges : 0; }
 
   std::uint32_t most_between_reads() const {
     return plan_.rounds_per_read == 1 ? 1 : std::max(plan_.rounds_per_read, Tuning::most_between_reads);
@@ -231,22 +236,23 @@ class Flipping {
     const std::uint32_t step = after == After::sweeps ? 1 : plan_.rounds_per_read,
                         share = after == After::sweeps ? Tuning::flipped_after_sweeps : Tuning::flipped_between_reads;
     std::uint32_t rounds = step;
-    for (std::uint32_t left = pending / share; left > plan_.group_edges && left > 0; left /= share) rounds += step;
+    for (std::uint32_t left = pending / share; left > few() && left > 0; left /= share) rounds += step;
     return std::min(rounds, most_between_reads());
   }
 
   // The same, if each round leaves as many of its edges as the last `rounds` did, which took `before` edges to `now`.
   std::uint32_t rounds_at_this_rate(std::uint32_t before, std::uint32_t now, std::uint32_t rounds) const {
     const double fallen = std::log(double(before) / std::max(now, 1u)),
-                 to_fall = std::log(std::max(now, 1u) / std::max<double>(plan_.group_edges, 1));
+                 to_fall = std::log(std::max(now, 1u) / std::max<double>(few(), 1));
     const double wanted = fallen > 0 ? rounds * to_fall / fallen : 2.0 * rounds;
     return static_cast<std::uint32_t>(std::clamp<double>(std::ceil(wanted), 1, most_between_reads()));
   }
 
-  // Reads the counters, after rounds of one work-group if few edges are left and `few`. Returns how many are left.
-  std::uint32_t read_after(bool few) {
+  // Reads the counters, after rounds of one work-group if few edges are left and `by_one_group`. Returns how many are
+  // left.
+  std::uint32_t read_after(bool by_one_group) {
     const std::uint32_t rounds_before = counters_.last().rounds;
-    if (few) rounds_of_few(plan_.group_edges, plan_.group_flip_rounds);
+    if (by_one_group) rounds_of_few(plan_.group_edges, plan_.group_flip_rounds);
     const device::Counters& c = counters_.read();
     stamps_.take(c.rounds - rounds_before);
     round_ += c.rounds - rounds_before;
@@ -258,8 +264,8 @@ class Flipping {
     for (std::uint32_t i = 0; i < rounds; ++i, ++round_) {
       renew_stamps();
       const cl_uint stamp = stamps_.take();
-      launch("flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
-      launch("flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
+      launch("flip", "flip_test", pending, std::make_tuple(round_, stamp), lists_.first, lists_.second);
+      launch("flip", "flip_propagate", pending, std::make_tuple(round_, stamp), lists_.second, lists_.first);
     }
   }
 
@@ -268,9 +274,9 @@ class Flipping {
   std::uint32_t rounds_of_few(cl_uint few, std::uint32_t wanted) {
     renew_stamps();
     const cl_uint most = std::min({stamps_.left(), wanted, plan_.group_flip_rounds});
-    runtime_.launch("flip", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1), stamps_.bits(),
-                    few, most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks,
-                    lists_.first, lists_.second, counters_.buffer());
+    runtime_.launch("flip_few", "flip_rounds", runtime::one_group(), round_, cl_uint(stamps_.current() + 1),
+                    stamps_.bits(), few, most, mesh_.n, vertices_.points, mesh_.face_data, mesh_.edge_faces,
+                    mesh_.edge_marks, lists_.first, lists_.second, counters_.buffer());
     return most;
   }
 

@@ -32,7 +32,7 @@ class LevelInsertion {
   void locate() {
     freeze();
     stamps_.take();
-    launch("insert_locate", over_level(),
+    launch("insert", "insert_locate", over_level(),
            std::forward_as_tuple(history_.level, stamps_.bits(), vertices_.levels_buffer), list(1), counters_.buffer());
   }
 
@@ -43,7 +43,7 @@ class LevelInsertion {
     const auto lengths = runtime_.allocate<cl_uint>("lists of problems", 2 * std::size_t{mesh_.roots});
     for (std::uint32_t left_before = 0; remaining_ > 0;) {
       for_launches(plan_, vertices_.roots, [&](cl_uint begin, cl_uint end) {
-        launch("insert_problems", runtime_.over_groups(end - begin),
+        launch("insert", "insert_problems", runtime_.over_groups(end - begin),
                std::forward_as_tuple(begin, end, history_.level, tree_, round_, stamps_.bits(), plan_.group_rounds,
                                      vertices_.levels_buffer),
                list(0), list(1), lengths, counters_.buffer());
@@ -62,9 +62,10 @@ class LevelInsertion {
   std::uint64_t finish(Ticker& ticker) {
     for (std::uint32_t rounds = rounds_at_first(); remaining_ > 0;
          rounds = between_reads(rounds_to_few(remaining_ / 4))) {
-      if (remaining_ > plan_.group_vertices)
+      const bool by_one_group = may_by_one_group();
+      if (remaining_ > few())
         for (std::uint32_t i = 0; i < rounds; ++i) round();
-      rounds_in_one_group();
+      if (by_one_group) rounds_in_one_group();
       const device::Counters& c = counters_.read();
       round_ += c.rounds - rounds_seen_;
       stamps_.take(c.rounds - rounds_seen_);
@@ -80,7 +81,7 @@ class LevelInsertion {
   void freeze() {
     const cl_uint faces = mesh_.faces(history_.begin);
     runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
-    launch("insert_freeze", runtime::over(faces), std::tie(faces), counters_.buffer());
+    launch("insert", "insert_freeze", runtime::over(faces), std::tie(faces), counters_.buffer());
     counters_.are_zero();
   }
 
@@ -90,11 +91,15 @@ class LevelInsertion {
     ticker.tick("insert", double(history_.end - remaining_) / mesh_.n);
   }
 
+  // Vertices of which one work-group does the rounds, if it may now.
+  bool may_by_one_group() const { return round_ > plan_.rounds_before_few; }
+  std::uint32_t few() const { return may_by_one_group() ? plan_.group_vertices : 0; }
+
   // Rounds after which few vertices are probably left, if the first of them leaves `left`, and each further one a
   // quarter, since most faces with vertices have one. Ends: `left` falls.
   std::uint32_t rounds_to_few(std::uint32_t left) const {
     std::uint32_t rounds = 1;
-    for (; left > plan_.group_vertices && left > 0; left /= 4) ++rounds;
+    for (; left > few() && left > 0; left /= 4) ++rounds;
     return rounds;
   }
 
@@ -115,20 +120,21 @@ class LevelInsertion {
 
   void round() {
     renew_stamps(1);
-    launch("insert_split", over_remaining(), std::tuple_cat(std::tie(tree_), standing_round()), list(round_),
+    launch("insert", "insert_split", over_remaining(), std::tuple_cat(std::tie(tree_), standing_round()), list(round_),
            counters_.buffer());
     ++round_;
     stamps_.take();
-    launch("insert_vote", over_remaining(), standing_round(), list(round_ - 1), list(round_), counters_.buffer());
+    launch("insert", "insert_vote", over_remaining(), standing_round(), list(round_ - 1), list(round_),
+           counters_.buffer());
   }
 
   // If few vertices are left, which nobody has read yet.
   void rounds_in_one_group() {
     renew_stamps(1);
-    const cl_uint few = plan_.group_vertices, most = std::min(stamps_.left(), plan_.group_rounds);
-    launch("insert_rounds", runtime::one_group(),
-           std::make_tuple(tree_, round_, stamps_.current(), stamps_.bits(), few, most), list(0), list(1),
-           counters_.buffer());
+    const cl_uint most = std::min(stamps_.left(), plan_.group_rounds);
+    launch("insert_few", "insert_rounds", runtime::one_group(),
+           std::make_tuple(tree_, round_, stamps_.current(), stamps_.bits(), cl_uint(plan_.group_vertices), most),
+           list(0), list(1), counters_.buffer());
   }
 
   // Before the stamps run out the claim words are cleared and the standing votes are cast again.
@@ -137,15 +143,16 @@ class LevelInsertion {
     clear_claims(runtime_, mesh_, mesh_.faces(history_.end));
     stamps_.restart();
     stamps_.take();
-    launch("insert_revote", over_remaining(), standing_round(), list(round_), counters_.buffer());
+    launch("insert", "insert_revote", over_remaining(), standing_round(), list(round_), counters_.buffer());
   }
 
   // Arguments in the order of all kernels: scalars, mesh, history, lists, counters.
   template <class Scalars, class... Last>
-  void launch(const char* kernel, runtime::Range range, const Scalars& scalars, const Last&... last) {
+  void launch(const char* program, const char* kernel, runtime::Range range, const Scalars& scalars,
+              const Last&... last) {
     std::apply(
         [&](const auto&... scalar) {
-          runtime_.launch("insert", kernel, range, scalar..., mesh_.n, vertices_.points, mesh_.face_data,
+          runtime_.launch(program, kernel, range, scalar..., mesh_.n, vertices_.points, mesh_.face_data,
                           mesh_.edge_faces, history_.begin, history_.end, history_.top, history_.vertex_face,
                           history_.nodes, history_.shape, last...);
         },

@@ -135,6 +135,19 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   return made;
 }
 
+CallShape shape_of_call(const runtime::Runtime& runtime, const InputSource& source) {
+  const Tuning& tuning = runtime.tuning();
+  const std::uint64_t edges = 3 * std::uint64_t{source.n};
+  CallShape call;
+  call.constrained = source.m > 0;
+  call.merged = source.n <= tuning.most_merged;
+  call.swept = edges >= tuning.least_sweep;
+  call.patched = edges >= tuning.least_patched;
+  call.grouped = edges >= tuning.least_grouped;
+  call.spares = runtime.spares_programs();
+  return call;
+}
+
 }  // namespace
 
 DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitives, const InputSource& source,
@@ -142,9 +155,8 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
   if (options.refine) check_refinement(*options.refine, options, source.n);
   runtime.use_programs(runtime::Meshes::one);
   const std::uint64_t edges = 3 * std::uint64_t{source.n};
-  const runtime::Builders ahead(
-      runtime, programs_of_call(runtime::Meshes::one, source.m > 0, edges >= runtime.tuning().least_patched,
-                                edges >= runtime.tuning().least_grouped));
+  const runtime::SparedPrograms spared(runtime, edges < Tuning::least_all_programs);
+  const runtime::Builders ahead(runtime, programs_of_call(shape_of_call(runtime, source)));
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);

@@ -88,39 +88,66 @@ std::string built_by(const std::vector<Workload>& problems) {
 }  // namespace
 
 TEST_CASE("the programs that a call is said to need are those that it builds") {
-  // More than are merged are sorted by digits; and so are levels where isolated vertices come early, of any number.
+  // More than are merged are sorted by digits; and so are levels where isolated vertices come early, of any number, as
+  // they do in letters and rows.
   constexpr std::uint32_t fewer_merged = 1 << 14;
-  CHECK(built_by(workload("uniform", 20000), fewer_merged) == in_order(programs_of_call(Meshes::one, false)));
-  CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2), fewer_merged) == in_order(programs_of_call(Meshes::one, true)));
+  CallShape points, graph;
+  graph.constrained = true;
+  CHECK(built_by(workload("uniform", 20000), fewer_merged) == in_order(programs_of_call(points)));
+  CHECK(built_by(random_pslg(20000, 1 << 20, 3000, 2), fewer_merged) == in_order(programs_of_call(graph)));
   // One vertex has most of the triangles, more than a group sorts.
-  std::vector<const char*> of_row = programs_of_call(Meshes::one, false);
-  of_row.push_back("sort_left");
+  points.merged = true;
+  std::vector<const char*> of_row = programs_of_call(points);
+  of_row.insert(of_row.end(), {"sort_left", "sort64_group"});
   CHECK(built_by(workload("row", 20000), Tuning().most_merged) == in_order(of_row));
-  CHECK(built_by(workload("uniform", 20000), fewer_merged, 60000) ==
-        in_order(programs_of_call(Meshes::one, false, true)));
-  CHECK(built_by(workload("letters", 20000), fewer_merged, 60000, 50000) ==
-        in_order(programs_of_call(Meshes::one, true, true, true)));
-  std::vector<Workload> points, graphs;
+  points.patched = true;
+  CHECK(built_by(workload("uniform", 20000), Tuning().most_merged, 60000) == in_order(programs_of_call(points)));
+  graph.patched = graph.grouped = true;
+  CHECK(built_by(workload("letters", 20000), Tuning().most_merged, 60000, 50000) == in_order(programs_of_call(graph)));
+  std::vector<Workload> clouds, graphs;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-    points.push_back(uniform(100, seed));
+    clouds.push_back(uniform(100, seed));
     graphs.push_back(random_pslg(100, 1 << 10, 30, seed));
   }
-  CHECK(built_by(points) == in_order(programs_of_call(Meshes::many, false)));
-  CHECK(built_by(graphs) == in_order(programs_of_call(Meshes::many, true)));
+  CHECK(built_by(clouds) == in_order(programs_of_call({Meshes::many})));
+  CHECK(built_by(graphs) == in_order(programs_of_call({Meshes::many, true})));
 }
 
-TEST_CASE("a call whose programs are built by threads gives the same, and leaves none to be built") {
-  const Workload input = workload("random_pslg", 4000);
+TEST_CASE("calls whose programs are built by threads give the same, the first one without those that only save time") {
+  const Workload input = workload("letters", 98000);
   const Triangulation expected = solver().triangulate(input.points, input.constraints);
-  for (int run = 0; run < 3; ++run) {
-    auto handle = std::make_unique<gcdt_solver>();
-    handle->state = std::make_shared<api::State>(cl::Context(), pocl(), runtime::Log(), Trace(), compiles_programs(4));
-    runtime::Runtime& runtime = handle->state->runtime;
-    Solver gpu(handle.release());
-    REQUIRE(runtime.most_builds() == 4);
-    CHECK(difference(gpu.triangulate(input.points, input.constraints), expected) == "");
-    for (const char* program : programs_of_call(Meshes::one, true)) CHECK(!runtime.would_compile(program));
-  }
+  CallShape first;
+  first.constrained = first.merged = first.swept = first.spares = true;
+  CallShape second = first;
+  second.spares = false;
+  REQUIRE(3 * input.points.size() > Tuning().least_sweep);
+  auto handle = std::make_unique<gcdt_solver>();
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), runtime::Log(), Trace(), compiles_programs(4));
+  runtime::Runtime& runtime = handle->state->runtime;
+  Solver gpu(handle.release());
+  REQUIRE(runtime.most_builds() == 4);
+  CHECK(difference(gpu.triangulate(input.points, input.constraints), expected) == "");
+  for (const char* program : programs_of_call(first)) CHECK(!runtime.would_compile(program));
+  for (const char* program : {"sort64_group", "buckets", "insert_few", "flip_few", "sweeps"})
+    CHECK(runtime.would_compile(program));
+  CHECK(!runtime.spares_programs());
+  CHECK(difference(gpu.triangulate(input.points, input.constraints), expected) == "");
+  for (const char* program : programs_of_call(second)) CHECK(!runtime.would_compile(program));
+}
+
+TEST_CASE("a chain of flips in a first call has the program compiled that follows it") {
+  const Workload comb = workload("comb", 20000);
+  const Triangulation expected = solver().triangulate(comb.points, comb.constraints);
+  auto handle = std::make_unique<gcdt_solver>();
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), runtime::Log(), Trace(), compiles_programs(4));
+  runtime::Runtime& runtime = handle->state->runtime;
+  Solver gpu(handle.release());
+  const Triangulation made = gpu.triangulate(comb.points, comb.constraints);
+  CHECK(difference(made, expected) == "");
+  CHECK(made.statistics.rounds.flip > Tuning::rounds_without_few);
+  CHECK(made.statistics.rounds.flip < 3 * Tuning::rounds_without_few);  // thousands without it
+  CHECK(!runtime.would_compile("flip_few"));
+  CHECK(runtime.would_compile("insert_few"));
 }
 
 TEST_CASE("threads share what they build, at most so many at once, and one that fails is tried again") {
