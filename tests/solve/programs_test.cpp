@@ -6,6 +6,7 @@
 #include <set>
 
 #include "api/state.hpp"
+#include "cache_folder.hpp"
 #include "device_list.hpp"
 #include "faulty_device.hpp"
 #include "pool_cases.hpp"
@@ -114,6 +115,7 @@ TEST_CASE("the programs that a call is said to need are those that it builds") {
 }
 
 TEST_CASE("calls whose programs are built by threads give the same, the first one without those that only save time") {
+  const NoCache none;
   const Workload input = workload("letters", 98000);
   const Triangulation expected = solver().triangulate(input.points, input.constraints);
   CallShape first;
@@ -136,6 +138,7 @@ TEST_CASE("calls whose programs are built by threads give the same, the first on
 }
 
 TEST_CASE("a chain of flips in a first call has the program compiled that follows it") {
+  const NoCache none;
   const Workload comb = workload("comb", 20000);
   const Triangulation expected = solver().triangulate(comb.points, comb.constraints);
   auto handle = std::make_unique<gcdt_solver>();

@@ -39,6 +39,20 @@ class CacheFolder {
   std::filesystem::path path_;
 };
 
+/// While it lives there is no cache.
+class NoCache {
+ public:
+  NoCache() {
+    if (const char* before = std::getenv("GCDT_DISABLE_CACHE")) before_ = before;
+    set_variable("GCDT_DISABLE_CACHE", "1");
+  }
+  NoCache(const NoCache&) = delete;
+  ~NoCache() { set_variable("GCDT_DISABLE_CACHE", before_); }
+
+ private:
+  std::string before_ = "0";
+};
+
 inline std::string file_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return std::string((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
