@@ -43,11 +43,10 @@ static inline bool has_fan(Fans f, uint v) { return f.made && f.begins[v + 1u] >
 // order,
 //   y left:   if it is left, too, and clockwise of y
 //   y right:  unless it is y, or right or on the line, and counter-clockwise of y
-//   y on it:  with 180 degrees if it is left. With 0 all are but y, and those that are not left count as not beyond:
-//   the
-//             search ends at the first face, or at the last one, both of which have y.
-// Corners of one fan point into distinct directions, less than 180 degrees from one to the next. Ends: the range
-// halves.
+//   y on it:  if it is left, with 180 degrees; with 0 all are but y
+// With 0 those that are not left count as not beyond, so that the search ends at the first face or at the last one,
+// which both have the edge v-y. Corners of one fan point into distinct directions, less than 180 degrees from one to
+// the next. Ends: the range halves.
 static uint face_of_fan(Fans f, global const int2* points, uint n, uint v, Vertex at, Vertex b, private uint* steps) {
   const uint begin = f.begins[v];
   uint low = begin, high = f.begins[v + 1u];

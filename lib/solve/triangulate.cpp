@@ -135,9 +135,9 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   return made;
 }
 
-CallShape shape_of_call(const runtime::Runtime& runtime, const InputSource& source) {
+// Of a mesh of `edges` at most.
+CallShape shape_of_call(const runtime::Runtime& runtime, const InputSource& source, std::uint64_t edges) {
   const Tuning& tuning = runtime.tuning();
-  const std::uint64_t edges = 3 * std::uint64_t{source.n};
   CallShape call;
   call.constrained = source.m > 0;
   call.merged = source.n <= tuning.most_merged;
@@ -156,7 +156,7 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
   runtime.use_programs(runtime::Meshes::one);
   const std::uint64_t edges = 3 * std::uint64_t{source.n};
   const runtime::SparedPrograms spared(runtime, edges < Tuning::least_all_programs);
-  const runtime::Builders ahead(runtime, programs_of_call(shape_of_call(runtime, source)));
+  const runtime::Builders ahead(runtime, programs_of_call(shape_of_call(runtime, source, edges)));
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);
