@@ -97,8 +97,8 @@ GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint 
 }
 
 // Writes first[r] for r = begin .. end - 1. Ends: the range halves; the pieces are run through.
-static void find_first_pieces(uint begin, uint end, global const Levels* levels, uint pieces, global const uint2* ends,
-                              global uint* first) {
+GCDT_APART void find_first_pieces(uint begin, uint end, global const Levels* levels, uint pieces,
+                                  global const uint2* ends, global uint* first) {
   uint low = 0, high = pieces;
   while (low < high) {
     const uint middle = low + (high - low) / 2u;
@@ -175,6 +175,19 @@ static uint check_edges_of(uint t, uint count, global const Levels* levels, glob
   return constrained_edges;
 }
 
+// The same of all `items`.
+GCDT_APART uint check_edges_among(Items items, uint count, global const Levels* levels, global const int2* points,
+                                  global const uint* corners, global const int* neighbours,
+                                  global const uchar* constrained, uint pieces, global const uint* first_pieces,
+                                  global const uint2* ends, global uint* next, global uint* previous,
+                                  global CheckReport* report) {
+  uint constrained_edges = 0;
+  FOR_ITEMS(t, items)
+  constrained_edges += check_edges_of(t, count, levels, points, corners, neighbours, constrained, pieces, first_pieces,
+                                      ends, next, previous, report);
+  return constrained_edges;
+}
+
 // One work-item per triangle t.
 // Reads levels, points, corners, neighbours, flags and pieces. An edge between two triangles is linked
 // from both, but tested and counted by the one with the smaller number only.
@@ -187,10 +200,8 @@ kernel void check_edges(const uint count, global const Levels* levels, global co
                         const uint pieces, global const uint* first_pieces, global const uint2* ends, global uint* next,
                         global uint* previous, global CheckReport* report) {
   if (noted(report, GCDT_CHECK_ORIENT)) return;
-  uint constrained_edges = 0;
-  FOR_EACH(t, count)
-  constrained_edges += check_edges_of(t, count, levels, points, corners, neighbours, constrained, pieces, first_pieces,
-                                      ends, next, previous, report);
+  const uint constrained_edges = check_edges_among(items_of_this(count), count, levels, points, corners, neighbours,
+                                                   constrained, pieces, first_pieces, ends, next, previous, report);
   if (constrained_edges != 0) atomic_add(&report->constrained_edges, constrained_edges);
 }
 

@@ -52,12 +52,14 @@ static inline uint2 coarse_units(GCDT_LEVELS_POINTER levels, uint level, global 
 }
 
 // The problems of this work-item, all of each.
-#define FOR_EACH_TREE(p, problems, points, n) FOR_EACH_PROBLEM(p, problems, first_ranks(points, n))
+static inline Items trees_of_this(uint problems, global const int2* points, uint n) {
+  return problems_of_this(problems, first_ranks(points, n));
+}
 
 #else
 
 static inline uint first_rank(global const int2* points, uint n, uint problem) { return problem == 0u ? 0u : n; }
-#define FOR_EACH_TREE(p, problems, points, n) FOR_EACH(p, problems)
+static inline Items trees_of_this(uint problems, global const int2* points, uint n) { return items_of_this(problems); }
 static inline uint root_count(global const int2* points, uint n) { return 1u; }
 static inline uint root_of(global const int2* points, uint n, uint v) { return 0u; }
 static inline uint symbol_of(uint v, uint n) { return v - n; }

@@ -55,13 +55,6 @@ static inline uint share_by_weight(global const uint* firsts, uint count, uint s
   return low;
 }
 
-// Problems of a batch, each with words of its own that stand one problem after the other, from firsts[p] on: shares
-// are contiguous, so that what a work-item reads next comes next in memory, and weigh about the same.
-#define FOR_EACH_PROBLEM(p, problems, firsts)                                                                       \
-  for (uint p = share_by_weight((firsts), (problems), (uint)get_global_id(0), (uint)get_global_size(0)),            \
-            p##_end = share_by_weight((firsts), (problems), (uint)get_global_id(0) + 1u, (uint)get_global_size(0)); \
-       p < p##_end; ++p)
-
 // Items x, x + z and so on, below y.
 typedef uint3 Items;
 #define FOR_ITEMS(i, items) for (uint i = (items).x; i < (items).y; i += (items).z)
@@ -73,6 +66,20 @@ static inline Items items_of_share(uint count, uint share, uint shares) {
 #else
   return (Items)(share, count, shares);
 #endif
+}
+
+// Those of this work-item.
+static inline Items items_of_this(uint count) {
+  return items_of_share(count, (uint)get_global_id(0), (uint)get_global_size(0));
+}
+
+// The problems of this work-item, of a batch whose problems each have words of their own that stand one problem after
+// the other, from firsts[p] on: shares are contiguous, so that what a work-item reads next comes next in memory, and
+// weigh about the same.
+static inline Items problems_of_this(uint problems, global const uint* firsts) {
+  const uint share = (uint)get_global_id(0), shares = (uint)get_global_size(0);
+  return (Items)(share_by_weight(firsts, problems, share, shares),
+                 share_by_weight(firsts, problems, share + 1u, shares), 1u);
 }
 
 // The items of this work-item.

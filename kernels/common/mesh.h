@@ -39,6 +39,12 @@ static inline void set_side(global uint4* face_data, uint t, uint k, uint code) 
   ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
 }
 
+// Both words of a link: side k of face t is the side code.
+static inline void join(global uint4* face_data, global uint* edge_faces, uint t, uint k, uint code) {
+  set_side(face_data, t, k, code);
+  edge_faces[code] = GCDT_FACE_REF(t, k);
+}
+
 // The faces and edges that vertex v brings: two and three.
 static inline uint new_face(Mesh mesh, uint v, uint i) { return gcdt_forest_faces(v, mesh.roots) + i; }
 static inline uint new_edge(Mesh mesh, uint v, uint j) { return gcdt_forest_edges(v, mesh.roots) + j; }

@@ -14,6 +14,15 @@ typedef ulong u64;
 // variable that all its calls are given into it, where every group then shares it (tests/device/local_memory.sh looks
 // for it).
 #define GCDT_GIVEN_LOCAL static inline __attribute__((always_inline))
+// A function that a compiler is to keep apart from the kernels that call it. PoCL (3 to 6) compiles a kernel's text
+// three times over, by itself and in two launchers that it becomes part of, but what those call once: of large kernels
+// this is most of the time of a first call. Such a function is given no local memory, has no barrier, and does not ask
+// which work-item it is for: PoCL makes those that do part of the kernel after all. Elsewhere it is as any other.
+#ifdef GCDT_CONTIGUOUS
+#define GCDT_APART static __attribute__((noinline))
+#else
+#define GCDT_APART static inline
+#endif
 // Before kernels that one work-group does by itself: how many work-items it has, where the host says so to the
 // compiler.
 #ifdef GCDT_ONE_GROUP

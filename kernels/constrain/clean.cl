@@ -132,25 +132,23 @@ kernel void clean_count(uint count, global const uint* begins, global const uint
   FOR_EACH(c, count) pieces[places[c]] = offsets[begins[c + 1u]] - offsets[begins[c]] + 1u;
 }
 
-// One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it, or writes them in
-// order to hits[offsets[part] ...]: the first of a part is known from counting, so that only parts with more walk
-// again. No race: each part has its own words, or its own range; faces crossed are added to their constraint's count,
-// and to that of all. After counting: counts[part] for every part, 0 beyond the last; first_hits[part] if that is not
-// 0; part_face[part], where it begins, is GCDT_NONE if it failed; passed[part] counts the edges that it passes.
-kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_FAN_PARAMETERS,
-                       GCDT_GATE_PARAMETERS, global const uint2* ends, global const uint* list,
-                       global const uint* begins, global const int4* lines, global const uint* part_piece,
-                       global uint* part_face, global uint* passed, global const uint* searched,
-                       global const uint* offsets, global uint* counts, global uint* first_hits, global uint* hits,
-                       volatile global uint* crossed, volatile global Counters* counters) {
-  local uint sum;
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  Walked walked = make_walked(mesh, make_fans(fans_made, fan_begins, fan_faces), 1u);
-  const Gates gates = make_gates(gates_made, gates_at);
-  const uint parts = begins[pieces];
-  uint steps = 0, hit = 0, edges_already = 0;
-  u64 pairs = 0;  // parts are shared out by their sum, which is no less than those of all constraints
-  FOR_EACH(part, capacity) {
+// What walks of parts have come to: steps of turns, vertices, constraints that are edges already, edges passed. (Parts
+// are shared out by the sum of these, which is no less than that of all constraints.)
+typedef struct Cleaned {
+  u32 steps, hits, edges_already;
+  u64 pairs;
+} Cleaned;
+
+// What clean_walk does for `items`, of the parts.
+GCDT_APART Cleaned walk_parts(Items items, uint task, uint parts, Walked walked, Gates gates, global const uint2* ends,
+                              global const uint* list, global const uint* begins, global const int4* lines,
+                              global const uint* part_piece, global uint* part_face, global uint* passed,
+                              global const uint* searched, global const uint* offsets, global uint* counts,
+                              global uint* first_hits, global uint* hits, volatile global uint* crossed,
+                              volatile global Counters* counters) {
+  const Mesh mesh = walked.mesh;
+  Cleaned done = {0u, 0u, 0u, 0u};
+  FOR_ITEMS(part, items) {
     uint found = 0, edges = 0;
     const uint before = task == GCDT_CLEAN_ALL ? 0u : offsets[part + 1u] - offsets[part];
     if (task == GCDT_CLEAN_WRITE && before == 1u) hits[offsets[part]] = first_hits[part];
@@ -169,7 +167,7 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
           else if (found == 0u)
             first_hits[part] = w.hit;
           ++found;
-          event = walk_turn(&w, walked, w.hit, &steps);
+          event = walk_turn(&w, walked, w.hit, &done.steps);
         } else if (event == WALK_CROSS) {
           event = walk_cross(&w, mesh, look_behind(&w, mesh, gates));
           ++edges;
@@ -179,9 +177,9 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
       if (event == WALK_END) {
         if (task != GCDT_CLEAN_WRITE && edges > 0u) {
           atomic_add(crossed + list[c], edges);
-          pairs += edges;
+          done.pairs += edges;
         }
-        edges_already += edges == 0u && found == 0u && begins[c + 1u] - begins[c] == 1u ? 1u : 0u;
+        done.edges_already += edges == 0u && found == 0u && begins[c + 1u] - begins[c] == 1u ? 1u : 0u;
       } else if (task == GCDT_CLEAN_ALL) {
         part_face[part] = GCDT_NONE;
         lose_patience(&walked);
@@ -190,19 +188,39 @@ kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETE
       } else {
         atomic_or(&counters->failed, GCDT_FAILED_WALK);
       }
-      hit += found;
+      done.hits += found;
     } else {
       found = before;
     }
     if (task != GCDT_CLEAN_WRITE) counts[part] = found;
   }
-  add_for_group(&sum, &counters->steps_low, &counters->steps_high, task == GCDT_CLEAN_WRITE ? 0u : steps);
-  add_lengths(&sum, &counters->pairs_low, pairs);
-  hit = sum_of_group(&sum, hit);
-  if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && hit > 0u) atomic_add(&counters->hits, hit);
-  edges_already = sum_of_group(&sum, edges_already);
-  if (get_local_id(0) == 0 && task != GCDT_CLEAN_WRITE && edges_already > 0u)
-    atomic_add(&counters->existing_edges, edges_already);
+  return done;
+}
+
+// One work-item per part. Walks it in the mesh, which nobody changes, and counts the vertices on it, or writes them in
+// order to hits[offsets[part] ...]: the first of a part is known from counting, so that only parts with more walk
+// again. No race: each part has its own words, or its own range; faces crossed are added to their constraint's count,
+// and to that of all. After counting: counts[part] for every part, 0 beyond the last; first_hits[part] if that is not
+// 0; part_face[part], where it begins, is GCDT_NONE if it failed; passed[part] counts the edges that it passes.
+kernel void clean_walk(uint task, uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_FAN_PARAMETERS,
+                       GCDT_GATE_PARAMETERS, global const uint2* ends, global const uint* list,
+                       global const uint* begins, global const int4* lines, global const uint* part_piece,
+                       global uint* part_face, global uint* passed, global const uint* searched,
+                       global const uint* offsets, global uint* counts, global uint* first_hits, global uint* hits,
+                       volatile global uint* crossed, volatile global Counters* counters) {
+  local uint sum;
+  const Walked walked =
+      make_walked(make_mesh(n, points, face_data, edge_faces), make_fans(fans_made, fan_begins, fan_faces), 1u);
+  const Cleaned done = walk_parts(items_of_this(capacity), task, begins[pieces], walked,
+                                  make_gates(gates_made, gates_at), ends, list, begins, lines, part_piece, part_face,
+                                  passed, searched, offsets, counts, first_hits, hits, crossed, counters);
+  const bool counting = task != GCDT_CLEAN_WRITE;
+  add_for_group(&sum, &counters->steps_low, &counters->steps_high, counting ? done.steps : 0u);
+  add_lengths(&sum, &counters->pairs_low, done.pairs);
+  const uint hit = sum_of_group(&sum, done.hits);
+  if (get_local_id(0) == 0 && counting && hit > 0u) atomic_add(&counters->hits, hit);
+  const uint edges_already = sum_of_group(&sum, done.edges_already);
+  if (get_local_id(0) == 0 && counting && edges_already > 0u) atomic_add(&counters->existing_edges, edges_already);
 }
 
 // One work-item per part. A constraint with hits h1 .. hk becomes the pieces a-h1, h1-h2, .. hk-b. Each

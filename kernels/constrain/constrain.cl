@@ -37,20 +37,19 @@ kernel void constrain_existing(uint pieces, GCDT_MESH_PARAMETERS, volatile globa
   }
 }
 
-// One work-item per part, in the order that is given if `ordered`. Writes near words by compare-and-exchange
-// (reduce_near: order cannot matter), and for a piece that is an edge already that edge's number and mark (one part,
-// the first, owns the piece's word; marks by atomic_or). After: near is complete, or failure bits are set.
-kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
-                           volatile global uint* edge_marks, volatile global uint* near, global const uint2* ends,
-                           global const uint* begins, global const int4* lines, global const uint* part_piece,
-                           global const uint* part_face, uint ordered, global const uint* order,
-                           global uint* piece_edge, volatile global Counters* counters) {
-  local uint sum;
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Gates gates = make_gates(gates_made, gates_at);
-  const uint parts = begins[pieces];
-  uint pairs = 0, existing = 0;
-  FOR_EACH(i, min(parts, capacity)) {
+// What constrain_near has counted: edges crossed and pieces that are none already, and pieces that are.
+typedef struct Nearing {
+  u32 pairs, existing;
+} Nearing;
+
+// What constrain_near does for `items`, of the parts.
+GCDT_APART Nearing find_near(Items items, Mesh mesh, Gates gates, volatile global uint* edge_marks,
+                             volatile global uint* near, global const uint2* ends, global const uint* begins,
+                             global const int4* lines, global const uint* part_piece, global const uint* part_face,
+                             uint ordered, global const uint* order, global uint* piece_edge,
+                             volatile global Counters* counters) {
+  Nearing done = {0u, 0u};
+  FOR_ITEMS(i, items) {
     const uint part = ordered ? order[i] : i;
     const uint c = part_piece[part];
     Walk w;
@@ -61,9 +60,9 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCD
       piece_edge[c] = is_edge ? GCDT_SIDE_EDGE(w.code) : GCDT_NONE;
       if (is_edge) {
         atomic_or(edge_marks + GCDT_SIDE_EDGE(w.code), GCDT_MARK_CONSTRAINED);
-        ++existing;
+        ++done.existing;
       } else if (event != WALK_FAILED) {
-        ++pairs;
+        ++done.pairs;
       }
     }
     // Ends: every edge crossed lies further along the piece.
@@ -74,15 +73,31 @@ kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCD
       const Gate behind = look_behind(&w, mesh, gates);
       reduce_near(near, at.x, at.y, c, &w, lines, counters);
       event = walk_cross(&w, mesh, behind);
-      ++pairs;
+      ++done.pairs;
     }
     if (event == WALK_HIT)
       atomic_or(&counters->failed, GCDT_FAILED_HIT);
     else if (event != WALK_END)
       atomic_or(&counters->failed, GCDT_FAILED_WALK);
   }
-  add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, pairs);
-  existing = sum_of_group(&sum, existing);
+  return done;
+}
+
+// One work-item per part, in the order that is given if `ordered`. Writes near words by compare-and-exchange
+// (reduce_near: order cannot matter), and for a piece that is an edge already that edge's number and mark (one part,
+// the first, owns the piece's word; marks by atomic_or). After: near is complete, or failure bits are set.
+kernel void constrain_near(uint pieces, uint capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
+                           volatile global uint* edge_marks, volatile global uint* near, global const uint2* ends,
+                           global const uint* begins, global const int4* lines, global const uint* part_piece,
+                           global const uint* part_face, uint ordered, global const uint* order,
+                           global uint* piece_edge, volatile global Counters* counters) {
+  local uint sum;
+  const Nearing done =
+      find_near(items_of_this(min(begins[pieces], capacity)), make_mesh(n, points, face_data, edge_faces),
+                make_gates(gates_made, gates_at), edge_marks, near, ends, begins, lines, part_piece, part_face, ordered,
+                order, piece_edge, counters);
+  add_for_group(&sum, &counters->pairs_low, &counters->pairs_high, done.pairs);
+  const uint existing = sum_of_group(&sum, done.existing);
   if (get_local_id(0) == 0 && existing > 0u) atomic_add(&counters->existing_edges, existing);
 }
 
@@ -109,7 +124,7 @@ static inline bool is_hexagon(Nearest at) {
 // off u, one v; w: one comes from w, the other cuts off u or v; nowhere: there are no two. A piece that crosses e comes
 // from w or crosses one more edge. p, the first from u, cuts u off if it is the first from u on {u, w}, too (L6), and
 // if it cuts v off, so does q, which is nearer to v.
-static inline uint4 intersection_case(Nearest at, uint4 c, uint k, global const uint2* ends) {
+GCDT_APART uint4 intersection_case(Nearest at, uint4 c, uint k, global const uint2* ends) {
   const uint p = element(at.right, k), q = element(at.left, k);
   if (p == q) return (uint4)(0u);
   const uint w = element(c, k);
@@ -224,24 +239,16 @@ static uint2 last_sides(const private Walk* w, Mesh mesh, volatile global uint* 
                  chain_side(near, element(sides, next_corner(k)), false, in ^ 1u, c));
 }
 
-// One work-item per part, as before. Writes where the part owns vertices to chunks, the first of which all parts have,
-// and how many are left and right (its own words, the right ones `capacity` behind), and reduces the farthest cut at
-// each corner of a hexagon (reduce_far). Of the last face it marks known sides along chains with NEAR_CHAIN. A piece
-// that is an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of
-// each piece that was walked.
-kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
-                          volatile global uint* near, global const uint2* ends, global const uint* begins,
-                          global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
-                          global const uint* part_face, uint ordered, global const uint* order, global uint* counts,
-                          volatile global uint* far, global ChunkHead* heads, global uint* entries, global uint2* last,
-                          uint claim, volatile global Counters* counters) {
-  local uint sum;
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Gates gates = make_gates(gates_made, gates_at);
-  const Chunks chunks = {.heads = heads, .entries = entries, .pool = capacity, .capacity = chunk_capacity};
+// What constrain_own does for `items`, of the parts. Returns how many vertices these own left and right.
+GCDT_APART uint2 find_owned(Items items, uint pieces, uint capacity, Mesh mesh, Gates gates, Chunks chunks,
+                            volatile global uint* near, global const uint2* ends, global const uint* begins,
+                            global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
+                            global const uint* part_face, uint ordered, global const uint* order, global uint* counts,
+                            volatile global uint* far, global uint2* last, uint claim,
+                            volatile global Counters* counters) {
   const uint parts = begins[pieces];
   uint all_left = 0, all_right = 0;
-  FOR_EACH(i, capacity) {
+  FOR_ITEMS(i, items) {
     const uint part = ordered ? order[i] : i;
     Owned o = own_nothing(part);
     if (part < parts) {
@@ -275,9 +282,28 @@ kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_
     all_left += o.left;
     all_right += o.right;
   }
-  all_left = sum_of_group(&sum, all_left);
+  return (uint2)(all_left, all_right);
+}
+
+// One work-item per part, as before. Writes where the part owns vertices to chunks, the first of which all parts have,
+// and how many are left and right (its own words, the right ones `capacity` behind), and reduces the farthest cut at
+// each corner of a hexagon (reduce_far). Of the last face it marks known sides along chains with NEAR_CHAIN. A piece
+// that is an edge already crosses nothing. After: counts, 0 beyond the last part; far[3 h + k] is complete; last[c] of
+// each piece that was walked.
+kernel void constrain_own(uint pieces, uint capacity, uint chunk_capacity, GCDT_MESH_PARAMETERS, GCDT_GATE_PARAMETERS,
+                          volatile global uint* near, global const uint2* ends, global const uint* begins,
+                          global const uint* piece_edge, global const int4* lines, global const uint* part_piece,
+                          global const uint* part_face, uint ordered, global const uint* order, global uint* counts,
+                          volatile global uint* far, global ChunkHead* heads, global uint* entries, global uint2* last,
+                          uint claim, volatile global Counters* counters) {
+  local uint sum;
+  const Chunks chunks = {.heads = heads, .entries = entries, .pool = capacity, .capacity = chunk_capacity};
+  const uint2 owned = find_owned(items_of_this(capacity), pieces, capacity, make_mesh(n, points, face_data, edge_faces),
+                                 make_gates(gates_made, gates_at), chunks, near, ends, begins, piece_edge, lines,
+                                 part_piece, part_face, ordered, order, counts, far, last, claim, counters);
+  const uint all_left = sum_of_group(&sum, owned.x);
   if (get_local_id(0) == 0 && all_left > 0u) atomic_add(&counters->owned_left, all_left);
-  all_right = sum_of_group(&sum, all_right);
+  const uint all_right = sum_of_group(&sum, owned.y);
   if (get_local_id(0) == 0 && all_right > 0u) atomic_add(&counters->owned_right, all_right);
 }
 
@@ -303,20 +329,13 @@ static void write_chain(Chains chains, uint at, uint v, uint c, ulong distance, 
   chains.side[at] = side;
 }
 
-// One work-item per place in a chunk, of the parts' own and of `taken` from the pool behind them, and one per piece.
-// Writes the chunk's vertices to its own range of the chains, the piece's ends around its chains, and marks known sides
-// along chains with NEAR_CHAIN. Apart from the walk, which lanes go on with at once. After: the chains are complete.
-kernel void constrain_chain(uint pieces, uint taken, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
-                            global const uint2* ends, global const uint* begins, global const uint* piece_edge,
-                            global const int4* lines, global const uint* part_piece, global const uint2* last_of_piece,
-                            global const uint* starts, global const ChunkHead* heads, global const uint* entries,
-                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
-                            global uint* chain_side_before, volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Chains chains = {
-      .vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .side = chain_side_before};
+// What constrain_chain does for `items`, of the places in chunks.
+GCDT_APART void write_chunks(Items items, uint pieces, uint capacity, Mesh mesh, volatile global uint* near,
+                             global const uint* begins, global const int4* lines, global const uint* part_piece,
+                             global const uint* starts, global const ChunkHead* heads, global const uint* entries,
+                             Chains chains, volatile global Counters* counters) {
   const uint parts = begins[pieces];
-  FOR_EACH(i, GCDT_CHUNK_LENGTH * (parts + taken)) {
+  FOR_ITEMS(i, items) {
     const uint j = i % GCDT_CHUNK_LENGTH, own = i / GCDT_CHUNK_LENGTH,
                chunk = own < parts ? own : capacity + (own - parts);
     const ChunkHead head = heads[chunk];
@@ -333,9 +352,26 @@ kernel void constrain_chain(uint pieces, uint taken, uint capacity, GCDT_MESH_PA
     const uint side = chain_side(near, right ? across_left : across_right, chunk_from_end(head, j),
                                  right ? across_right ^ 1u : across_left, c);
     const int4 line = lines[c];
-    write_chain(chains, at, v, c, chain_distance(line_begin(line), line_end(line), load_vertex(points, n, v)), side);
-    if (v >= n) atomic_inc(&counters->symbolic_chain_vertices);
+    write_chain(chains, at, v, c, chain_distance(line_begin(line), line_end(line), load_vertex(mesh.points, mesh.n, v)),
+                side);
+    if (v >= mesh.n) atomic_inc(&counters->symbolic_chain_vertices);
   }
+}
+
+// One work-item per place in a chunk, of the parts' own and of `taken` from the pool behind them, and one per piece.
+// Writes the chunk's vertices to its own range of the chains, the piece's ends around its chains, and marks known sides
+// along chains with NEAR_CHAIN. Apart from the walk, which lanes go on with at once. After: the chains are complete.
+kernel void constrain_chain(uint pieces, uint taken, uint capacity, GCDT_MESH_PARAMETERS, volatile global uint* near,
+                            global const uint2* ends, global const uint* begins, global const uint* piece_edge,
+                            global const int4* lines, global const uint* part_piece, global const uint2* last_of_piece,
+                            global const uint* starts, global const ChunkHead* heads, global const uint* entries,
+                            global uint* chain_vertex, global ulong* chain_distances, global uint* chain_piece,
+                            global uint* chain_side_before, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Chains chains = {
+      .vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .side = chain_side_before};
+  write_chunks(items_of_this(GCDT_CHUNK_LENGTH * (begins[pieces] + taken)), pieces, capacity, mesh, near, begins, lines,
+               part_piece, starts, heads, entries, chains, counters);
   FOR_EACH(c, pieces) {
     const uint2 e = walk_ends(ends[c]);
     const uint first = begins[c], last = begins[c + 1u];

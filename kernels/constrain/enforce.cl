@@ -275,25 +275,20 @@ static void know_faces(private Problem* p, uint problem, uint begin, uint end) {
   for (uint t = new_face(p->mesh, begin, 0u); t < new_face(p->mesh, end, 0u); ++t) know_face(p, t);
 }
 
-// One work-item per problem. Enforces its constraints, in the Delaunay mesh of its vertices, but for those that cross
-// an earlier one; and if they do and not `all`, but for those that follow. Writes words of its problem; pieces_of[c]:
-// of how many edges constraint c is made, 0 if it is left out or has no length; crosses[c]: 1 if it crosses an earlier
-// one that was enforced, else 0. Ends: see the functions. After: the mesh is constrained Delaunay;
-// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void; GCDT_FAILED_INDEX: an end is
-// not below `inputs`, and constraints from there on are left out.
-kernel void enforce_problems(uint problems, uint inputs, uint all, GCDT_MESH_PARAMETERS,
-                             global const uint* first_constraint, global const uint2* constraints,
-                             global const uint* input_vertex, global uint* edge_marks, global uint* vertex_face,
-                             global uint4* crossed, global uint4* stack, global uint* pieces_of, global uint* crosses,
-                             volatile global Counters* counters) {
+// What enforce_problems does for `trees`; `crossed` and `stack` have room for all. Returns failure bits, and counts in
+// *done.
+GCDT_APART uint enforce_trees(Items trees, Mesh mesh, uint inputs, uint all, global const uint* first_constraint,
+                              global const uint2* constraints, global const uint* input_vertex, global uint* edge_marks,
+                              global uint* vertex_face, global uint4* crossed, global uint4* stack,
+                              global uint* pieces_of, global uint* crosses, private Problem* done) {
   Problem p;
-  p.mesh = make_mesh(n, points, face_data, edge_faces);
+  p.mesh = mesh;
   p.marks = edge_marks;
   p.vertex_face = vertex_face;
   p.zero_length = p.hits = p.existing = p.owned = p.pairs = p.flips = 0u;
   uint failed = 0;
-  FOR_EACH_TREE(i, problems, points, n) {
-    const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
+  FOR_ITEMS(i, trees) {
+    const uint begin = first_rank(mesh.points, mesh.n, i), end = first_rank(mesh.points, mesh.n, i + 1u);
     // Faces: two of each vertex, and the root.
     p.crossed = crossed + gcdt_forest_faces(begin, i);
     p.stack = stack + gcdt_forest_faces(begin, i);
@@ -317,13 +312,32 @@ kernel void enforce_problems(uint problems, uint inputs, uint all, GCDT_MESH_PAR
       stopped = stopped || lost || (one_crosses && !all);
     }
   }
+  *done = p;
+  return failed;
+}
+
+// One work-item per problem. Enforces its constraints, in the Delaunay mesh of its vertices, but for those that cross
+// an earlier one; and if they do and not `all`, but for those that follow. Writes words of its problem; pieces_of[c]:
+// of how many edges constraint c is made, 0 if it is left out or has no length; crosses[c]: 1 if it crosses an earlier
+// one that was enforced, else 0. Ends: see the functions. After: the mesh is constrained Delaunay;
+// GCDT_FAILED_CROSSING: some word of `crosses` is 1; GCDT_FAILED_WALK: the mesh is void; GCDT_FAILED_INDEX: an end is
+// not below `inputs`, and constraints from there on are left out.
+kernel void enforce_problems(uint problems, uint inputs, uint all, GCDT_MESH_PARAMETERS,
+                             global const uint* first_constraint, global const uint2* constraints,
+                             global const uint* input_vertex, global uint* edge_marks, global uint* vertex_face,
+                             global uint4* crossed, global uint4* stack, global uint* pieces_of, global uint* crosses,
+                             volatile global Counters* counters) {
+  Problem done;
+  const uint failed = enforce_trees(trees_of_this(problems, points, n), make_mesh(n, points, face_data, edge_faces),
+                                    inputs, all, first_constraint, constraints, input_vertex, edge_marks, vertex_face,
+                                    crossed, stack, pieces_of, crosses, &done);
   if (failed) atomic_or(&counters->failed, failed);
-  atomic_add(&counters->zero_length, p.zero_length);
-  atomic_add(&counters->hits, p.hits);
-  atomic_add(&counters->existing_edges, p.existing);
-  atomic_add(&counters->owned_left, p.owned);
-  add_wide(&counters->pairs_low, &counters->pairs_high, p.pairs);
-  add_wide(&counters->flips_low, &counters->flips_high, p.flips);
+  atomic_add(&counters->zero_length, done.zero_length);
+  atomic_add(&counters->hits, done.hits);
+  atomic_add(&counters->existing_edges, done.existing);
+  atomic_add(&counters->owned_left, done.owned);
+  add_wide(&counters->pairs_low, &counters->pairs_high, done.pairs);
+  add_wide(&counters->flips_low, &counters->flips_high, done.flips);
 }
 
 // ---- Pieces -------------------------------------------------------------------------------------------
@@ -344,18 +358,14 @@ static uint next_on(Mesh mesh, global const uint* vertex_face, uint a, uint b) {
   return b;
 }
 
-// One work-item per problem. Writes its pieces, in order of lower rank, higher rank, source: `keys` (lower << 32 |
-// higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and by
-// insertion for the few pieces of each. `places`: a word per vertex, void afterwards, as are the unsorted ones.
-// Writes words of its problem. After: as clean_pieces and a stable sort.
-kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
-                           global const uint* first_constraint, global const uint2* constraints,
-                           global const uint* input_vertex, global const uint* vertex_face, global const uint* offsets,
-                           global uint* places, global ulong* unsorted_keys, global uint* unsorted_sources,
-                           global ulong* keys, global uint* sources) {
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_TREE(i, problems, points, n) {
-    const uint begin = first_rank(points, n, i), end = first_rank(points, n, i + 1u);
+// What enforce_pieces does for `trees`.
+GCDT_APART void list_pieces(Items trees, GCDT_LEVELS_POINTER levels, Mesh mesh, global const uint* first_constraint,
+                            global const uint2* constraints, global const uint* input_vertex,
+                            global const uint* vertex_face, global const uint* offsets, global uint* places,
+                            global ulong* unsorted_keys, global uint* unsorted_sources, global ulong* keys,
+                            global uint* sources) {
+  FOR_ITEMS(i, trees) {
+    const uint begin = first_rank(mesh.points, mesh.n, i), end = first_rank(mesh.points, mesh.n, i + 1u);
     const uint first = offsets[first_constraint[i]], last = offsets[first_constraint[i + 1u]];
     for (uint v = begin; v < end; ++v) places[v] = 0u;
     for (uint c = first_constraint[i]; c < first_constraint[i + 1u]; ++c) {
@@ -383,6 +393,19 @@ kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_
     }
     sort_run(keys, sources, first, last);
   }
+}
+
+// One work-item per problem. Writes its pieces, in order of lower rank, higher rank, source: `keys` (lower << 32 |
+// higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and by
+// insertion for the few pieces of each. `places`: a word per vertex, void afterwards, as are the unsorted ones.
+// Writes words of its problem. After: as clean_pieces and a stable sort.
+kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
+                           global const uint* first_constraint, global const uint2* constraints,
+                           global const uint* input_vertex, global const uint* vertex_face, global const uint* offsets,
+                           global uint* places, global ulong* unsorted_keys, global uint* unsorted_sources,
+                           global ulong* keys, global uint* sources) {
+  list_pieces(trees_of_this(problems, points, n), levels, make_mesh(n, points, face_data, edge_faces), first_constraint,
+              constraints, input_vertex, vertex_face, offsets, places, unsorted_keys, unsorted_sources, keys, sources);
 }
 
 // One work-item per distinct piece. Writes its ends, lower rank first. No race: its own words.

@@ -60,8 +60,8 @@ static uint face_around(Mesh mesh, uint a, Vertex at, Vertex b, uint patience, p
 // A face whose closure holds division point k of a-b, moved infinitely little towards b, or GCDT_NONE if that takes too
 // long. Walks in the top layer turn around vertices with many faces: the constraint may begin or end at one (its own
 // first point is the germ of k = 0), and then lie beside it for long.
-static uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked walked, History h, uint2 ends,
-                                  int4 line, uint k, uint parts, private uint* steps) {
+GCDT_APART uint locate_division_point(GCDT_LEVELS_POINTER levels, uint level, Walked walked, History h, uint2 ends,
+                                      int4 line, uint k, uint parts, private uint* steps) {
   const Mesh mesh = walked.mesh;
   const uint a = ends.x, b = ends.y;
   Germ g;

@@ -65,8 +65,8 @@ kernel void retriangulate_top(uint length, uint made, global const ulong* distan
 // The last place before i with a distance < d. Climbs to the first layer where an entry to the left in
 // the same group has one, then descends to it: at most 2 * GCDT_MINIMA_RADIX entries a layer. Ends: the
 // sentinel is there.
-static uint smaller_before(global const ulong* distances, global const ulong* minima, constant MinimaLayers* layers,
-                           uint i, ulong d) {
+GCDT_APART uint smaller_before(global const ulong* distances, global const ulong* minima, constant MinimaLayers* layers,
+                               uint i, ulong d) {
   uint l = 0, at = i;
   for (;;) {
     const uint group = at / GCDT_MINIMA_RADIX * GCDT_MINIMA_RADIX;
@@ -87,8 +87,8 @@ static uint smaller_before(global const ulong* distances, global const ulong* mi
 }
 
 // The first place after i with a distance <= d. Mirror image.
-static uint not_larger_after(global const ulong* distances, global const ulong* minima, constant MinimaLayers* layers,
-                             uint i, ulong d) {
+GCDT_APART uint not_larger_after(global const ulong* distances, global const ulong* minima,
+                                 constant MinimaLayers* layers, uint i, ulong d) {
   uint l = 0, at = i + 1u;
   for (;;) {
     const uint group_end =
@@ -110,22 +110,10 @@ static uint not_larger_after(global const ulong* distances, global const ulong* 
   return at;
 }
 
-typedef struct Chains {
-  global const uint* vertex;
-  global const ulong* distance;
-  global const uint* piece;
-  uint right_begin;
-} Chains;
-
 // The triangle is (p, q, i) left of its piece and (q, p, i) right of it, counter-clockwise both: base across from
 // corner 2, and these are across from p and q.
-static inline uint corner_of_p(Chains chains, uint i) { return i < chains.right_begin ? 0u : 1u; }
-static inline uint corner_of_q(Chains chains, uint i) { return i < chains.right_begin ? 1u : 0u; }
-
-static inline void join(global uint4* face_data, global uint* edge_faces, uint t, uint k, uint code) {
-  set_side(face_data, t, k, code);
-  edge_faces[code] = GCDT_FACE_REF(t, k);
-}
+static inline uint corner_of_p(bool left) { return left ? 0u : 1u; }
+static inline uint corner_of_q(bool left) { return left ? 1u : 0u; }
 
 // The side of t along the chain, which a walk has found or stitch.cl will.
 static inline void join_along(global uint4* face_data, global uint* edge_faces, uint t, uint k, uint code) {
@@ -147,8 +135,6 @@ kernel void retriangulate_chains(uint grouped, uint length, uint right_begin, ui
                                  global uint4* face_data, global uint* edge_faces, global uint* edge_marks,
                                  global uint* roots, volatile global Counters* counters) {
   local uint taken[2];
-  const Chains chains = {
-      .vertex = chain_vertex, .distance = chain_distances, .piece = chain_piece, .right_begin = right_begin};
   FOR_EACH_TILE(tile, length) {
     const uint i = tile + get_local_id(0);
     uint p = 0, q = 0, t = GCDT_NONE, parent = GCDT_NONE, number = 0, e = GCDT_NONE;
@@ -166,13 +152,14 @@ kernel void retriangulate_chains(uint grouped, uint length, uint right_begin, ui
     const uint other = take_spare(taken, grouped, parent != GCDT_NONE && e == GCDT_NONE, spare, counters);
     if (t == GCDT_NONE) continue;
     if (e == GCDT_NONE) e = other;
-    const uint kp = corner_of_p(chains, i), kq = corner_of_q(chains, i), v = chain_vertex[i];
-    face_data[GCDT_CORNERS(t)] = i < right_begin ? (uint4)(chain_vertex[p], chain_vertex[q], v, 0u)
-                                                 : (uint4)(chain_vertex[q], chain_vertex[p], v, 0u);
+    const bool left = i < right_begin;
+    const uint kp = corner_of_p(left), kq = corner_of_q(left), v = chain_vertex[i];
+    face_data[GCDT_CORNERS(t)] =
+        left ? (uint4)(chain_vertex[p], chain_vertex[q], v, 0u) : (uint4)(chain_vertex[q], chain_vertex[p], v, 0u);
     if (p + 1u == i) join_along(face_data, edge_faces, t, kq, chain_side[i]);
     if (i + 1u == q) join_along(face_data, edge_faces, t, kp, chain_side[q]);
     if (parent == GCDT_NONE) {
-      roots[2u * chain_piece[i] + (i < right_begin ? 0u : 1u)] = t;
+      roots[2u * chain_piece[i] + (left ? 0u : 1u)] = t;
       set_side(face_data, t, 2u, GCDT_NONE);
     } else if (e == GCDT_NONE) {
       atomic_or(&counters->failed, GCDT_FAILED_MATCH);

@@ -77,7 +77,7 @@ static inline uint find_direction(Table table, uint u, uint v) {
 
 // The same for the sides of a face with corners c that are set in `open`; for the others GCDT_NONE. Their first slots
 // are read at once.
-static uint4 find_sides(Table table, uint4 c, uint open) {
+GCDT_APART uint4 find_sides(Table table, uint4 c, uint open) {
   const uint4 slots =
       (uint4)(first_slot(table, c.y, c.z), first_slot(table, c.z, c.x), first_slot(table, c.x, c.y), 0u);
   const Entry none = {GCDT_NONE, GCDT_NONE, GCDT_NONE};
@@ -112,12 +112,6 @@ static uint open_sides(uint4 c, uint4 s, bool second) {
     if (element(s, k) == GCDT_NONE && (element(c, next_corner(k)) > element(c, previous_corner(k))) == second)
       open |= 1u << k;
   return open;
-}
-
-// Joins side k of new triangle t to the side code, which waits for it.
-static inline void join(uint t, uint k, uint code, global uint4* face_data, global uint* edge_faces) {
-  ((global uint*)(face_data + GCDT_SIDES(t)))[k] = code;
-  edge_faces[code] = GCDT_FACE_REF(t, k);
 }
 
 // One work-item per new triangle: its open directions u -> v with u < v. A direction in the table takes the
@@ -158,7 +152,7 @@ kernel void stitch_first(uint grouped, uint count, global const uint* crossed, g
         if (!insert_direction(table, element(c, previous_corner(k)), element(c, next_corner(k)), GCDT_SIDE(e, 1u)))
           atomic_or(&counters->failed, GCDT_FAILED_MATCH);
       }
-      join(t, k, code, face_data, edge_faces);
+      join(face_data, edge_faces, t, k, code);
     }
   }
 }
@@ -179,7 +173,7 @@ kernel void stitch_second(uint count, global const uint* crossed, global uint4* 
       if (code == GCDT_NONE)
         atomic_or(&counters->failed, GCDT_FAILED_MATCH);
       else
-        join(t, k, code, face_data, edge_faces);
+        join(face_data, edge_faces, t, k, code);
     }
   }
 }

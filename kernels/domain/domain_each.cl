@@ -165,7 +165,8 @@ kernel void domain_each(uint problems, uint rule, global const uint* first_trian
                         global uint* all_arcs, global uint* arcs, global uint* begins, global uint* depth,
                         global int* winding, global uint* entry, global int* kept, global uint* kept_count,
                         volatile global DomainReport* report) {
-  FOR_EACH_PROBLEM(p, problems, first_triangle) {
+  const Items mine = problems_of_this(problems, first_triangle);
+  FOR_ITEMS(p, mine) {
     const uint first = first_triangle[p], last = first_triangle[p + 1u], by_node = gcdt_first_node(first, p);
     kept_count[p] = 0u;
     if (first == last) continue;
@@ -215,7 +216,8 @@ kernel void domain_each_keep(uint problems, uint rule, global const uint* first_
                              global const int* winding, global uint* out_corners, global int* out_neighbours,
                              global uchar* out_constrained, global uint* out_region, global uint* out_depth,
                              global int* out_winding) {
-  FOR_EACH_PROBLEM(p, problems, first_triangle) {
+  const Items mine = problems_of_this(problems, first_triangle);
+  FOR_ITEMS(p, mine) {
     const uint first = first_triangle[p], by_node = gcdt_first_node(first, p);
     const int begin = (int)first_kept[p];
     for (uint t = first; t < first_triangle[p + 1u]; ++t) {

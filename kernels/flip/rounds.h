@@ -153,7 +153,7 @@ static inline Kept keep_edge(Mesh mesh, uint e, uint2 refs) {
 }
 
 // Takes e out of the queue; if it is illegal, claims its faces and keeps it.
-static inline Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, uint e) {
+GCDT_APART Kept test_and_keep(Mesh mesh, global uint* edge_marks, Claim c, uint e) {
   Kept k = {.e = GCDT_NONE};
   const uint marks = edge_marks[e];
   const uint2 refs = faces_of_edge(mesh, e);

@@ -165,6 +165,34 @@ static uint insert_vertex(Mesh mesh, Owner o, uint v, uint last, uint limit, pri
   return t;
 }
 
+// What grow_insert does for `items`, of its shares. Returns how many vertices it leaves.
+GCDT_APART uint grow_shares(Items items, uint count, uint begin, uint segments, uint step, uint step_before, uint level,
+                            uint limit, GCDT_LEVELS_POINTER levels, Mesh mesh, Owner o, global uint* left,
+                            global uint* left_of, private Grown* grown) {
+  uint left_count = 0;
+  FOR_ITEMS(share, items) {
+    const uint first = share * step, end = min(first + step, segments), place = share_begin(count, first, segments);
+    if (begin == 0u)
+      for (uint p = 0; p < mesh.roots; ++p) plant(mesh, o, p);
+    uint remaining = 0, last = GCDT_NONE, tree = 0;
+    for (uint segment = first; segment < end; segment += step_before) {
+      const uint from = share_begin(count, segment, segments);
+      const uint to = step == 1u ? share_begin(count, segment + 1u, segments) : from + left_of[segment];
+      for (uint i = from; i < to; ++i) {
+        const uint v = step == 1u ? begin + i : left[i];
+        const uint own_tree = root_of(mesh.points, mesh.n, v);
+        if (last == GCDT_NONE || own_tree != tree) last = face_to_begin(levels, level, mesh, begin, v);
+        tree = own_tree;
+        last = insert_vertex(mesh, o, v, last, limit, grown);
+        if (last == GCDT_NONE) left[place + remaining++] = v;
+      }
+    }
+    left_of[first] = remaining;
+    left_count += remaining;
+  }
+  return left_count;
+}
+
 // One work-item per share of the vertices begin .. begin + count - 1, of which there were `segments` in the first
 // round, where `step` is 1. In later rounds a work-item takes `step` neighbouring segments, and inserts what
 // work-items of the round before, with `step_before` segments each, have left of them: along the curve, so that what
@@ -183,29 +211,11 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
   Grown grown = {0u, 0u, 0u};
-  uint left_count = 0;
-  FOR_EACH(share, (segments + step - 1u) / step) {
-    const uint first = share * step, end = min(first + step, segments), place = share_begin(count, first, segments);
-    if (begin == 0u) {
-      for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
-      for (uint p = 0; p < mesh.roots; ++p) plant(mesh, o, p);
-    }
-    uint remaining = 0, last = GCDT_NONE, tree = 0;
-    for (uint segment = first; segment < end; segment += step_before) {
-      const uint from = share_begin(count, segment, segments);
-      const uint to = step == 1u ? share_begin(count, segment + 1u, segments) : from + left_of[segment];
-      for (uint i = from; i < to; ++i) {
-        const uint v = step == 1u ? begin + i : left[i];
-        const uint own_tree = root_of(points, n, v);
-        if (last == GCDT_NONE || own_tree != tree) last = face_to_begin(levels, level, mesh, begin, v);
-        tree = own_tree;
-        last = insert_vertex(mesh, o, v, last, limit, &grown);
-        if (last == GCDT_NONE) left[place + remaining++] = v;
-      }
-    }
-    left_of[first] = remaining;
-    left_count += remaining;
-  }
+  const Items shares = items_of_this((segments + step - 1u) / step);
+  if (begin == 0u && shares.x < shares.y)
+    for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
+  const uint left_count = grow_shares(shares, count, begin, segments, step, step_before, level, limit, levels, mesh, o,
+                                      left, left_of, &grown);
   if (left_count > 0u) atomic_add(&counters->list_insert[0], left_count);
   add_wide(&counters->steps_low, &counters->steps_high, grown.steps);
   add_wide(&counters->flips_low, &counters->flips_high, grown.flips);
@@ -215,6 +225,25 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
 #ifdef GCDT_FOREST
 
 #define PROBLEM_RATIO 4u
+
+// What grow_problems does for `items`, of the problems. Returns how many have a vertex that was not found.
+GCDT_APART uint grow_trees(Items items, uint limit, GCDT_LEVELS_POINTER levels, Mesh mesh, Owner o,
+                           private Grown* grown) {
+  uint lost = 0;
+  FOR_ITEMS(p, items) {
+    const uint begin = first_rank(mesh.points, mesh.n, p), count = first_rank(mesh.points, mesh.n, p + 1u) - begin;
+    uint last = p, stride = 1u;
+    plant(mesh, o, p);
+    while (stride < count) stride *= PROBLEM_RATIO;
+    for (; stride > 0u; stride /= PROBLEM_RATIO)
+      for (uint i = 0; i < count && last != GCDT_NONE; i += stride) {
+        if (i % (stride * PROBLEM_RATIO) == 0u && stride < count) continue;
+        last = insert_vertex(mesh, o, gcdt_vertex_of_rank(levels, levels->count - 1u, begin + i), last, limit, grown);
+      }
+    if (last == GCDT_NONE) ++lost;
+  }
+  return lost;
+}
 
 // One work-item per problem. Makes its root, and inserts the problem's vertices coarse to fine, every 4^k-th along the
 // curve, then every 4^(k-1)-th and so on, each found by a walk from the one before, split off, and settled. No face of
@@ -227,18 +256,8 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], false);
   Grown grown = {0u, 0u, 0u};
-  FOR_EACH_PROBLEM(p, problems, first_ranks(points, n)) {
-    const uint begin = first_rank(points, n, p), count = first_rank(points, n, p + 1u) - begin;
-    uint last = p, stride = 1u;
-    plant(mesh, o, p);
-    while (stride < count) stride *= PROBLEM_RATIO;
-    for (; stride > 0u; stride /= PROBLEM_RATIO)
-      for (uint i = 0; i < count && last != GCDT_NONE; i += stride) {
-        if (i % (stride * PROBLEM_RATIO) == 0u && stride < count) continue;
-        last = insert_vertex(mesh, o, gcdt_vertex_of_rank(levels, levels->count - 1u, begin + i), last, limit, &grown);
-      }
-    if (last == GCDT_NONE) atomic_inc(&counters->list_insert[0]);
-  }
+  const uint lost = grow_trees(problems_of_this(problems, first_ranks(points, n)), limit, levels, mesh, o, &grown);
+  if (lost > 0u) atomic_add(&counters->list_insert[0], lost);
   add_wide(&counters->steps_low, &counters->steps_high, grown.steps);
   add_wide(&counters->flips_low, &counters->flips_high, grown.flips);
   if (grown.on_edges > 0u) atomic_add(&counters->edge_splits, grown.on_edges);
@@ -282,17 +301,11 @@ static uint settle(Mesh mesh, Owner o, private uint* around) {
   }
 }
 
-// One work-item per share of the edges. Tests each that is not constrained, and flips it and what becomes illegal
-// around it if it owns the faces; else queues it. An edge found legal whose faces others change is tested by these.
-// Writes words of owned faces, marks by atomics, the queue in any order. After: an edge that is not queued is legal or
-// constrained.
-kernel void grow_flip(uint edges, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
-                      global uint* queue, volatile global Counters* counters) {
-  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
+// What grow_flip does for `items`, of the edges. Returns the number of flips.
+GCDT_APART uint grow_flip_edges(Items items, Mesh mesh, Owner o) {
   uint flips = 0;
-  FOR_EACH(e, edges) {
-    if (edge_marks[e] & GCDT_MARK_CONSTRAINED) continue;
+  FOR_ITEMS(e, items) {
+    if (o.marks[e] & GCDT_MARK_CONSTRAINED) continue;
     const uint2 refs = faces_of_edge(mesh, e);
     if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || !is_illegal(mesh, refs.x, refs.y)) continue;
     const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
@@ -306,5 +319,17 @@ kernel void grow_flip(uint edges, uint stamp, uint bits, GCDT_MESH_PARAMETERS, g
     flip_edge(mesh, e, refs, ct, cu, around);
     flips += 1u + settle(mesh, o, around);
   }
+  return flips;
+}
+
+// One work-item per share of the edges. Tests each that is not constrained, and flips it and what becomes illegal
+// around it if it owns the faces; else queues it. An edge found legal whose faces others change is tested by these.
+// Writes words of owned faces, marks by atomics, the queue in any order. After: an edge that is not queued is legal or
+// constrained.
+kernel void grow_flip(uint edges, uint stamp, uint bits, GCDT_MESH_PARAMETERS, global uint* edge_marks,
+                      global uint* queue, volatile global Counters* counters) {
+  const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
+  const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
+  const uint flips = grow_flip_edges(items_of_this(edges), mesh, o);
   add_wide(&counters->flips_low, &counters->flips_high, flips);
 }

@@ -10,8 +10,7 @@
 #include "order/order.h"
 
 // The columns of a survey of these vertices.
-static inline void survey_items(Items items, uint first, uint type, global const ulong* coordinates,
-                                private ulong* out) {
+GCDT_APART void survey_items(Items items, uint first, uint type, global const ulong* coordinates, private ulong* out) {
   ulong2 least = (ulong2)(0), most = (ulong2)(0);
   ulong trailing = 0, bad = 0;
   FOR_ITEMS(v, items) {
@@ -40,7 +39,7 @@ static inline void survey_items(Items items, uint first, uint type, global const
 }
 
 // The most decimals that a coordinate of these vertices needs, `limit` + 1 if more than `limit`.
-static inline int decimals_of_items(Items items, uint type, global const ulong* coordinates, int limit) {
+GCDT_APART int decimals_of_items(Items items, uint type, global const ulong* coordinates, int limit) {
   // If d decimals suffice, d + 1 do: it is enough to raise the number where it does not.
   int digits = 0;
   FOR_ITEMS(v, items) {
@@ -57,9 +56,8 @@ static inline void put_columns(private const ulong* from, uint columns, global u
 
 // Writes keys[v], the Morton code of v's grid point, and values[v] = v of these vertices. The columns of quantising: if
 // one is outside the grid, the keys are void.
-static inline void quantise_items(Items items, uint first, uint type, global const ulong* coordinates,
-                                  global const Scale* scale, global ulong* keys, global uint* values,
-                                  private ulong* out) {
+GCDT_APART void quantise_items(Items items, uint first, uint type, global const ulong* coordinates,
+                               global const Scale* scale, global ulong* keys, global uint* values, private ulong* out) {
   ulong move = 0, outside = 0;
   if (type == GCDT_COORDINATES_INT32 && scale->whole) {
     FOR_ITEMS(v, items) {

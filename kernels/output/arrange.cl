@@ -25,7 +25,8 @@
 // After this kernel the keys of each problem ascend.
 kernel void arrange_keys(uint problems, global const uint* first_input, global ulong* keys, global uint* values,
                          global ulong* other_keys, global uint* other_values) {
-  FOR_EACH_PROBLEM(p, problems, first_input) {
+  const Items mine = problems_of_this(problems, first_input);
+  FOR_ITEMS(p, mine) {
     const uint begin = first_input[p], end = first_input[p + 1u];
     if (end - begin <= ARRANGE_FEW) {
       sort_run(keys, values, begin, end);
@@ -45,7 +46,8 @@ static inline uint face_of_problem(Mesh mesh, uint problem, uint begin, uint i) 
 // One work-item per problem. Writes how many triangles it has.
 kernel void arrange_count(uint problems, GCDT_MESH_PARAMETERS, global uint* triangles) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_PROBLEM(p, problems, first_ranks(points, n)) {
+  const Items mine = problems_of_this(problems, first_ranks(points, n));
+  FOR_ITEMS(p, mine) {
     const uint begin = first_rank(points, n, p), end = first_rank(points, n, p + 1u);
     const uint faces = gcdt_forest_faces(end - begin, 1u);
     uint count = 0;
@@ -65,7 +67,8 @@ kernel void arrange_problems(uint problems, GCDT_MESH_PARAMETERS, global const u
                              global uint* refs, global uint* ordered, global int* positions, global uint* out_corners,
                              global int* out_neighbours, global uchar* out_constrained) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
-  FOR_EACH_PROBLEM(p, problems, first_ranks(points, n)) {
+  const Items mine = problems_of_this(problems, first_ranks(points, n));
+  FOR_ITEMS(p, mine) {
     const uint begin = first_rank(points, n, p), end = first_rank(points, n, p + 1u);
     const uint faces = gcdt_forest_faces(end - begin, 1u), first = first_triangle[p], last = first_triangle[p + 1u];
     for (uint v = begin; v < end; ++v) least[v] = second[v] = 0u;

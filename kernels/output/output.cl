@@ -23,6 +23,15 @@ static bool key_face(uint f, global const Levels* levels, uint bits, global cons
   return finite;
 }
 
+// The same of all `items`. Returns how many have finite corners.
+GCDT_APART uint key_faces_among(Items items, global const Levels* levels, uint bits, global const uint4* face_data,
+                                global ulong* keys, global uint* refs) {
+  uint finite = 0;
+  FOR_ITEMS(f, items)
+  if (key_face(f, levels, bits, face_data, keys, refs)) ++finite;
+  return finite;
+}
+
 // One work-item per face.
 // Reads levels and corners.
 // Writes keys[f] and refs[f] for face f; adds to *triangles.
@@ -33,9 +42,7 @@ static bool key_face(uint f, global const Levels* levels, uint bits, global cons
 // n - 1 < 2^bits - 1.
 kernel void key_faces(const uint count, global const Levels* levels, const uint bits, global const uint4* face_data,
                       global ulong* keys, global uint* refs, global uint* triangles) {
-  uint finite = 0;
-  FOR_EACH(f, count)
-  if (key_face(f, levels, bits, face_data, keys, refs)) ++finite;
+  const uint finite = key_faces_among(items_of_this(count), levels, bits, face_data, keys, refs);
   if (finite != 0) atomic_add(triangles, finite);
 }
 

@@ -20,7 +20,7 @@ kernel void sort_by_one_item(u32 count, u32 bits, global u64* keys, global u32* 
 
 // The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
 // back in between: of what it calls only the counting of decimals is not the host's, too. Leaves the grid in *report.
-static void choose_grid(uint n, uint type, global const ulong* coordinates, global OrderReport* report) {
+GCDT_APART void choose_grid(uint n, uint type, global const ulong* coordinates, global OrderReport* report) {
   ulong least[2], most[2];
   for (uint axis = 0; axis < 2; ++axis) {
     least[axis] = gcdt_from_ordered(~report->surveyed[2 * axis]);
@@ -75,9 +75,7 @@ kernel void output_by_one_item(uint faces, global const Levels* levels, uint bit
                                global uint* refs, global ulong* other_keys, global uint* other_refs,
                                global int* positions, global uint* triangles, global uint* corners,
                                global int* neighbours, global uchar* constrained) {
-  uint count = 0;
-  for (uint f = 0; f < faces; ++f)
-    if (key_face(f, levels, bits, face_data, keys, refs)) ++count;
+  const uint count = key_faces_among((Items)(0u, faces, 1u), levels, bits, face_data, keys, refs);
   *triangles = count;
   if (sort_by_digits(faces, 2u * bits, keys, refs, other_keys, other_refs)) refs = other_refs;
   for (uint i = 0; i < faces; ++i) positions[GCDT_REF_FACE(refs[i])] = i < count ? (int)i : -1;
@@ -97,11 +95,9 @@ kernel void check_by_one_item(uint count, uint n, global const Levels* levels, g
   for (uint t = 0; t < count; ++t) check_corners_of(t, n, points, corners, report);
   if (noted(report, GCDT_CHECK_ORIENT)) return;
   if (pieces > 0) find_first_pieces(0u, n + 1u, levels, pieces, ends, first_pieces);
-  uint constrained_edges = 0, hull_vertices = 0, least_corners = 0;
-  for (uint t = 0; t < count; ++t)
-    constrained_edges += check_edges_of(t, count, levels, points, corners, neighbours, constrained, pieces,
-                                        first_pieces, ends, next, previous, report);
-  report->constrained_edges = constrained_edges;
+  uint hull_vertices = 0, least_corners = 0;
+  report->constrained_edges = check_edges_among((Items)(0u, count, 1u), count, levels, points, corners, neighbours,
+                                                constrained, pieces, first_pieces, ends, next, previous, report);
   if (noted(report, GCDT_CHECK_FORK)) return;
   for (uint v = 0; v < n; ++v) check_boundary_at(v, points, next, previous, &hull_vertices, &least_corners, report);
   report->hull_vertices = hull_vertices;

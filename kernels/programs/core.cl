@@ -9,5 +9,6 @@
 #include "order/order.cl"
 #include "output/output.cl"
 #include "programs/by_one_item.cl"
+#include "sort/buckets.cl"
 #include "sort/primitives.cl"
 #include "sort/sort64_serial.cl"

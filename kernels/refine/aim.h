@@ -57,7 +57,7 @@ typedef struct Place {
 } Place;
 
 // Where subsegment e can be split.
-static Place find_place(Judge judge, uint e) {
+GCDT_APART Place find_place(Judge judge, uint e) {
   const Mesh mesh = judge.mesh;
   const uint ref = mesh.edge_faces[2u * e], number = judge.edge_pieces[e];
   const uint4 c = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(ref))];

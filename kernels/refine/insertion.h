@@ -205,7 +205,7 @@ static inline void begin_insertion(Insertion* in, uint first, Claim round) {
 }
 
 // Inserts the winner as vertex v, and makes its star Delaunay. Returns the number of flips.
-static uint insert_winner(Insertion in, uint number, uint v) {
+GCDT_APART uint insert_winner(Insertion in, uint number, uint v) {
   const Mesh mesh = in.mesh;
   const uint claim = (in.round.stamp << in.round.bits) | in.ranks[number];
   const uint4 candidate = in.candidates[number];

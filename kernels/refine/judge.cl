@@ -114,7 +114,7 @@ kernel void refine_place(JUDGE_PARAMETERS, LIST_PARAMETERS, global const uint* e
 }
 
 // Why a kept face is worse than wanted, of GCDT_LEFT_...; VERDICT_FINE if it is not.
-static uint reason_of(Judge judge, uint face, Lists lists) {
+GCDT_APART uint reason_of(Judge judge, uint face, Lists lists) {
   const Judged j = judge_face(judge, face);
   if (j.verdict <= VERDICT_FINE) return j.verdict;
   Aim aim = begin_aim(judge, face, j, true);

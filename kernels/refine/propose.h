@@ -145,7 +145,7 @@ static inline uint newest_corner(Mesh mesh, uint4 c) {
 
 // Judges the faces around v of which no corner is newer: so each changed face is judged once. Ends: a tour around a
 // vertex; `steps` stops a mesh that is wrong.
-static void judge_star(Search s, uint v, private BadList* list) {
+GCDT_APART void judge_star(Search s, uint v, private BadList* list) {
   const Mesh mesh = s.judge.mesh;
   const uint first = find_star(mesh, v);
   uint ref = first;
@@ -265,6 +265,30 @@ static uint tour_by_thread(Search s, Judged j, Aim* aim, ulong most, uint owner)
 }
 #endif
 
+#ifndef GCDT_GPU
+// The aim with number i.
+GCDT_APART void aim_at_target(Search s, uint i, uint most, uint round) {
+  const uint t = s.aiming[i];
+  s.chosen[i] = GCDT_NONE;
+  const Judged j = judge_face(s.judge, t);
+  if (!is_to_be_mended(j)) return;
+  const uint number = draw(s.judge.mesh, j.corners, round);
+  Aim aim = begin_aim(s.judge, t, j, false);
+  uint listed = 0u;
+  if (has_cavity(aim)) {
+#ifdef GCDT_CONTIGUOUS
+    listed = tour_by_thread(s, j, &aim, (ulong)most << number, i);
+#else
+    CavityList cavity = begin_list(s.cavities, s.blocks, i);
+    tour_cavity(s.judge, j, &aim, false, (ulong)most << number, &cavity, s.lists);
+    listed = aim.wanted ? end_list(&cavity) : 0u;
+#endif
+  }
+  const uint candidate = conclude(s.judge, s.lists, s.urgency, t, number, j, aim, true, listed);
+  if (listed) s.chosen[i] = candidate;
+}
+#endif
+
 // refine_aim.
 GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round, TeamMemory memory) {
 #ifdef GCDT_GPU
@@ -311,26 +335,7 @@ GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round
   }
 #else
   (void)memory;
-  FOR_EACH(i, count) {
-    const uint t = s.aiming[i];
-    s.chosen[i] = GCDT_NONE;
-    const Judged j = judge_face(s.judge, t);
-    if (!is_to_be_mended(j)) continue;
-    const uint number = draw(s.judge.mesh, j.corners, round);
-    Aim aim = begin_aim(s.judge, t, j, false);
-    uint listed = 0u;
-    if (has_cavity(aim)) {
-#ifdef GCDT_CONTIGUOUS
-      listed = tour_by_thread(s, j, &aim, (ulong)most << number, i);
-#else
-      CavityList cavity = begin_list(s.cavities, s.blocks, i);
-      tour_cavity(s.judge, j, &aim, false, (ulong)most << number, &cavity, s.lists);
-      listed = aim.wanted ? end_list(&cavity) : 0u;
-#endif
-    }
-    const uint candidate = conclude(s.judge, s.lists, s.urgency, t, number, j, aim, true, listed);
-    if (listed) s.chosen[i] = candidate;
-  }
+  FOR_EACH(i, count) aim_at_target(s, i, most, round);
 #endif
 }
 

@@ -118,8 +118,8 @@ static void claim_cavity(Mesh mesh, volatile global const uint* marks, uint root
 }
 
 // All that a candidate needs.
-static void claim_all(Mesh mesh, volatile global const uint* marks, uint4 candidate, Ticket t,
-                      volatile global RefineReport* report) {
+GCDT_APART void claim_all(Mesh mesh, volatile global const uint* marks, uint4 candidate, Ticket t,
+                          volatile global RefineReport* report) {
   for (uint i = 0; i < GCDT_ROOTS; ++i) {
     const Root root = candidate_root(mesh, candidate, i);
     if (root.face != GCDT_NONE && root.of_cavity)

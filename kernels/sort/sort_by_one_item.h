@@ -49,8 +49,8 @@ GCDT_INLINE global const u64* sort_words(u32 count, u32 low, u32 high, global u6
 
 // By the bits below `bits` of the key, stably, by digits of GCDT_ONE_ITEM_DIGIT_BITS: from one pair of arrays to the
 // other and back. Returns whether the number of digits is odd, so that the pairs are in the other arrays now.
-static bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
-                           global u32* other_values) {
+GCDT_APART bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
+                               global u32* other_values) {
   const u32 width = GCDT_ONE_ITEM_DIGIT_BITS(count);
   bool other = false;
   for (u32 shift = 0; shift < bits; shift += width, other = !other) {

@@ -207,7 +207,9 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& me
   history.gates = no_gates(runtime);
   const cl_uint faces = mesh.faces();
   runtime.fill<cl_uint>(history.vertex_face, 0, mesh.n);
-  runtime.launch("insert", "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,
+  // Where vertices are inserted by grow.cl, the other kernels of the program "insert" are not needed.
+  const char* program = runtime.contiguous() ? "freeze" : "insert";
+  runtime.launch(program, "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face, history.nodes,
                  history.shape, counters.buffer());
   counters.are_zero();
