@@ -74,6 +74,15 @@ std::string built_by(const Workload& input, std::uint32_t most_merged,
   return listener.in_order();
 }
 
+// What a solver and its first call build where work-items are loops of threads.
+std::string built_on_threads(const Workload& input) {
+  Listener listener;
+  auto handle = std::make_unique<gcdt_solver>();
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), runtime::CallHook());
+  Solver(handle.release()).triangulate(input.points, input.constraints);
+  return listener.in_order();
+}
+
 std::string built_by(const std::vector<Workload>& problems) {
   Listener listener;
   runtime::CallHook hook = compiles_programs(1);
@@ -112,6 +121,13 @@ TEST_CASE("the programs that a call is said to need are those that it builds") {
   }
   CHECK(built_by(clouds) == in_order(programs_of_call({Meshes::many})));
   CHECK(built_by(graphs) == in_order(programs_of_call({Meshes::many, true})));
+}
+
+TEST_CASE("on CPUs a call builds three programs at most") {
+  CHECK(built_on_threads(workload("uniform", 1000)) == "core ");
+  CHECK(built_on_threads(random_pslg(1000, 1 << 20, 100, 2)) == "core enforce ");
+  CHECK(built_on_threads(workload("uniform", 20000)) == "core flips ");
+  CHECK(built_on_threads(random_pslg(20000, 1 << 20, 3000, 2)) == "constraints core flips ");
 }
 
 TEST_CASE("calls whose programs are built by threads give the same, the first one without those that only save time") {
