@@ -16,8 +16,9 @@ typedef ulong u64;
 #define GCDT_GIVEN_LOCAL static inline __attribute__((always_inline))
 // A function that a compiler is to keep apart from the kernels that call it. PoCL (3 to 6) compiles a kernel's text
 // three times over, by itself and in two launchers that it becomes part of, but what those call once: of large kernels
-// this is most of the time of a first call. Such a function is given no local memory, has no barrier, and does not ask
-// which work-item it is for: PoCL makes those that do part of the kernel after all. Elsewhere it is as any other.
+// this is most of the time of a first call. Such a function is given no local memory, as said above, and it has no
+// barrier and does not ask which work-item it is for: PoCL makes one that does part of the kernel after all. Elsewhere
+// it is as any other.
 #ifdef GCDT_CONTIGUOUS
 #define GCDT_APART static __attribute__((noinline))
 #else

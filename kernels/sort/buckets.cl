@@ -17,7 +17,7 @@
 kernel void bucket_count(u32 count, u32 low, u32 buckets, global const u64* keys, volatile global u32* counts,
                          global u32* slots) {
 #ifdef GCDT_CONTIGUOUS
-  const Items own = items_of_share(count, get_global_id(0), get_global_size(0));
+  const Items own = items_of_this(count);
   for (u32 i = own.x; i < own.y;) {
     const u64 bucket = keys[i] >> low;
     u32 end = i + 1u;

@@ -8,13 +8,14 @@
 set -euo pipefail
 
 since=${1:?"usage: $0 SINCE"}
-cache=${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}/pocl/kcache}
+# shellcheck source=tests/device/compiled.sh
+. "$(dirname "$0")/compiled.sh"
 objects=$(mktemp)
 trap 'rm -f "$objects"' EXIT
-find "$cache" -name last_accessed -newer "$since" -printf '%h\0' | xargs -0 -r -I{} find {} -name '*.so' >"$objects"
-looked_at=$(wc -l <"$objects")
+compiled_since "$since" >"$objects"
+looked_at=$(tr -cd '\0' <"$objects" | wc -c)
 # Variables with a dot in their names: "kernel.variable".
-shared=$(xargs -r nm -A <"$objects" | grep -E ' [bBdD] [a-z]\w*\.\w+$' || true)
+shared=$(xargs -0 -r nm -A <"$objects" | grep -E ' [bBdD] [a-z]\w*\.\w+$' || true)
 [[ ! $shared ]] || echo "shared by work-groups:"$'\n'"$shared"
 echo "$looked_at compiled kernels looked at"
 [[ $looked_at -gt 0 && ! $shared ]]

@@ -9,10 +9,10 @@ set -euo pipefail
 
 since=${1:?"usage: $0 SINCE"}
 kernels=$(dirname "$0")/../../kernels
-cache=${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}/pocl/kcache}
+# shellcheck source=tests/device/compiled.sh
+. "$(dirname "$0")/compiled.sh"
 wanted=$(grep -rhoE '^GCDT_APART \w+ \w+\(' "$kernels" | sed -E 's/.* (\w+)\($/\1/' | sort -u)
-found=$(find "$cache" -name last_accessed -newer "$since" -printf '%h\0' | xargs -0 -r -I{} find {} -name '*.so' -print0 |
-  xargs -0 -r nm --defined-only -j | sort -u)
+found=$(compiled_since "$since" | xargs -0 -r nm --defined-only -j | sort -u)
 part_of_kernels=$(comm -23 <(echo "$wanted") <(echo "$found"))
 [[ ! $part_of_kernels ]] || echo "part of kernels:"$'\n'"$part_of_kernels"
 echo "$(wc -w <<<"$wanted") functions looked for"
