@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Insertion of a level's vertices in rounds, and of problems' (insert.h).
-#include "insert/freeze.cl"
 #include "insert/insert.h"
 
 // Vertex v's first location, found by a walk in the top layer from the coarser vertex before it on the curve; and its

@@ -81,7 +81,7 @@ class LevelInsertion {
   void freeze() {
     const cl_uint faces = mesh_.faces(history_.begin);
     runtime_.fill<cl_uint>(history_.vertex_face, 0, history_.begin);
-    launch("insert", "insert_freeze", runtime::over(faces), std::tie(faces), counters_.buffer());
+    launch("freeze", "insert_freeze", runtime::over(faces), std::tie(faces), counters_.buffer());
     counters_.are_zero();
   }
 
@@ -207,9 +207,7 @@ History freeze_all(runtime::Runtime& runtime, const Vertices& vertices, Mesh& me
   history.gates = no_gates(runtime);
   const cl_uint faces = mesh.faces();
   runtime.fill<cl_uint>(history.vertex_face, 0, mesh.n);
-  // Where vertices are inserted by grow.cl, the other kernels of the program "insert" are not needed.
-  const char* program = runtime.contiguous() ? "freeze" : "insert";
-  runtime.launch(program, "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,
+  runtime.launch("freeze", "insert_freeze", runtime::over(faces), faces, mesh.n, vertices.points, mesh.face_data,
                  mesh.edge_faces, history.begin, history.end, history.top, history.vertex_face, history.nodes,
                  history.shape, counters.buffer());
   counters.are_zero();

@@ -38,6 +38,7 @@ constexpr Needed needed[] = {
     {"insert", all},
     {"primitives_group", all},
     {"mesh", all},
+    {"freeze", all},
     {"constrain", constrained},
     {"clean", constrained},
     {"flip", all},
