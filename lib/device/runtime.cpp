@@ -83,8 +83,9 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     });
   call("clCreateCommandQueue", info_.name.c_str(), [&] {
     cl_int code;
-    queue_ = cl::CommandQueue(context_, device_,
-                              tracer_.on() ? cl::QueueProperties::Profiling : cl::QueueProperties::None, &code);
+    const bool profiled = tracer_.on() || contiguous();
+    queue_ = cl::CommandQueue(context_, device_, profiled ? cl::QueueProperties::Profiling : cl::QueueProperties::None,
+                              &code);
     return code;
   });
   geometry_ = geometry_of(info_.compute_units);
@@ -408,12 +409,23 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   const std::size_t groups = widest ? std::max(usual, widest_) : usual;
   const std::size_t global = groups * local;
   ++launches_;
+  last_launch_ = cl::Event();
+  cl_event* last = times_launches() ? &last_launch_() : nullptr;
   call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
     return tracer_.launch(kernel.name, [&](cl_event* event) {
-      return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, event);
+      return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr,
+                                    event ? event : last);
     });
   });
   kernel.launched = true;
+}
+
+double Runtime::milliseconds_between(const cl::Event& earlier, const cl::Event& later) {
+  cl_ulong from = 0, to = 0;
+  if (!earlier() || !later() || earlier.getProfilingInfo(CL_PROFILING_COMMAND_END, &from) != CL_SUCCESS ||
+      later.getProfilingInfo(CL_PROFILING_COMMAND_END, &to) != CL_SUCCESS)
+    return 0;
+  return to > from ? 1e-6 * static_cast<double>(to - from) : 0;
 }
 
 std::size_t Runtime::rows_of(std::size_t items) const {

@@ -204,6 +204,13 @@ class Runtime {
     if (times_steps_) finish();
   }
   void time_steps(bool wanted) { times_steps_ = wanted; }
+  /// Whether phases may be launched one behind the other without a wait, and told apart by milliseconds_between(): the
+  /// queue has a clock, and there is no trace, whose phases end with a wait.
+  bool times_launches() const { return contiguous() && !tracer_.on(); }
+  /// The launch made last, if launches are timed.
+  const cl::Event& last_launch() const { return last_launch_; }
+  /// From the end of a launch to the end of a later one, both finished; 0 if the driver does not tell.
+  static double milliseconds_between(const cl::Event& earlier, const cl::Event& later);
   /// The same as finish(), without an exception.
   cl_int try_finish();
   /// Writes bytes from host memory, which may be reused on return; `at_once`: straight from there.
@@ -385,6 +392,7 @@ class Runtime {
   std::shared_ptr<BuiltPrograms> programs_;
   std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
   std::array<Kernel*, 256> recent_ = {};  ///< of kernels_, launched by a literal at such an address; null: none
+  cl::Event last_launch_;
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;

@@ -42,6 +42,25 @@ const Kind kinds[] = {
 };
 static_assert(sizeof kinds / sizeof kinds[0] == GCDT_CHECK_KINDS, "one sentence for each kind");
 
+/// What the check finds out of the boundary, and where the pieces of each vertex begin.
+struct Scratch {
+  Buffer<cl_uint> next, previous, first_pieces;
+};
+
+Scratch make_scratch(Runtime& runtime, const Plan& plan, const Vertices& vertices, const Pieces& pieces) {
+  const std::size_t n = vertices.n();
+  return {runtime.allocate<cl_uint>("check boundary", n), runtime.allocate<cl_uint>("check boundary", n),
+          runtime.allocate<cl_uint>("check first pieces", plan.lists_pieces && pieces.count > 0 ? n + 1 : 0)};
+}
+
+void launch_by_one_item(Runtime& runtime, const Buffer<cl_uint>& triangles, const OrderedMesh& ordered,
+                        const Vertices& vertices, const Pieces& pieces, const Scratch& scratch,
+                        const Buffer<CheckReport>& report) {
+  runtime.launch("by_one_item", "check_by_one_item", runtime::one_item(), triangles, vertices.n(),
+                 vertices.levels_buffer, vertices.points, ordered.corners, ordered.neighbours, ordered.constrained,
+                 cl_uint{pieces.count}, scratch.first_pieces, pieces.ends, scratch.next, scratch.previous, report);
+}
+
 struct Checker {
   Runtime& runtime;
   const Plan& plan;
@@ -62,7 +81,7 @@ struct Checker {
   }
 
   void check_mesh() {
-    check_parts([&](const Buffer<cl_uint>&, const Buffer<cl_uint>&) {
+    check_parts([&](const Scratch&) {
       if (found.least_corners != 1)
         fail("the boundary has " + std::to_string(found.least_corners) +
                  " least corners, not 1: it is several polygons or winds more than once",
@@ -74,13 +93,14 @@ struct Checker {
 
   /// What holds for the whole holds for each problem.
   void check_problems(const Buffer<cl_uint>& first_triangle, const Buffer<cl_uint>& first_piece) {
-    check_parts([&](const Buffer<cl_uint>& next, const Buffer<cl_uint>& previous) {
+    check_parts([&](const Scratch& s) {
       const cl_uint n = vertices.n(), problems = vertices.roots;
       auto hull = runtime.filled<cl_uint>("check hulls", problems, 0),
            least = runtime.filled<cl_uint>("check least corners", problems, 0),
            bad = runtime.filled<cl_uint>("check problems", 2, GCDT_NONE);
       runtime.fill<cl_uint>(bad, 0, 1, 1);
-      runtime.launch("check_forest", "check_forest_boundary", over(n), n, vertices.points, next, previous, hull, least);
+      runtime.launch("check_forest", "check_forest_boundary", over(n), n, vertices.points, s.next, s.previous, hull,
+                     least);
       runtime.launch("check_forest", "check_forest_counts", over(problems), problems, n, vertices.points,
                      first_triangle, first_piece, hull, least, bad);
       runtime.launch("check_forest", "check_forest_lines", over(n), n, vertices.levels_buffer, vertices.points,
@@ -96,29 +116,24 @@ struct Checker {
   template <class Cover>
   void check_parts(Cover&& cover) {
     const cl_uint n = vertices.n(), count = ordered.triangles;
-    auto next = runtime.allocate<cl_uint>("check boundary", n),
-         previous = runtime.allocate<cl_uint>("check boundary", n);
-    const bool lists = plan.lists_pieces && pieces.count > 0;
-    auto first_pieces = runtime.allocate<cl_uint>("check first pieces", lists ? std::size_t{n} + 1 : 0);
+    const Scratch s = make_scratch(runtime, plan, vertices, pieces);
     if (plan.check == Plan::By::one) {
-      runtime.launch("by_one_item", "check_by_one_item", runtime::one_item(), count, n, vertices.levels_buffer,
-                     vertices.points, ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count},
-                     first_pieces, pieces.ends, next, previous, report);
+      launch_by_one_item(runtime, runtime.upload_one("check triangles", count), ordered, vertices, pieces, s, report);
     } else {
       clear_report();
-      runtime.fill<cl_uint>(next, GCDT_NONE, n);
-      runtime.fill<cl_uint>(previous, GCDT_NONE, n);
+      runtime.fill<cl_uint>(s.next, GCDT_NONE, n);
+      runtime.fill<cl_uint>(s.previous, GCDT_NONE, n);
       runtime.launch("check", "check_corners", over(count), count, n, vertices.points, ordered.corners, report);
-      if (lists)
+      if (s.first_pieces.size() > 0)
         runtime.launch("check", "check_first_pieces", over(std::size_t{n} + 1), n, vertices.levels_buffer,
-                       cl_uint{pieces.count}, pieces.ends, first_pieces);
+                       cl_uint{pieces.count}, pieces.ends, s.first_pieces);
       runtime.launch("check", "check_edges", over(count), count, vertices.levels_buffer, vertices.points,
-                     ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count}, first_pieces,
-                     pieces.ends, next, previous, report);
-      runtime.launch("check", "check_boundary", over(n), n, vertices.points, next, previous, report);
+                     ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count}, s.first_pieces,
+                     pieces.ends, s.next, s.previous, report);
+      runtime.launch("check", "check_boundary", over(n), n, vertices.points, s.next, s.previous, report);
     }
     judge(0, GCDT_CHECK_UNUSED);
-    cover(next, previous);
+    cover(s);
     judge(GCDT_CHECK_FLAG, GCDT_CHECK_MISSING);
     if (found.constrained_edges != edges_expected) name_missing_piece();
     judge(GCDT_CHECK_DELAUNAY, GCDT_CHECK_KINDS);
@@ -127,6 +142,7 @@ struct Checker {
   void clear_report() {
     CheckReport clear = {};
     std::fill(std::begin(clear.first), std::end(clear.first), GCDT_NONE);
+    clear.triangles = ordered.triangles;
     runtime.write(report, &clear, 1);
   }
 
@@ -212,6 +228,14 @@ void check(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const
            const Pieces& pieces) {
   Checker checker{runtime, plan, ordered, vertices, pieces};
   ordered.triangles == 0 ? checker.check_empty() : checker.check_mesh();
+}
+
+Buffer<CheckReport> launch_check(Runtime& runtime, const Plan& plan, const LaunchedMesh& launched,
+                                 const Vertices& vertices, const Pieces& pieces) {
+  auto report = runtime.allocate<CheckReport>("check report", 1);
+  launch_by_one_item(runtime, launched.triangles, launched.mesh, vertices, pieces,
+                     make_scratch(runtime, plan, vertices, pieces), report);
+  return report;
 }
 
 void check_problems(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,

@@ -2,6 +2,7 @@
 // The device's proof that a result is what docs/contract.md, 6, promises.
 #pragma once
 
+#include "check/check.h"
 #include "mesh/mesh.hpp"
 #include "phases/output.hpp"
 
@@ -14,6 +15,12 @@ namespace gcdt {
 /// at fault (a triangle's three, an edge's or piece's two, or one), none where there are no such.
 void check(runtime::Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
            const Pieces& pieces);
+
+/// The same by one work-item (Plan::check), launched only. The report says whether it found anything
+/// (gcdt_check_passed); what that is, check() tells.
+runtime::Buffer<device::CheckReport> launch_check(runtime::Runtime& runtime, const Plan& plan,
+                                                  const LaunchedMesh& launched, const Vertices& vertices,
+                                                  const Pieces& pieces);
 
 /// The same of many problems in one mesh, problem by problem. `first_triangle`, `first_piece`: where each one's begin,
 /// P + 1 elements. Numbers in messages count through the run.

@@ -35,8 +35,9 @@ class Growth {
     std::uint32_t left = end - begin;
     for (cl_uint step = 1, step_before = 1; left > 0; step_before = step, step *= Tuning::grown_joined) {
       if (left < Tuning::least_grown) step = std::max(step, segments);
-      left = round(begin, end, level, segments, step, step_before);
-      if (left > 0 && step >= segments) throw Error(Status::round_limit, "insert: point location left the mesh");
+      launch(begin, end, level, segments, step, step_before);
+      left = finish(end, counters_.read());
+      if (left > 0 && step >= segments) lost();
     }
   }
 
@@ -50,23 +51,13 @@ class Growth {
                     mesh_.edge_faces, mesh_.edge_marks, lists_.first, counters_.buffer());
     mesh_.claims_below = stamps.claims_below();
     const device::Counters c = counters_.read();
-    if (c.list_insert[0] > 0 || c.list_test[0] > 0)
-      throw Error(Status::round_limit, "insert: point location left the mesh");
+    if (!grew_all(c)) lost();
     result.rounds = 1;
     add(c);
   }
 
-  GrowResult result;
-
- private:
-  void add(const device::Counters& c) {
-    result.edge_splits += c.edge_splits;
-    result.steps += wide(c.steps_low, c.steps_high);
-    result.flips.flips += wide(c.flips_low, c.flips_high);
-  }
-
-  /// Returns how many vertices are left.
-  std::uint32_t round(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
+  /// A round's launch.
+  void launch(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
     if (begin > 0) counters_.zero();
     Stamps stamps = stamps_of(runtime_, mesh_);
     stamps.go_on_above(mesh_.claims_below);
@@ -81,7 +72,10 @@ class Growth {
                     mesh_.face_data, mesh_.edge_faces, mesh_.edge_marks, left_, left_of_, lists_.first,
                     counters_.buffer());
     mesh_.claims_below = stamps.claims_below();
-    const device::Counters c = counters_.read();
+  }
+
+  /// What follows it, by the counters. Returns how many vertices are left.
+  std::uint32_t finish(cl_uint end, const device::Counters c) {
     ++result.rounds;
     add(c);
     if (c.list_test[0] > 0) {
@@ -91,6 +85,17 @@ class Growth {
     }
     ticker_.tick("insert", double(end - c.list_insert[0]) / mesh_.n);
     return c.list_insert[0];
+  }
+
+  [[noreturn]] static void lost() { throw Error(Status::round_limit, "insert: point location left the mesh"); }
+
+  GrowResult result;
+
+ private:
+  void add(const device::Counters& c) {
+    result.edge_splits += c.edge_splits;
+    result.steps += wide(c.steps_low, c.steps_high);
+    result.flips.flips += wide(c.flips_low, c.flips_high);
   }
 
   runtime::Runtime& runtime_;
@@ -126,6 +131,27 @@ GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& ver
     growth.insert(begin, std::min(levels.begin[next], end), level);
     level = next;
   }
+  return growth.result;
+}
+
+// Its levels, whatever they are, are the first ones, inserted together.
+bool grows_by_one_launch(const Plan& plan, std::uint32_t n) {
+  return plan.grows && plan.problems != Plan::By::each && n > 0 && n <= Tuning::most_grown_by_one;
+}
+
+void launch_grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                 const WorkLists& lists, PhaseCounters& counters) {
+  Ticker silent;
+  mesh.claims_below = 1;
+  Growth(runtime, plan, vertices, mesh, lists, counters, silent).launch(0, vertices.n(), 0, 1, 1, 1);
+}
+
+bool grew_all(const device::Counters& c) { return c.list_insert[0] == 0 && c.list_test[0] == 0; }
+
+GrowResult finish_grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
+                       const WorkLists& lists, PhaseCounters& counters, Ticker& ticker) {
+  Growth growth(runtime, plan, vertices, mesh, lists, counters, ticker);
+  if (growth.finish(vertices.n(), counters.last()) > 0) Growth::lost();
   return growth.result;
 }
 

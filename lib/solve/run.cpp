@@ -65,11 +65,13 @@ void Run::insert_levels() {
 }
 
 void Run::grow_all() {
-  const GrowResult grown = grow(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker);
-  statistics.rounds.insert += grown.rounds;
-  statistics.cases.edge_splits += grown.edge_splits;
-  statistics.location_steps += grown.steps;
-  count(grown.flips);
+  const GrowResult r = grown ? finish_grow(runtime, plan, vertices, mesh, lists, counters, ticker)
+                             : grow(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker);
+  grown = false;
+  statistics.rounds.insert += r.rounds;
+  statistics.cases.edge_splits += r.edge_splits;
+  statistics.location_steps += r.steps;
+  count(r.flips);
   if (m > 0 && plan.constraints == Plan::By::all) history = freeze_all(runtime, vertices, mesh, counters);
 }
 
@@ -83,6 +85,7 @@ void Run::count(const FlipResult& flipped) {
 }
 
 void Run::no_pieces() {
+  if (pieces.ends.allocated()) return;
   pieces.ends = runtime.allocate<cl_uint2>("pieces", 0);
   pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", 1);
   pieces.sources = runtime.allocate<cl_uint>("sources of pieces", 0);
@@ -218,8 +221,15 @@ SelectedDomain Run::select(OrderedMesh& ordered) {
   return selected;
 }
 
+void Run::begin_output() {
+  ticker.tick("output", 0);
+  history = {};
+  lists = {};
+}
+
 void Run::number(OrderedMesh ordered) {
-  result.representatives = number_by_input(runtime, plan, vertices, ordered, pieces);
+  if (!result.representatives.allocated())
+    result.representatives = number_by_input(runtime, plan, vertices, ordered, pieces);
   if (result.kept.allocated()) number_corners(runtime, vertices, result.hull);
   AddedVertices& added = result.added;
   if (!added.points.allocated()) {

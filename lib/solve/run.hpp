@@ -3,6 +3,8 @@
 // sequences stand in solve/triangulate.cpp and batch/pipeline.cpp.
 #pragma once
 
+#include <optional>
+
 #include "device/step.hpp"
 #include "phases/clean.hpp"
 #include "phases/constrain.hpp"
@@ -18,6 +20,12 @@ constexpr double ordered_share = 0.1, inserted_share = 0.5, constrained_share = 
 constexpr double ordered_before_refining = 0.93;
 /// The part of the constraints' share that cleaning takes.
 constexpr double cleaned_share = 0.3;
+
+/// A mesh whose output, check and numbers were launched at once (solve/at_once.hpp).
+struct FinishedMesh {
+  OrderedMesh mesh;                               ///< corners are input numbers
+  runtime::Buffer<cl_uint> representatives = {};  ///< not allocated: a fault, or no triangles; corners are vertices
+};
 
 /// Owns all that a call has on the device until its result is made. Whoever writes a sequence of steps reads and
 /// changes it; a step says what it releases.
@@ -40,6 +48,8 @@ struct Run {
   History history;
   Pieces pieces;
   runtime::Buffer<cl_int> turns;  ///< by piece; for domains
+  bool grown = false;             ///< vertices were inserted behind the order (solve/at_once.hpp); insert() counts that
+  std::optional<FinishedMesh> finished;
   DeviceTriangulation result;
   Statistics& statistics = result.statistics;
 
@@ -90,7 +100,10 @@ struct Run {
            (options.refine && !options.refine->region_areas.empty());
   }
   WalkedMesh walked() { return {plan, vertices, mesh, history}; }
-  /// Makes `ordered` the result's mesh, and input numbers of vertices.
+  /// Releases what output does not need.
+  void begin_output();
+  /// Makes `ordered` the result's mesh, and input numbers of vertices, unless it has representatives already: then it
+  /// has these, too.
   void number(OrderedMesh ordered);
   /// The sums of times, counters and sizes; the result is whole.
   DeviceTriangulation finish();

@@ -2,6 +2,7 @@
 #include "solve/triangulate.hpp"
 
 #include "phases/check.hpp"
+#include "solve/at_once.hpp"
 #include "solve/crossing_policy.hpp"
 #include "solve/programs.hpp"
 #include "solve/refine.hpp"
@@ -26,8 +27,8 @@ bool constrain_by_one(Run& run) {
 }
 
 void constrain(Run& run) {
-  run.pieces = {};
   if (run.m == 0) return run.no_pieces();
+  run.pieces = {};
   run.ticker.tick("constrain", 0);
   if (run.plan.constraints == Plan::By::one && constrain_by_one(run)) return run.count_turns();
   const ConstrainResult enforced = run.clean_and_enforce(run.constraints, run.n);
@@ -38,10 +39,7 @@ void constrain(Run& run) {
 
 // `refs`: the face of each triangle, if the mesh is refined afterwards.
 OrderedMesh put_in_order(Run& run, bool refines, runtime::Buffer<cl_uint>& refs) {
-  run.ticker.tick("output", 0);
-  run.history = {};
-  run.lists = {};
-
+  run.begin_output();
   Plan plan = run.plan;
   if (refines) plan.output = Plan::By::all;
   OrderedMesh ordered = order_triangles(run.runtime, run.primitives, plan, run.mesh, run.vertices,
@@ -103,23 +101,11 @@ std::string flat_note(runtime::Runtime& runtime, const Vertices& vertices, const
   return few ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles";
 }
 
-DeviceTriangulation run_steps(Run& run, const InputSource& source) {
+void finish_in_steps(Run& run) {
   runtime::Runtime& runtime = run.runtime;
   const Options& options = run.options;
   const bool refines = options.refine.has_value();
   auto& ms = run.statistics.ms;
-  run.step("order", ms.order, ordered_share, [&] {
-    run.ticker.tick("order", 0);
-    DeviceInput input = source.load();
-    run.constraints = std::move(input.constraints);
-    run.plan = make_plan(runtime, {1, input.points.n, input.points.n});
-    run.take(order(runtime, run.primitives, run.plan, std::move(input.points), options.grid));
-  });
-  run.tell_plan();
-  if (refines) tell_coarse_grid(run);
-  run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
-  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
-  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
   OrderedMesh ordered;
   runtime::Buffer<cl_uint> refs;
   run.step("output", ms.output, refines ? ordered_before_refining : 1,
@@ -129,6 +115,26 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   if (refines)
     run.step("refine", ms.refine, 1, [&] { ordered = refine_domain(run, std::move(ordered), std::move(refs)); });
   run.step("output", ms.output, [&] { run.number(std::move(ordered)); });
+}
+
+DeviceTriangulation run_steps(Run& run, const InputSource& source) {
+  runtime::Runtime& runtime = run.runtime;
+  auto& ms = run.statistics.ms;
+  run.step("order", ms.order, ordered_share, [&] {
+    run.ticker.tick("order", 0);
+    DeviceInput input = source.load();
+    run.constraints = std::move(input.constraints);
+    run.plan = make_plan(runtime, {1, input.points.n, input.points.n});
+    run.take(may_begin_at_once(run, input.points.n)
+                 ? begin_at_once(run, std::move(input.points))
+                 : order(runtime, run.primitives, run.plan, std::move(input.points), run.options.grid));
+  });
+  run.tell_plan();
+  if (run.options.refine) tell_coarse_grid(run);
+  run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
+  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
+  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
+  may_finish_at_once(run) ? finish_at_once(run) : finish_in_steps(run);
   DeviceTriangulation made = run.finish();
   Statistics& s = made.statistics;
   if (s.triangles + s.triangles_removed == 0) s.notes.push_back(flat_note(runtime, made.vertices, source));
