@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mesh as it is becomes the top layer of a history tree: before a level's vertices are inserted (insert.cl), or for
-// constraints, also where grow.cl inserted and kept no history; a program of its own, so that those need not build
+// constraints, also where grow.cl inserted and kept no history; a file of its own, so that those need not build
 // insert.cl for it.
 #include "common/history.h"
 

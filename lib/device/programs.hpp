@@ -26,6 +26,8 @@ struct ProgramInfo {
   /// On CPUs with threads: the program that includes it and is built in its place, so that one serves every call.
   const char* bundle;
   bool differs_for_many;  ///< built with -DGCDT_FOREST for meshes of many
+  /// The same on other devices; null: it is built alone there.
+  const char* bundle_elsewhere = nullptr;
 };
 
 /// Throws device_failed if there is none of that name.

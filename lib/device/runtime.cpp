@@ -162,7 +162,9 @@ Runtime::Kernel& Runtime::make_kernel(const char* program, const char* kernel) {
   const auto key = std::make_tuple(std::string(program), std::string(kernel), meshes_);
   auto found = kernels_.find(key);
   if (found != kernels_.end()) return found->second;
-  const cl::Program& built = find_program(contiguous() ? info_of(program).bundle : program);
+  const ProgramInfo& info = info_of(program);
+  const char* elsewhere = info.bundle_elsewhere ? info.bundle_elsewhere : program;
+  const cl::Program& built = find_program(contiguous() ? info.bundle : elsewhere);
   Kernel k;
   k.name = kernel;
   k.program = program;

@@ -55,17 +55,17 @@ struct Run {
 
   /// Runs `f` as a step: a span of the trace, whose wall time, without building programs, is added to `ms`.
   template <class F>
-  void step(const char* name, double& ms, F&& f) {
+  void step(const char* name, double& ms, F&& f, bool waits = true) {
     Step timed(runtime, name);
     f();
-    ms += timed.end();
+    ms += timed.end(waits);
   }
   /// The same for a step whose progress ends at `share` of the whole, and begins where the one before ended.
   template <class F>
-  void step(const char* name, double& ms, double share, F&& f) {
+  void step(const char* name, double& ms, double share, F&& f, bool waits = true) {
     ticker.enter(told_, share);
     told_ = share;
-    step(name, ms, std::forward<F>(f));
+    step(name, ms, std::forward<F>(f), waits);
   }
 
   /// Takes what the order phase made, and plans what follows.

@@ -132,9 +132,12 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   run.tell_plan();
   if (run.options.refine) tell_coarse_grid(run);
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
-  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
-  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
-  may_finish_at_once(run) ? finish_at_once(run) : finish_in_steps(run);
+  const bool at_once = may_finish_at_once(run);
+  run.step(
+      "constrain", ms.constrain, constrained_share, [&] { constrain(run); }, !at_once);
+  run.step(
+      "flip", ms.flip, flipped_share, [&] { run.flip(); }, !at_once);
+  at_once ? finish_at_once(run) : finish_in_steps(run);
   DeviceTriangulation made = run.finish();
   Statistics& s = made.statistics;
   if (s.triangles + s.triangles_removed == 0) s.notes.push_back(flat_note(runtime, made.vertices, source));
