@@ -411,8 +411,8 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   const std::size_t groups = widest ? std::max(usual, widest_) : usual;
   const std::size_t global = groups * local;
   ++launches_;
-  last_launch_ = cl::Event();
-  cl_event* last = times_launches() ? &last_launch_() : nullptr;
+  if (last_launch_) *last_launch_ = cl::Event();
+  cl_event* last = last_launch_ ? &(*last_launch_)() : nullptr;
   call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
     return tracer_.launch(kernel.name, [&](cl_event* event) {
       return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr,
@@ -422,7 +422,7 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   kernel.launched = true;
 }
 
-double Runtime::milliseconds_between(const cl::Event& earlier, const cl::Event& later) {
+double LaunchTimes::milliseconds_between(const cl::Event& earlier, const cl::Event& later) {
   cl_ulong from = 0, to = 0;
   if (!earlier() || !later() || earlier.getProfilingInfo(CL_PROFILING_COMMAND_END, &from) != CL_SUCCESS ||
       later.getProfilingInfo(CL_PROFILING_COMMAND_END, &to) != CL_SUCCESS)

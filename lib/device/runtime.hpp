@@ -204,13 +204,9 @@ class Runtime {
     if (times_steps_) finish();
   }
   void time_steps(bool wanted) { times_steps_ = wanted; }
-  /// Whether phases may be launched one behind the other without a wait, and told apart by milliseconds_between(): the
-  /// queue has a clock, and there is no trace, whose phases end with a wait.
-  bool times_launches() const { return contiguous() && !tracer_.on(); }
-  /// The launch made last, if launches are timed.
-  const cl::Event& last_launch() const { return last_launch_; }
-  /// From the end of a launch to the end of a later one, both finished; 0 if the driver does not tell.
-  static double milliseconds_between(const cl::Event& earlier, const cl::Event& later);
+  /// Whether phases may be launched one behind the other without a wait, and told apart by LaunchTimes: the queue has a
+  /// clock, and there is no trace, whose phases end with a wait.
+  bool may_time_launches() const { return contiguous() && !tracer_.on(); }
   /// The same as finish(), without an exception.
   cl_int try_finish();
   /// Writes bytes from host memory, which may be reused on return; `at_once`: straight from there.
@@ -335,6 +331,7 @@ class Runtime {
   };
 
   friend class SparedPrograms;
+  friend class LaunchTimes;
   Meshes meshes_of(const char* program) const;
   void self_test();
   void read_large(TransferChunks& chunks, const std::vector<HostRead>& reads);
@@ -392,7 +389,7 @@ class Runtime {
   std::shared_ptr<BuiltPrograms> programs_;
   std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
   std::array<Kernel*, 256> recent_ = {};  ///< of kernels_, launched by a literal at such an address; null: none
-  cl::Event last_launch_;
+  cl::Event* last_launch_ = nullptr;      ///< where LaunchTimes wants it
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
@@ -403,6 +400,23 @@ class Runtime {
   std::shared_ptr<const PinnedRanges> pinned_;                          ///< may be null
   std::unique_ptr<TransferChunks> shared_chunks_, chunks_;  ///< if the context is; if a large transfer has been made
   std::unique_ptr<TransferChunks> page_;                    ///< of small reads; null before the first
+};
+
+/// Times of launches by the device's clock, while it lives: each launch has an event, which costs the host
+/// microseconds. Only where Runtime::may_time_launches().
+class LaunchTimes {
+ public:
+  explicit LaunchTimes(Runtime& runtime) : runtime_(runtime) { runtime.last_launch_ = &last_; }
+  ~LaunchTimes() { runtime_.last_launch_ = nullptr; }
+  LaunchTimes(const LaunchTimes&) = delete;
+  LaunchTimes& operator=(const LaunchTimes&) = delete;
+  const cl::Event& last() const { return last_; }
+  /// From the end of a launch to the end of a later one, both finished; 0 if the driver does not tell.
+  static double milliseconds_between(const cl::Event& earlier, const cl::Event& later);
+
+ private:
+  Runtime& runtime_;
+  cl::Event last_;
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).

@@ -12,6 +12,7 @@ namespace gcdt {
 
 namespace {
 
+using runtime::LaunchTimes;
 using runtime::Runtime;
 
 // Output, check and numbers, launched.
@@ -23,15 +24,15 @@ struct Finish {
 };
 
 // Numbers wait for the check on the device: if it finds a fault, corners stay vertices, by which check() tells it.
-Finish launch_finish(Run& run, const Vertices& vertices, bool behind_growth) {
+Finish launch_finish(Run& run, const LaunchTimes& times, const Vertices& vertices, bool behind_growth) {
   Runtime& runtime = run.runtime;
   Finish f;
   f.mesh = launch_output(runtime, run.primitives, run.mesh, vertices, behind_growth ? &run.counters : nullptr);
-  f.put = runtime.last_launch();
+  f.put = times.last();
   f.report = launch_check(runtime, run.plan, f.mesh, vertices, run.pieces);
-  f.checked = runtime.last_launch();
+  f.checked = times.last();
   f.representatives = launch_numbers(runtime, vertices, f.mesh, run.pieces, f.report);
-  f.numbered = runtime.last_launch();
+  f.numbered = times.last();
   return f;
 }
 
@@ -48,19 +49,19 @@ bool may_finish(const Run& run, std::uint32_t vertices) {
   const Options& options = run.options;
   const bool by_one = plan.output == Plan::By::one && plan.check == Plan::By::one && plan.number == Plan::By::one;
   return by_one && vertices >= 3 && options.canonical && options.check && !options.refine && !run.wants_regions() &&
-         run.runtime.times_launches();
+         run.runtime.may_time_launches();
 }
 
 // Takes what was launched behind the order out of the order's time, and returns how long it took, of `all`.
 double share_time(Run& run, double all, const cl::Event& ordered, const cl::Event& grown, const Finish* f) {
   auto& ms = run.statistics.ms;
-  if (Runtime::milliseconds_between(ordered, f ? f->numbered : grown) > all) return 0;  // clocks that do not agree
-  const double insert = Runtime::milliseconds_between(ordered, grown);
+  if (LaunchTimes::milliseconds_between(ordered, f ? f->numbered : grown) > all) return 0;  // clocks that do not agree
+  const double insert = LaunchTimes::milliseconds_between(ordered, grown);
   double behind = insert;
   if (f) {
-    const double check = Runtime::milliseconds_between(f->put, f->checked);
-    ms.gather = Runtime::milliseconds_between(grown, f->put);
-    behind = Runtime::milliseconds_between(ordered, f->numbered);
+    const double check = LaunchTimes::milliseconds_between(f->put, f->checked);
+    ms.gather = LaunchTimes::milliseconds_between(grown, f->put);
+    behind = LaunchTimes::milliseconds_between(ordered, f->numbered);
     ms.check += check;
     ms.output += behind - insert - check;
   }
@@ -72,23 +73,24 @@ double share_time(Run& run, double all, const cl::Event& ordered, const cl::Even
 }  // namespace
 
 bool may_begin_at_once(const Run& run, std::uint32_t inputs) {
-  return run.plan.order == Plan::By::one && grows_by_one_launch(run.plan, inputs) && run.runtime.times_launches();
+  return run.plan.order == Plan::By::one && grows_by_one_launch(run.plan, inputs) && run.runtime.may_time_launches();
 }
 
 OrderResult begin_at_once(Run& run, InputPoints points) {
   Runtime& runtime = run.runtime;
   const Stopwatch watch(runtime);
+  const LaunchTimes times(runtime);
   LaunchedOrder order = launch_order(runtime, run.plan, std::move(points), run.options.grid);
-  const cl::Event ordered = runtime.last_launch();
+  const cl::Event ordered = times.last();
   const Vertices& distinct = order.vertices;
   run.mesh = make_mesh(runtime, distinct.n(), distinct.roots);
   run.lists = make_work_lists(runtime, distinct.n(), distinct.roots);
   launch_grow(runtime, run.plan, distinct, run.mesh, run.lists, run.counters);
-  const cl::Event grown = runtime.last_launch();
+  const cl::Event grown = times.last();
   std::optional<Finish> finish;
   if (run.m == 0 && may_finish(run, distinct.n())) {
     run.no_pieces();
-    finish = launch_finish(run, distinct, true);
+    finish = launch_finish(run, times, distinct, true);
   }
 
   device::OrderReport report;
@@ -119,10 +121,11 @@ void finish_at_once(Run& run) {
     run.begin_output();
     if (run.finished) return;
     const Stopwatch watch(run.runtime);
-    Finish f = launch_finish(run, run.vertices, false);
+    const LaunchTimes times(run.runtime);
+    Finish f = launch_finish(run, times, run.vertices, false);
     const device::CheckReport found = run.runtime.read_one(f.report);
-    const double check_ms = Runtime::milliseconds_between(f.put, f.checked);
-    ms.gather = watch.milliseconds() - Runtime::milliseconds_between(f.put, f.numbered);
+    const double check_ms = LaunchTimes::milliseconds_between(f.put, f.checked);
+    ms.gather = watch.milliseconds() - LaunchTimes::milliseconds_between(f.put, f.numbered);
     ms.check += check_ms;
     ms.output -= check_ms;
     run.finished = finished(std::move(f), found, run.vertices.n(), run.pieces.count);

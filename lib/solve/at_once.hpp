@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phases of few vertices on CPUs, launched one behind the other: there a wait of the host takes as long as a kernel,
 // since the driver's threads and the host's sleep meanwhile. Times of phases are then the device's
-// (Runtime::times_launches).
+// (LaunchTimes).
 #pragma once
 
 #include "solve/run.hpp"
