@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phases of few vertices on CPUs, launched one behind the other: there a wait of the host takes as long as a kernel,
-// since the driver's threads and the host's sleep meanwhile. Times of phases are then the device's
+// since the driver's threads and the host's sleep meanwhile. The device's clock then tells phases apart
 // (LaunchTimes).
 #pragma once
 

@@ -3,6 +3,11 @@
 // as phase by phase, no wait in between, and nothing done on what turns out not to be there.
 #include <doctest/doctest.h>
 
+#include <chrono>
+#include <cstring>
+#include <limits>
+
+#include "answer.hpp"
 #include "batch_cases.hpp"
 #include "faulty_device.hpp"
 #include "forest_fixture.hpp"
@@ -28,25 +33,8 @@ Solver& in_steps() {
   return instance;
 }
 
-struct Answer {
-  Triangulation mesh;
-  std::string error;  ///< none: empty
-  std::vector<std::uint64_t> indices;
-};
-
-Answer ask(Solver& solver, const std::vector<Point>& points, const Options& options = {}) {
-  Answer answer;
-  try {
-    answer.mesh = solver.triangulate(points, {}, options);
-  } catch (const Error& error) {
-    answer.error = error.what();
-    answer.indices = error.indices();
-  }
-  return answer;
-}
-
 void check_same(const std::vector<Point>& points, const Options& options = {}) {
-  const Answer once = ask(at_once(), points, options), steps = ask(in_steps(), points, options);
+  const Answer once = ask(at_once(), {points, {}}, options), steps = ask(in_steps(), {points, {}}, options);
   CHECK(once.error == steps.error);
   CHECK(once.indices == steps.indices);
   if (!once.error.empty() || !steps.error.empty()) return;
@@ -262,7 +250,7 @@ TEST_CASE("edges that growth leaves are flipped, and output is launched again") 
   const TextEdit leave = {"  if (grown.on_edges > 0u) atomic_add(&counters->edge_splits, grown.on_edges);",
                           "  if (begin == 0u) queue[0] = 0u, counters->list_test[0] = 1u;"};
   Solver leaving = hooked_solver(editing({leave}));
-  const Answer left = ask(leaving, points), usual = ask(at_once(), points);
+  const Answer left = ask(leaving, {points, {}}), usual = ask(at_once(), {points, {}});
   CHECK(*leave.matched > 0);
   CHECK(left.error == "");
   CHECK(difference(left.mesh, usual.mesh) == "");
@@ -301,7 +289,7 @@ TEST_CASE("a fault is told as phase by phase") {
   Solver once = hooked_solver(hook);
   hook.tuning = shared_out();
   Solver steps = hooked_solver(hook);
-  const Answer a = ask(once, points), b = ask(steps, points);
+  const Answer a = ask(once, {points, {}}), b = ask(steps, {points, {}});
   CHECK(*left.matched > 0);
   CHECK(a.error.find("check: ") == 0);
   CHECK(!a.indices.empty());

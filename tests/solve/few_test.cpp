@@ -3,6 +3,7 @@
 // errors as by all work-items, of whatever is asked for, in a fifth of the launches.
 #include <doctest/doctest.h>
 
+#include "answer.hpp"
 #include "batch_cases.hpp"
 #include "solver_fixture.hpp"
 #include "split_graphs.hpp"
@@ -20,23 +21,6 @@ Solver& usual() {
 Solver& all_of_them() {
   static Solver instance = tuned_solver(DeviceKind::threads, shared_out());
   return instance;
-}
-
-struct Answer {
-  Triangulation mesh;
-  std::string error;  ///< none: empty
-  std::vector<std::uint64_t> indices;
-};
-
-Answer ask(Solver& solver, const Workload& work, const Options& options) {
-  Answer answer;
-  try {
-    answer.mesh = solver.triangulate(work.points, work.constraints, options);
-  } catch (const Error& error) {
-    answer.error = error.what();
-    answer.indices = error.indices();
-  }
-  return answer;
 }
 
 void check_same(const Workload& work, const Options& options) {
