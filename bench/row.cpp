@@ -108,7 +108,9 @@ std::string describe(const Row& row, const DeviceInfo& device, const std::string
   o.raw("phases", phases.text());
   if (!row.pinned_ms.empty())
     o.add("pinned_ms", spread(row.pinned_ms).median).raw("pinned", text(spread(row.pinned_ms)));
-  o.add("regions_ms", row.regions_ms).add("locate_ms", row.locate_ms);
+  o.add("regions_ms", row.regions_ms)
+      .add("located", static_cast<unsigned long long>(row.located))
+      .add("locate_ms", row.locate_ms);
   o.add("device_locate_ms", row.device_locate_ms).add("verify_ms", row.verify_ms);
   std::string kernels;
   for (const auto& [kernel, spent] : row.kernels)

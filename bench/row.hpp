@@ -28,9 +28,10 @@ struct Row {
   std::vector<double> pinned_ms;  ///< the same with arrays in pinned memory
   /// Of one traced call more: milliseconds and launches of each kernel.
   std::map<std::string, std::pair<double, int>> kernels;
-  /// What may be asked of a mesh besides, in ms: labels of all regions (on top of the call), 1M random points located
-  /// with their weights, from and to the host and from and to device memory, and the proof by gcdt::verify (beside
-  /// other rows', 0 if not made).
+  /// What may be asked of a mesh besides, in ms: labels of all regions (on top of the call), random points located
+  /// with their weights, so many, from and to the host and from and to device memory, and the proof by gcdt::verify
+  /// (beside other rows', 0 if not made).
+  std::size_t located = 0;
   double regions_ms = 0, locate_ms = 0, device_locate_ms = 0, verify_ms = 0;
   bool same_bytes = true;  ///< every timed call gave the same triangles
   std::vector<std::pair<std::string, PeerTimes>> peers;
