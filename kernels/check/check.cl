@@ -36,6 +36,7 @@
 #include "common/levels.h"
 #include "common/pieces.h"
 #include "common/predicates.h"
+#include "common/prefetch.h"
 
 // A kind up to `last` was noted by an earlier kernel; the caller notes later kinds only.
 GCDT_INLINE int noted(global const CheckReport* report, uint last) {
@@ -175,16 +176,36 @@ static uint check_edges_of(uint t, uint count, global const Levels* levels, glob
   return constrained_edges;
 }
 
+// What triangle t of a share that ends before `end` will ask for of its neighbours.
+static inline void prefetch_neighbours(uint t, uint end, global const uint* corners, global const int* neighbours) {
+#ifdef GCDT_PREFETCHES
+  if (t >= end) return;
+  for (uint k = 0; k < 3u; ++k) {
+    const uint u = 3u * (uint)neighbours[3u * t + k];
+    GCDT_PREFETCH(corners + u);
+    GCDT_PREFETCH(neighbours + u);
+  }
+#else
+  (void)t;
+  (void)end;
+  (void)corners;
+  (void)neighbours;
+#endif
+}
+
 // The same of all `items`.
 GCDT_APART uint check_edges_among(Items items, uint count, global const Levels* levels, global const int2* points,
                                   global const uint* corners, global const int* neighbours,
                                   global const uchar* constrained, uint pieces, global const uint* first_pieces,
                                   global const uint2* ends, global uint* next, global uint* previous,
                                   global CheckReport* report) {
+  const uint end = count < GCDT_LEAST_PREFETCHED ? 0u : items.y;
   uint constrained_edges = 0;
-  FOR_ITEMS(t, items)
-  constrained_edges += check_edges_of(t, count, levels, points, corners, neighbours, constrained, pieces, first_pieces,
-                                      ends, next, previous, report);
+  FOR_ITEMS(t, items) {
+    prefetch_neighbours(t + GCDT_FAR_AHEAD, end, corners, neighbours);
+    constrained_edges += check_edges_of(t, count, levels, points, corners, neighbours, constrained, pieces,
+                                        first_pieces, ends, next, previous, report);
+  }
   return constrained_edges;
 }
 

@@ -2,6 +2,7 @@
 // Canonical order: finite triangles rotated to their vertex of least rank and sorted by the ranks of
 // their first two corners. Ranks follow the Z-order curve, so the order depends on coordinates only.
 #include "common/levels.h"
+#include "common/prefetch.h"
 #include "output/triangle.h"
 
 // Writes the key and the reference of face f. Returns whether its corners are finite.
@@ -54,6 +55,29 @@ kernel void place_faces(const uint count, global const uint* refs, global int* p
   FOR_EACH(i, count) positions[GCDT_REF_FACE(refs[i])] = (int)i;
 }
 
+// What triangles after the i-th of a share that ends before `end` will ask for: the face, and then the edges of its
+// sides.
+static inline void prefetch_triangle(uint i, uint end, global const uint4* face_data, global const uint* edge_faces,
+                                     global const uint* edge_marks, global const uint* refs) {
+#ifdef GCDT_PREFETCHES
+  if (i + 2u * GCDT_FAR_AHEAD < end)
+    GCDT_PREFETCH(face_data + GCDT_CORNERS(GCDT_REF_FACE(refs[i + 2u * GCDT_FAR_AHEAD])));
+  if (i + GCDT_FAR_AHEAD >= end) return;
+  const uint4 s = face_data[GCDT_SIDES(GCDT_REF_FACE(refs[i + GCDT_FAR_AHEAD]))];
+  for (uint k = 0; k < 3u; ++k) {
+    GCDT_PREFETCH(edge_faces + (element(s, k) ^ 1u));
+    GCDT_PREFETCH(edge_marks + GCDT_SIDE_EDGE(element(s, k)));
+  }
+#else
+  (void)i;
+  (void)end;
+  (void)face_data;
+  (void)edge_faces;
+  (void)edge_marks;
+  (void)refs;
+#endif
+}
+
 // One work-item per triangle, in canonical order.
 // Reads the mesh, refs and positions.
 // Writes the triangle's corners, neighbours and constrained flags.
@@ -63,8 +87,12 @@ kernel void place_faces(const uint count, global const uint* refs, global int* p
 kernel void gather_triangles(const uint count, global const uint4* face_data, global const uint* edge_faces,
                              global const uint* edge_marks, global const uint* refs, global const int* positions,
                              global uint* out_corners, global int* out_neighbours, global uchar* out_constrained) {
-  FOR_EACH(i, count)
-  gather_triangle(i, face_data, edge_faces, edge_marks, refs, positions, out_corners, out_neighbours, out_constrained);
+  const Items items = items_of_this(count);
+  FOR_ITEMS(i, items) {
+    prefetch_triangle(i, items.y, face_data, edge_faces, edge_marks, refs);
+    gather_triangle(i, face_data, edge_faces, edge_marks, refs, positions, out_corners, out_neighbours,
+                    out_constrained);
+  }
 }
 
 static inline void number_corner(uint i, global const uint* vertex_input, global uint* corners) {

@@ -204,6 +204,37 @@ static inline void begin_insertion(Insertion* in, uint first, Claim round) {
   in->round = round;
 }
 
+// The face of the candidate with that number, if it is a winner's in a face; else GCDT_NONE.
+static inline uint winner_in_face(Insertion in, uint number) {
+  if (in.before[number + 1u] == in.before[number]) return GCDT_NONE;
+  const uint4 candidate = in.candidates[number];
+  return kind_of_candidate(candidate) == GCDT_IN_FACE ? candidate.z : GCDT_NONE;
+}
+
+// What winners of the same share will ask for, from `number` on: their faces; then these faces' sides, and what is
+// beyond them. Until they are inserted their faces are as they were, since nobody else changes these (L1); of what is
+// beyond it is read what settle_star reads.
+static inline void prefetch_winners(Insertion in, uint number, uint end) {
+#ifdef GCDT_PREFETCHES
+  const Mesh mesh = in.mesh;
+  uint face = number + GCDT_FAR_AHEAD < end ? winner_in_face(in, number + GCDT_FAR_AHEAD) : GCDT_NONE;
+  if (face != GCDT_NONE) GCDT_PREFETCH(mesh.face_data + GCDT_CORNERS(face));
+  face = number + GCDT_AHEAD < end ? winner_in_face(in, number + GCDT_AHEAD) : GCDT_NONE;
+  for (uint k = 0; k < 3u && face != GCDT_NONE; ++k) {
+    const uint code = face_side(mesh, face, k);
+    GCDT_PREFETCH(mesh.edge_faces + (code ^ 1u));
+    GCDT_PREFETCH(in.marks + GCDT_SIDE_EDGE(code));
+  }
+  face = number + GCDT_AHEAD / 2u < end ? winner_in_face(in, number + GCDT_AHEAD / 2u) : GCDT_NONE;
+  for (uint k = 0; k < 3u && face != GCDT_NONE; ++k)
+    GCDT_PREFETCH(mesh.face_data + GCDT_CORNERS(GCDT_REF_FACE(mesh.edge_faces[face_side(mesh, face, k) ^ 1u])));
+#else
+  (void)in;
+  (void)number;
+  (void)end;
+#endif
+}
+
 // Inserts the winner as vertex v, and makes its star Delaunay. Returns the number of flips.
 GCDT_APART uint insert_winner(Insertion in, uint number, uint v) {
   const Mesh mesh = in.mesh;

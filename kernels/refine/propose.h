@@ -5,7 +5,7 @@
 #ifndef GCDT_PROPOSE_H
 #define GCDT_PROPOSE_H
 
-#include "refine/stack.h"
+#include "refine/breadth.h"
 #include "refine/team.h"
 #include "refine/wait.h"
 
@@ -151,8 +151,9 @@ GCDT_APART void judge_star(Search s, uint v, private BadList* list) {
   uint ref = first;
   for (uint steps = 2u * gcdt_forest_faces(mesh.n, 1u); steps > 0u; --steps) {
     const uint face = GCDT_REF_FACE(ref), k = GCDT_REF_CORNER(ref);
-    if (newest_corner(mesh, mesh.face_data[GCDT_CORNERS(face)]) == v) judge_anew(s, face, true, list);
     const uint next = mesh.edge_faces[face_side(mesh, face, next_corner(k)) ^ 1u];
+    GCDT_PREFETCH(mesh.face_data + GCDT_CORNERS(GCDT_REF_FACE(next)));
+    if (newest_corner(mesh, mesh.face_data[GCDT_CORNERS(face)]) == v) judge_anew(s, face, true, list);
     ref = GCDT_FACE_REF(GCDT_REF_FACE(next), next_corner(GCDT_REF_CORNER(next)));
     if (ref == first) return;
   }
@@ -177,6 +178,28 @@ static inline void take_turn(Mesh mesh, uint face, uint urgency, uint round, uin
     aiming[atomic_inc(&report->aiming)] = face;
 }
 
+// What triangles of the same share will ask for: themselves, and then the side where their way begins.
+static inline void prefetch_ways(Search s, uint i, uint end) {
+#ifdef GCDT_PREFETCHES
+  const Mesh mesh = s.judge.mesh;
+  if (i + GCDT_FAR_AHEAD < end) {
+    const uint face = bad_face(s.bad[i + GCDT_FAR_AHEAD]);
+    GCDT_PREFETCH(mesh.face_data + GCDT_SIDES(face));
+    GCDT_PREFETCH(s.urgency + face);
+    GCDT_PREFETCH(s.ways + face);
+  }
+  if (i + GCDT_AHEAD < end) {
+    const uint face = bad_face(s.bad[i + GCDT_AHEAD]), code = face_side(mesh, face, first_side(s.ways[face]));
+    GCDT_PREFETCH(mesh.edge_faces + (code ^ 1u));
+    GCDT_PREFETCH(s.judge.marks + GCDT_SIDE_EDGE(code));
+  }
+#else
+  (void)s;
+  (void)i;
+  (void)end;
+#endif
+}
+
 // refine_wait. All triangles are looked at by one work-item each, or none are and teams do it, which is why these are
 // two loops. That of teams stands last, and behind no branch: where a branch has barriers, PoCL 3.1 gives work-items
 // wrong numbers after it (docs/devices.md).
@@ -186,7 +209,9 @@ GCDT_GIVEN_LOCAL void wait_for_worse(Search s, uint count, uint round, uint all,
 #else
   const uint alone = count;
 #endif
-  FOR_EACH(i, alone) {
+  const Items share = items_of_this(alone);
+  FOR_ITEMS(i, share) {
+    prefetch_ways(s, i, share.y);
     const uint face = bad_face(s.bad[i]),
                found = way_to_worse(s.judge.mesh, s.judge.marks, face, s.ways[face], s.urgency);
     s.ways[face] = (uchar)found;
@@ -249,8 +274,8 @@ static inline bool is_to_be_mended(Judged j) { return j.verdict == VERDICT_SHARP
 #ifdef GCDT_CONTIGUOUS
 // The tour for an aim by a thread, that with number `owner`. Returns GCDT_LISTED if the cavity's faces are listed.
 static uint tour_by_thread(Search s, Judged j, Aim* aim, ulong most, uint owner) {
-  StackTour tour;
-  tour_by_stack(s.judge, &j, aim->at.face, aim->target, most, &tour);
+  BreadthTour tour;
+  tour_by_breadth(s.judge, &j, aim->at.face, aim->target, most, &tour);
   if (tour.full) {
     tour_cavity(s.judge, j, aim, false, most, 0, s.lists);
     return 0u;
@@ -335,7 +360,10 @@ GCDT_GIVEN_LOCAL void aim_at_targets(Search s, uint count, uint most, uint round
   }
 #else
   (void)memory;
-  FOR_EACH(i, count) aim_at_target(s, i, most, round);
+  FOR_EACH(i, count) {
+    if (i + 1u < count) GCDT_PREFETCH(s.judge.mesh.face_data + GCDT_CORNERS(s.aiming[i + 1u]));
+    aim_at_target(s, i, most, round);
+  }
 #endif
 }
 

@@ -103,7 +103,9 @@ kernel void refine_insert(uint count, uint first, uint stamp, uint bits, uint si
     counters->list_insert[0] = before[count];
     begin_search(report);
   }
-  FOR_EACH(number, count) {
+  const Items items = items_of_this(count);
+  FOR_ITEMS(number, items) {
+    prefetch_winners(in, number, items.y);
     if (before[number + 1u] > before[number]) flips += insert_winner(in, number, first + before[number]);
   }
   add_for_group(&sum, &counters->flips_low, &counters->flips_high, flips);

@@ -8,6 +8,7 @@
 #ifndef GCDT_STAR_H
 #define GCDT_STAR_H
 
+#include "common/prefetch.h"
 #include "flip/flip.h"
 #include "refine/candidates.h"
 
@@ -80,6 +81,7 @@ static uint settle_star(Insertion in, uint v, Vertex x, uint claim, bool of_subs
   for (uint steps = 2u * gcdt_forest_faces(mesh.n, 1u); steps > 0u; --steps) {
     const uint code = element(s, k), over = element(s, next_corner(k));
     const uint far = mesh.edge_faces[code ^ 1u], next = mesh.edge_faces[over ^ 1u];
+    GCDT_PREFETCH(mesh.face_data + GCDT_CORNERS(GCDT_REF_FACE(next)));
     if (far != GCDT_NONE && !is_constrained(in.marks, code)) {
       const uint4 opposite = mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(far))];
       const uint owner = owner_of(in, GCDT_REF_FACE(far), opposite.w, claim);
@@ -95,6 +97,7 @@ static uint settle_star(Insertion in, uint v, Vertex x, uint claim, bool of_subs
         flip_edge(mesh, GCDT_SIDE_EDGE(code), refs, near_first ? c : opposite, near_first ? opposite : c, around);
         c = with_element(c, previous_corner(k), apex);
         s = with_element(with_element(s, k, around[near_first ? 0 : 2]), next_corner(k), code);
+        GCDT_PREFETCH(mesh.edge_faces + (around[near_first ? 1 : 3] ^ 1u));
         ++flips;
         continue;
       }

@@ -32,6 +32,7 @@ kernel void refine_judge_stars(JUDGE_PARAMETERS, LIST_PARAMETERS, global const u
   BadList list;
   begin_bad(&list);
   FOR_EACH(i, were_bad) {
+    if (i + GCDT_FAR_AHEAD < were_bad) GCDT_PREFETCH(face_data + GCDT_CORNERS(bad_face(before[i + GCDT_FAR_AHEAD])));
     if (newest_corner(judge.mesh, face_data[GCDT_CORNERS(bad_face(before[i]))]) < first) keep_bad(s, before[i], &list);
   }
   FOR_EACH(i, count) judge_star(s, first + i, &list);
@@ -117,6 +118,7 @@ GCDT_GIVEN_LOCAL uint insert_winners(Round* r, RefineTail* tail, uint count, loc
   const uint winners = number_winners(won, count);
   begin_insertion(&r->insertion, tail->vertices, make_claim(ticket.stamp, r->bits));
   for (uint i = 0; i < count; ++i) {
+    prefetch_winners(r->insertion, i, count);
     if (won[i + 1u] > won[i]) flips += insert_winner(r->insertion, i, tail->vertices + won[i]);
   }
   const uint rounds = flip_in_group(r->insertion.mesh, r->marks, ticket.stamp + 1u, r->bits,

@@ -79,6 +79,7 @@ static inline uint other_side(Mesh mesh, uint ref, uint number) {
 // entered then the side after that of the entry (0) or before it (1). GCDT_NO_WAY: none.
 #define GCDT_NO_WAY 0u
 static inline uint way(uint sides, uint k, uint a, uint b) { return sides | k << 2 | a << 4 | b << 5; }
+static inline uint first_side(uint w) { return w >> 2 & 3u; }
 
 static inline bool goes_before(uint ref, uint own, global const uint* urgency) {
   return ref != GCDT_NONE && in_the_way(urgency[GCDT_REF_FACE(ref)]) > own;
@@ -89,7 +90,7 @@ static inline bool leads_to_worse(Mesh mesh, volatile global const uint* marks, 
                                   global const uint* urgency) {
   const uint sides = w & 3u;
   if (sides == 0u) return false;
-  uint ref = ref_beyond(mesh, marks, element(mesh.face_data[GCDT_SIDES(face)], w >> 2 & 3u));
+  uint ref = ref_beyond(mesh, marks, element(mesh.face_data[GCDT_SIDES(face)], first_side(w)));
   if (sides > 1u && ref != GCDT_NONE) ref = ref_beyond(mesh, marks, other_side(mesh, ref, w >> 4 & 1u));
   if (sides > 2u && ref != GCDT_NONE) ref = ref_beyond(mesh, marks, other_side(mesh, ref, w >> 5 & 1u));
   return goes_before(ref, own, urgency);

@@ -4,7 +4,7 @@
 #ifndef GCDT_WINNERS_H
 #define GCDT_WINNERS_H
 
-#include "refine/stack.h"
+#include "refine/breadth.h"
 #include "refine/team.h"
 
 typedef struct Candidates {
@@ -104,10 +104,10 @@ static void claim_cavity(Mesh mesh, volatile global const uint* marks, uint root
   Judge judge;
   judge.mesh = mesh;
   judge.marks = (volatile global uint*)marks;
-  StackTour stack;
-  tour_by_stack(judge, 0, root, x, ~0ul, &stack);
-  if (!stack.full && is_listed(&stack)) {
-    for (uint i = 0; i < stack.entered; ++i) claim_face(mesh, stack.faces[i], t);
+  BreadthTour whole;
+  tour_by_breadth(judge, 0, root, x, ~0ul, &whole);
+  if (!whole.full && is_listed(&whole)) {
+    for (uint i = 0; i < whole.entered; ++i) claim_face(mesh, whole.faces[i], t);
     return;
   }
 #endif

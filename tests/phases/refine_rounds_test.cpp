@@ -88,9 +88,9 @@ TEST_CASE("all faces are gone through once, and only where a change is not found
   }
 }
 
-TEST_CASE("a tour is the same where the stack is too small, and a cavity has more faces than its list") {
+TEST_CASE("a tour is the same where the queue is too small, and a cavity has more faces than its list") {
   runtime::CallHook hook;
-  hook.options = "-DGCDT_STACK_SIDES=4u -DGCDT_STACK_FACES=3u";
+  hook.options = "-DGCDT_TOUR_SIDES=4u -DGCDT_TOUR_FACES=3u";
   runtime::Runtime small(of_kind(DeviceKind::threads).device(), hook);
   for (const RefineCase& c : cases()) {
     CAPTURE(c.name);
