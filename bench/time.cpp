@@ -46,6 +46,8 @@ constexpr double warm_seconds = 0.3;    // a GPU raises its clocks only under lo
 constexpr double long_call_ms = 2000;   // one such call has warmed up
 constexpr double least_seconds = 0.3;   // short calls are repeated until so much time is measured
 constexpr int most_runs = 101;
+constexpr double short_call_ms = 20;  // such calls and those of peers are timed by turns, since a host's speed varies
+constexpr int turns = 5;
 constexpr double peer_seconds = 10;  // after three runs
 
 double seconds_now() {
@@ -170,31 +172,12 @@ class Benchmark {
     row->work = make(input, [&](const std::vector<Point>& points) { return solver_.triangulate(points).triangles; });
     const double made = seconds_now() - start;
     if (!input.path.empty()) row->options.crossing = Crossing::drop;
-    std::uint64_t bytes = 0;
-    const auto call = [&] {
-      row->mesh = {};
-      const double from = seconds_now();
-      row->mesh = solver_.triangulate(row->work.points, row->work.constraints, row->options);
-      return 1000 * (seconds_now() - from) - row->mesh.statistics.ms.build;
-    };
     start = seconds_now();
-    double ms = call();  // builds the kernels, at first
-    const int least = arguments_.quick ? 3 : 11;
-    const double enough = arguments_.quick ? 0 : least_seconds, warm = arguments_.quick ? 0 : warm_seconds;
-    for (int i = 1; (i < 2 && ms < long_call_ms) || seconds_now() - start < warm; ++i) ms = call();
-    double measured = 0;
-    for (int i = 0; i < least || (i < most_runs && measured < enough); ++i) {
-      row->call_ms.push_back(call());
-      row->ms.push_back(row->mesh.statistics.ms);
-      measured += row->call_ms.back() / 1000;
-      const std::uint64_t now = hash(row->mesh);
-      if (i > 0) row->same_bytes &= now == bytes;
-      bytes = now;
-    }
+    time_calls(*row);
     const double timed = seconds_now() - start;
     trace_kernels(*row);
     ask_besides(*row);
-    row->pinned_ms = pinned_.time(row->work.points, row->work.constraints, row->options, least);
+    row->pinned_ms = pinned_.time(row->work.points, row->work.constraints, row->options, least_runs());
     start = seconds_now();
     time_peers(*row);
     std::fprintf(stderr, "%-18s %9zu core %9.3f call %9.3f ms (made in %.1f s, timed %.1f s, peers %.1f s)\n",
@@ -204,6 +187,33 @@ class Benchmark {
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s %zu: %s\n", input.name.c_str(), input.size, error.what());
     good_ = false;
+  }
+
+  int least_runs() const { return arguments_.quick ? 3 : 11; }
+
+  double call(Row& row) {
+    row.mesh = {};
+    const double from = seconds_now();
+    row.mesh = solver_.triangulate(row.work.points, row.work.constraints, row.options);
+    return 1000 * (seconds_now() - from) - row.mesh.statistics.ms.build;
+  }
+
+  // Adds to the times of calls that are there.
+  void time_calls(Row& row) {
+    const double start = seconds_now();
+    double ms = call(row);  // builds the kernels, at first
+    const double enough = arguments_.quick ? 0 : least_seconds, warm = arguments_.quick ? 0 : warm_seconds;
+    for (int i = 1; (i < 2 && ms < long_call_ms) || seconds_now() - start < warm; ++i) ms = call(row);
+    std::uint64_t bytes = hash(row.mesh);
+    double measured = 0;
+    for (int i = 0; i < least_runs() || (i < most_runs && measured < enough); ++i) {
+      row.call_ms.push_back(call(row));
+      row.ms.push_back(row.mesh.statistics.ms);
+      measured += row.call_ms.back() / 1000;
+      const std::uint64_t now = hash(row.mesh);
+      row.same_bytes &= now == bytes;
+      bytes = now;
+    }
   }
 
   // The second of two calls by a solver of its own: the queue has profiling.
@@ -278,6 +288,16 @@ class Benchmark {
     return runs > 11 ? peer.time(file, runs, peer_seconds) : times;
   }
 
+  Peer& named(const std::string& name) {
+    return *std::find_if(peers_.begin(), peers_.end(), [&](const Peer& peer) { return peer.name() == name; });
+  }
+
+  static void add_turn(Peer& peer, const std::string& file, PeerTimes& times) {
+    const PeerTimes more = time_peer(peer, file);
+    times.ms.insert(times.ms.end(), more.ms.begin(), more.ms.end());
+    if (!more.error.empty()) times.error = more.error;
+  }
+
   void time_peers(Row& row) {
     bool any = false;
     for (const Peer& peer : peers_) any |= row.work.constraints.empty() || peer.takes_constraints();
@@ -287,6 +307,13 @@ class Benchmark {
     for (Peer& peer : peers_)
       if (row.work.constraints.empty() || peer.takes_constraints())
         row.peers.push_back({peer.name(), arguments_.quick ? peer.time(file, 3, 0) : time_peer(peer, file)});
+    if (!arguments_.quick && middle(row.call_ms) < short_call_ms) {
+      for (int turn = 1; turn < turns; ++turn) {
+        time_calls(row);
+        for (auto& [name, times] : row.peers)
+          if (times.error.empty() && middle(times.ms) < short_call_ms) add_turn(named(name), file, times);
+      }
+    }
     std::remove(file.c_str());
   }
 
