@@ -198,21 +198,22 @@ class Benchmark {
     return 1000 * (seconds_now() - from) - row.mesh.statistics.ms.build;
   }
 
-  // Adds to the times of calls that are there.
+  // Adds to the times of calls that are there, whose bytes these must have.
   void time_calls(Row& row) {
+    const bool first = row.call_ms.empty();
+    const std::uint64_t before = first ? 0 : hash(row.mesh);
     const double start = seconds_now();
     double ms = call(row);  // builds the kernels, at first
     const double enough = arguments_.quick ? 0 : least_seconds, warm = arguments_.quick ? 0 : warm_seconds;
     for (int i = 1; (i < 2 && ms < long_call_ms) || seconds_now() - start < warm; ++i) ms = call(row);
-    std::uint64_t bytes = hash(row.mesh);
+    const std::uint64_t bytes = hash(row.mesh);
+    row.same_bytes &= first || bytes == before;
     double measured = 0;
     for (int i = 0; i < least_runs() || (i < most_runs && measured < enough); ++i) {
       row.call_ms.push_back(call(row));
       row.ms.push_back(row.mesh.statistics.ms);
       measured += row.call_ms.back() / 1000;
-      const std::uint64_t now = hash(row.mesh);
-      row.same_bytes &= now == bytes;
-      bytes = now;
+      row.same_bytes &= hash(row.mesh) == bytes;
     }
   }
 
@@ -288,10 +289,6 @@ class Benchmark {
     return runs > 11 ? peer.time(file, runs, peer_seconds) : times;
   }
 
-  Peer& named(const std::string& name) {
-    return *std::find_if(peers_.begin(), peers_.end(), [&](const Peer& peer) { return peer.name() == name; });
-  }
-
   static void add_turn(Peer& peer, const std::string& file, PeerTimes& times) {
     const PeerTimes more = time_peer(peer, file);
     times.ms.insert(times.ms.end(), more.ms.begin(), more.ms.end());
@@ -299,19 +296,20 @@ class Benchmark {
   }
 
   void time_peers(Row& row) {
-    bool any = false;
-    for (const Peer& peer : peers_) any |= row.work.constraints.empty() || peer.takes_constraints();
-    if (!any) return;
+    std::vector<Peer*> able;
+    for (Peer& peer : peers_)
+      if (row.work.constraints.empty() || peer.takes_constraints()) able.push_back(&peer);
+    if (able.empty()) return;
     const std::string file = arguments_.scratch + "/gcdt_bench_" + std::to_string(getpid()) + ".pslg";
     write_pslg(row.work, file);
-    for (Peer& peer : peers_)
-      if (row.work.constraints.empty() || peer.takes_constraints())
-        row.peers.push_back({peer.name(), arguments_.quick ? peer.time(file, 3, 0) : time_peer(peer, file)});
-    if (!arguments_.quick && middle(row.call_ms) < short_call_ms) {
-      for (int turn = 1; turn < turns; ++turn) {
-        time_calls(row);
-        for (auto& [name, times] : row.peers)
-          if (times.error.empty() && middle(times.ms) < short_call_ms) add_turn(named(name), file, times);
+    for (Peer* peer : able)
+      row.peers.push_back({peer->name(), arguments_.quick ? peer->time(file, 3, 0) : time_peer(*peer, file)});
+    const bool by_turns = !arguments_.quick && middle(row.call_ms) < short_call_ms;
+    for (int turn = 1; by_turns && turn < turns; ++turn) {
+      time_calls(row);
+      for (std::size_t i = 0; i < able.size(); ++i) {
+        PeerTimes& times = row.peers[i].second;
+        if (times.error.empty() && middle(times.ms) < short_call_ms) add_turn(*able[i], file, times);
       }
     }
     std::remove(file.c_str());
