@@ -168,15 +168,9 @@ static inline void sit_out(volatile global RefineReport* report) {
   if (report->sitting_out == 0u) atomic_or(&report->sitting_out, 1u);
 }
 
-// Whose turn it is: it aims, or sits out by its handicap.
-static inline void take_turn(Mesh mesh, uint face, uint urgency, uint round, uint all, global uint* aiming,
-                             volatile global RefineReport* report) {
-  const uint handicap = all ? 0u : handicap_of(urgency);
-  if (handicap > 0u && draw(mesh, mesh.face_data[GCDT_CORNERS(face)], round) < handicap)
-    sit_out(report);
-  else
-    aiming[atomic_inc(&report->aiming)] = face;
-}
+// Whose turn it is and who has not lost the draw aims. (Of others the host need not be told that they sit out: it sees
+// that not all that are bad have aimed.)
+static inline void take_turn(Search s, uint face) { s.aiming[atomic_inc(&s.lists.report->aiming)] = face; }
 
 // What triangles of the same share will ask for: themselves, and then the side where their way begins.
 static inline void prefetch_ways(Search s, uint i, uint end) {
@@ -200,9 +194,9 @@ static inline void prefetch_ways(Search s, uint i, uint end) {
 #endif
 }
 
-// refine_wait. All triangles are looked at by one work-item each, or none are and teams do it, which is why these are
-// two loops. That of teams stands last, and behind no branch: where a branch has barriers, PoCL 3.1 gives work-items
-// wrong numbers after it (docs/devices.md).
+// refine_wait. Who loses the draw need not look whether it has to wait. All triangles are looked at by one work-item
+// each, or none are and teams do it, which is why these are two loops. That of teams stands last, and behind no branch:
+// where a branch has barriers, PoCL 3.1 gives work-items wrong numbers after it (docs/devices.md).
 GCDT_GIVEN_LOCAL void wait_for_worse(Search s, uint count, uint round, uint all, TeamMemory memory) {
 #ifdef GCDT_GPU
   const uint alone = count <= s.teamed ? 0u : count;
@@ -212,10 +206,12 @@ GCDT_GIVEN_LOCAL void wait_for_worse(Search s, uint count, uint round, uint all,
   const Items share = items_of_this(alone);
   FOR_ITEMS(i, share) {
     prefetch_ways(s, i, share.y);
-    const uint face = bad_face(s.bad[i]),
-               found = way_to_worse(s.judge.mesh, s.judge.marks, face, s.ways[face], s.urgency);
-    s.ways[face] = (uchar)found;
-    if (found == GCDT_NO_WAY) take_turn(s.judge.mesh, face, s.urgency[face], round, all, s.aiming, s.lists.report);
+    const uint face = bad_face(s.bad[i]);
+    if (all || !loses(s.judge.mesh, s.judge.marks, face, round, s.urgency)) {
+      const uint found = way_to_worse(s.judge.mesh, s.judge.marks, face, s.ways[face], s.urgency);
+      s.ways[face] = (uchar)found;
+      if (found == GCDT_NO_WAY) take_turn(s, face);
+    }
   }
 #ifdef GCDT_GPU
   volatile local uint* const found = memory.found;
@@ -224,8 +220,10 @@ GCDT_GIVEN_LOCAL void wait_for_worse(Search s, uint count, uint round, uint all,
   const uint team = (uint)get_local_id(0) / lanes, lane = (uint)get_local_id(0) % lanes;
   FOR_EACH_TILE_OF(tile, teams, count - alone) {
     const uint i = tile + team;
-    const bool asks = team < teams && i < count;
-    const uint face = asks ? bad_face(s.bad[i]) : 0u, own = asks ? s.urgency[face] >> URGENCY_BITS : 0u;
+    const bool is_one = team < teams && i < count;
+    const uint face = is_one ? bad_face(s.bad[i]) : 0u;
+    const bool asks = is_one && (all || !loses(s.judge.mesh, s.judge.marks, face, round, s.urgency));
+    const uint own = asks ? s.urgency[face] >> URGENCY_BITS : 0u;
     if (asks && lane == 0u)
       found[team] = own > 0u && leads_to_worse(s.judge.mesh, s.judge.marks, face, s.ways[face], own, s.urgency)
                         ? s.ways[face]
@@ -239,8 +237,7 @@ GCDT_GIVEN_LOCAL void wait_for_worse(Search s, uint count, uint round, uint all,
     barrier(CLK_LOCAL_MEM_FENCE);
     if (asks && lane == 0u) {
       s.ways[face] = (uchar)found[team];
-      if (found[team] == GCDT_NO_WAY)
-        take_turn(s.judge.mesh, face, s.urgency[face], round, all, s.aiming, s.lists.report);
+      if (found[team] == GCDT_NO_WAY) take_turn(s, face);
     }
   }
 #endif

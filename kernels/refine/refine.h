@@ -69,6 +69,7 @@ typedef struct RefineTail {
   u32 stage;
   u32 rounds, searches;  // done: those that inserted, and all, but for the one in which it stopped
   u32 idle;              // how many searches found nothing since one found something
+  u32 aims;              // sum over those searches
   u32 vertices;          // there are now
   u32 candidates, flip_rounds, flips_low, flips_high;  // sums
   u32 judgings;                                        // how many times they judged faces
@@ -294,6 +295,7 @@ GCDT_INLINE u64 gcdt_candidate_key(u32 of_subsegment, u64 squared, u64 worse, Ve
 }
 
 #define GCDT_MOST_BADNESS 511u
+#define GCDT_TANGENT_BITS 8u
 
 // 511 - min(511, floor(2^8 area / dot)); dot > 0, since the least angle is at most 60 degrees. The rest is below dot.
 GCDT_INLINE u64 gcdt_badness(Shape s) {
@@ -302,7 +304,7 @@ GCDT_INLINE u64 gcdt_badness(Shape s) {
   if (rest / 2 >= dot) return 0;
   u64 quotient = rest >= dot;
   if (quotient) rest -= dot;
-  for (int bit = 0; bit < 8; ++bit) {
+  for (int bit = 0; bit < (int)GCDT_TANGENT_BITS; ++bit) {
     rest *= 2;
     quotient = 2 * quotient + (rest >= dot);
     if (rest >= dot) rest -= dot;
@@ -382,7 +384,7 @@ GCDT_INLINE i64 gcdt_shell(Piece piece, u64 squared_length) {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(RefineRules) == 5 * sizeof(u64) + 4 * sizeof(u32), "the same layout on host and device");
-static_assert(sizeof(RefineReport) == (32 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
+static_assert(sizeof(RefineReport) == (33 + GCDT_LEFT_KINDS) * sizeof(u32), "the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

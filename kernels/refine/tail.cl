@@ -176,6 +176,7 @@ kernel void refine_tail(JUDGE_PARAMETERS, LIST_PARAMETERS, global uint* edge_pie
     const uint winners = count == 0u ? 0u : insert_winners(&r, &tail, count, counted, flips_memory, memory);
     ++r.number;
     ++tail.searches;
+    tail.aims += report->aiming;
     tail.idle = count > 0u ? 0u : tail.idle + 1u;
     if (*r.flips.tests > 0u)
       tail.stage = GCDT_TAIL_FLIPS;

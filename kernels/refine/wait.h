@@ -70,9 +70,35 @@ static inline uint ref_beyond(Mesh mesh, volatile global const uint* marks, uint
   return is_constrained(marks, code) ? GCDT_NONE : mesh.edge_faces[code ^ 1u];
 }
 
+// Most slivers between slivers have large cavities, so these have a handicap before they have aimed at all: by powers
+// of two of the least angle's cotangent from 8 on. (One with fewer such neighbours stands apart, or at the end of a
+// row, from where the row is mended.)
+static inline uint estimated_handicap(uint word) {
+  const uint badness = word >> (URGENCY_BITS + URGENCY_LOT_BITS + GCDT_NEEDLE_BITS) & GCDT_MOST_BADNESS,
+             tangent = GCDT_MOST_BADNESS - badness, least = 1u << GCDT_TANGENT_BITS;
+  return tangent > least / 8u ? 0u : tangent > least / 16u ? 1u : tangent > least / 32u ? 2u : URGENCY_MOST_HANDICAP;
+}
+
+static bool is_among_slivers(Mesh mesh, volatile global const uint* marks, uint face, global const uint* urgency) {
+  const uint4 s = mesh.face_data[GCDT_SIDES(face)];
+  uint slivers = 0u;
+  for (uint k = 0; k < 3u; ++k) {
+    const uint ref = ref_beyond(mesh, marks, element(s, k));
+    slivers += ref != GCDT_NONE && estimated_handicap(urgency[GCDT_REF_FACE(ref)]) > 0u;
+  }
+  return slivers >= 2u;
+}
+
 static inline uint other_side(Mesh mesh, uint ref, uint number) {
   const uint k = GCDT_REF_CORNER(ref);
   return element(mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(ref))], number == 0u ? next_corner(k) : previous_corner(k));
+}
+
+// Does a triangle lose this round's draw? Its handicap is the one that it was given, or else what is to be expected.
+static bool loses(Mesh mesh, volatile global const uint* marks, uint face, uint round, global const uint* urgency) {
+  const uint word = urgency[face], given = handicap_of(word), handicap = given > 0u ? given : estimated_handicap(word);
+  return handicap > 0u && draw(mesh, mesh.face_data[GCDT_CORNERS(face)], round) < handicap &&
+         (given > 0u || is_among_slivers(mesh, marks, face, urgency));
 }
 
 // A way from a face to one beyond at most three sides: the number of sides, the side of the face, and of each face

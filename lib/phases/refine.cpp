@@ -354,6 +354,7 @@ RefineResult Refiner::run(Ticker& ticker) {
     }
     was_small_ = false;
     ++result_.searches;
+    result_.aims += last_.aiming;
     if (last_.candidates == 0) {
       rank_candidates();
       if (last_.aiming == last_.bad && last_.sitting_out == 0) break;

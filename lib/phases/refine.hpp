@@ -16,6 +16,7 @@ namespace gcdt {
 struct RefineResult {
   std::uint64_t rounds = 0;
   std::uint32_t searches = 0;                           ///< for candidates, with those that found none
+  std::uint64_t aims = 0;                               ///< of triangles, in all these searches
   std::uint32_t sweeps = 0;                             ///< over all faces, to judge them
   std::uint64_t candidates = 0;                         ///< of all rounds
   std::uint64_t added = 0;                              ///< vertices

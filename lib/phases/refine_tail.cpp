@@ -66,6 +66,7 @@ void Refiner::take_over(const Stamps& stamps) {
   added_ = tail.vertices - inputs_;
   result_.rounds += tail.rounds;
   result_.searches += tail.searches;
+  result_.aims += tail.aims;
   result_.candidates += tail.candidates;
   result_.flips += wide(tail.flips_low, tail.flips_high);
   result_.flip_rounds += tail.flip_rounds;

@@ -15,7 +15,7 @@ namespace {
 std::vector<RefineCase> cases() {
   std::vector<RefineCase> all = {{"points", random_pslg(400, 1 << 20, 0, 11), refining_on_grid(28)},
                                  {"a grid of few cells", random_pslg(300, 1 << 11, 0, 5), refining_on_grid(20)},
-                                 {"letters", letters(300), refining_on_grid()},
+                                 {"a dense border", on_integers(workload("dense_border", 400)), refining_on_grid()},
                                  {"inner constraints", random_pslg(120, 1 << 20, 60, 4), refining_on_grid(28)}};
   for (RefineCase& c : all) c.options.refine->most_added = 4000;
   return all;

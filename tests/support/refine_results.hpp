@@ -2,13 +2,26 @@
 // Refined meshes of integer inputs, and what it means that two are the same.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include "refine_oracle.hpp"
 #include "workloads.hpp"
 
 namespace gcdt::test {
 
-/// Of integers.
-/// What a test refines, and how.
+/// The input in a square of 2^30 cells: what is refined here must have integers.
+inline Workload on_integers(Workload work) {
+  double least = HUGE_VAL, most = -HUGE_VAL;
+  for (const Point& p : work.points)
+    for (const double x : p) least = std::min(least, x), most = std::max(most, x);
+  for (Point& p : work.points)
+    for (double& x : p) x = std::round(std::ldexp((x - least) / (most - least), 30));
+  return work;
+}
+
+/// What a test refines, and how. Of integers.
 struct RefineCase {
   std::string name;
   Workload work;
