@@ -32,7 +32,7 @@ kernel void arrange_keys(uint problems, global const uint* first_input, global u
       sort_run(keys, values, begin, end);
       continue;
     }
-    sort_by_digits(end - begin, 64u, keys + begin, values + begin, other_keys + begin, other_values + begin);
+    sort_by_digits(end - begin, 0u, 64u, keys + begin, values + begin, other_keys + begin, other_values + begin);
   }
 }
 

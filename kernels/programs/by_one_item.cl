@@ -15,7 +15,7 @@
 // After: the pairs are in order; they stand in the other buffers if the number of digits is odd.
 kernel void sort_by_one_item(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
                              global u32* other_values) {
-  sort_by_digits(count, bits, keys, values, other_keys, other_values);
+  sort_by_digits(count, 0u, bits, keys, values, other_keys, other_values);
 }
 
 // The choice of a grid of an input that was surveyed, as lib/phases/order.cpp makes it, here so that nothing is read
@@ -55,8 +55,7 @@ kernel void order_by_one_item(uint n, uint type, global const ulong* coordinates
     quantise_items((Items)(0u, n, 1u), 0u, type, coordinates, &report->scale, keys, values, quantised);
   put_columns(quantised, GCDT_QUANTISE_COLUMNS, report->quantised);
   if (report->quantised[GCDT_QUANTISE_OUTSIDE] != 0) return;
-  if (sort_by_digits(n, GCDT_MORTON_BITS, keys, values, other_keys, other_values))
-    keys = other_keys, values = other_values;
+  sort_by_prefix(n, GCDT_MORTON_BITS, keys, values, other_keys, other_values);
   uint distinct = 0;
   for (uint i = 0; i < n; ++i)
     if (is_first(keys, i)) ++distinct;
@@ -84,7 +83,7 @@ kernel void output_by_one_item(uint grown, global const Counters* counters, uint
     return;
   const uint count = key_faces_among((Items)(0u, faces, 1u), levels, bits, face_data, keys, refs);
   *triangles = count;
-  if (sort_by_digits(faces, 2u * bits, keys, refs, other_keys, other_refs)) refs = other_refs;
+  if (sort_by_digits(faces, 0u, 2u * bits, keys, refs, other_keys, other_refs)) refs = other_refs;
   for (uint i = 0; i < faces; ++i) positions[GCDT_REF_FACE(refs[i])] = i < count ? (int)i : -1;
   for (uint i = 0; i < count; ++i)
     gather_triangle(i, face_data, edge_faces, edge_marks, refs, positions, corners, neighbours, constrained);

@@ -47,14 +47,20 @@ GCDT_INLINE global const u64* sort_words(u32 count, u32 low, u32 high, global u6
   return words;
 }
 
-// By the bits below `bits` of the key, stably, by digits of GCDT_ONE_ITEM_DIGIT_BITS: from one pair of arrays to the
-// other and back. Returns whether the number of digits is odd, so that the pairs are in the other arrays now.
-GCDT_APART bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32* values, global u64* other_keys,
-                               global u32* other_values) {
+GCDT_INLINE void copy_pairs(u32 count, global const u64* keys, global const u32* values, global u64* to_keys,
+                            global u32* to_values) {
+  for (u32 i = 0; i < count; ++i) to_keys[i] = keys[i], to_values[i] = values[i];
+}
+
+// By the bits of the key from `low` up to `high`, stably, by digits of GCDT_ONE_ITEM_DIGIT_BITS: from one pair of
+// arrays to the other and back. Returns whether the number of digits is odd, so that the pairs are in the other arrays
+// now.
+GCDT_APART bool sort_by_digits(u32 count, u32 low, u32 high, global u64* keys, global u32* values,
+                               global u64* other_keys, global u32* other_values) {
   const u32 width = GCDT_ONE_ITEM_DIGIT_BITS(count);
   bool other = false;
-  for (u32 shift = 0; shift < bits; shift += width, other = !other) {
-    const u32 mask = (1u << min(width, bits - shift)) - 1u;
+  for (u32 shift = low; shift < high; shift += width, other = !other) {
+    const u32 mask = (1u << min(width, high - shift)) - 1u;
     u32 next[1u << GCDT_MOST_ONE_ITEM_DIGIT_BITS];
     for (u32 d = 0; d <= mask; ++d) next[d] = 0;
     for (u32 i = 0; i < count; ++i) ++next[(u32)(keys[i] >> shift) & mask];
@@ -71,6 +77,23 @@ GCDT_APART bool sort_by_digits(u32 count, u32 bits, global u64* keys, global u32
     keys = sorted_keys, values = sorted_values;
   }
   return other;
+}
+
+// By the bits below `high`, which are more than two digits, of the key, stably and in place: by two digits and what
+// these leave. Of keys that differ at random next to none agree in these 16 or 22 bits; where keys do, short runs are
+// sorted by insertion, long ones by themselves. The other arrays are void afterwards. Ends: each run has a pair.
+GCDT_APART void sort_by_prefix(u32 count, u32 high, global u64* keys, global u32* values, global u64* other_keys,
+                               global u32* other_values) {
+  const u32 low = high - 2u * GCDT_ONE_ITEM_DIGIT_BITS(count);
+  sort_by_digits(count, low, high, keys, values, other_keys, other_values);  // there and back
+  for (u32 begin = 0u, end = 1u; begin < count; begin = end++) {
+    while (end < count && keys[end] >> low == keys[begin] >> low) ++end;
+    const u32 length = end - begin;
+    if (length <= GCDT_RUN_BY_INSERTION)
+      sort_run(keys, values, begin, end);
+    else if (sort_by_digits(length, 0u, low, keys + begin, values + begin, other_keys + begin, other_values + begin))
+      copy_pairs(length, other_keys + begin, other_values + begin, keys + begin, values + begin);
+  }
 }
 
 #endif

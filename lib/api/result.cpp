@@ -46,28 +46,28 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
   return guarded_call(result, [&] {
     require(count == 0 || (arrays && destinations && capacities), "arrays, destinations or capacities is null");
     std::vector<runtime::HostRead> reads;
-    std::vector<void*> zeros;
+    const auto start = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < count; ++i) {
       const DeviceArray from = result->array(arrays[i]);
       if (capacities[i] < from.count) throw too_small(from.count, capacities[i]);
       if (from.count == 0) continue;
       require(destinations[i], "destination is null");
-      if (arrays[i] == GCDT_SOURCE_OFFSETS && result->data.pieces.count == 0) {  // not worth a command
-        zeros.push_back(destinations[i]);
-        continue;
-      }
       reads.push_back({from.memory, destinations[i], static_cast<std::size_t>(from.bytes())});
     }
-    for (void* zero : zeros) std::memset(zero, 0, sizeof(std::uint32_t));
-    if (reads.empty()) return;
-    const auto start = std::chrono::steady_clock::now();
-    result->state->runtime.read_all(reads);
+    // Once all are known to fit: what is here already, and is not worth a command.
+    const auto is_given = [&](const runtime::HostRead& read) {
+      if (read.from != result->data.pieces.source_offsets.handle() || result->data.pieces.count > 0)
+        return result->data.copies.give(read.from, read.to, read.bytes);
+      std::memset(read.to, 0, read.bytes);
+      return true;
+    };
+    reads.erase(std::remove_if(reads.begin(), reads.end(), is_given), reads.end());
     Statistics& s = result->data.statistics;
+    if (!reads.empty()) result->state->runtime.read_all(reads), ++s.read_backs;
     const double ms = milliseconds_since(start);
     s.ms.output += ms;
     s.ms.full += ms;
     s.ms.call += ms;
-    ++s.read_backs;
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "device/host_copies.hpp"
 #include "phases/clean.hpp"
 #include "phases/domain.hpp"
 #include "phases/order.hpp"
@@ -58,6 +59,7 @@ struct DeviceTriangulation {
   runtime::Buffer<cl_uchar> excuses;  ///< of refinement: GCDT_EXCUSE_... by triangle
   Chains chains;                      ///< of refinement: what another one goes on from
   bool adopted = false;               ///< `mesh` was there before: the hull has all its edges as constraints
+  HostCopies copies;                  ///< of some of these arrays; of none, mostly
   Statistics statistics;
 };
 

@@ -20,6 +20,7 @@ struct Finish {
   LaunchedMesh mesh;
   runtime::Buffer<device::CheckReport> report;
   runtime::Buffer<cl_uint> representatives;
+  HostCopies copies;
   cl::Event put, checked, numbered;  // the launches
 };
 
@@ -33,13 +34,30 @@ Finish launch_finish(Run& run, const LaunchTimes& times, const Vertices& vertice
   f.checked = times.last();
   f.representatives = launch_numbers(runtime, vertices, f.mesh, run.pieces, f.report);
   f.numbered = times.last();
+  f.copies.add(f.mesh.mesh.corners);
+  f.copies.add(f.mesh.mesh.neighbours);
+  f.copies.add(f.mesh.mesh.constrained);
+  f.copies.add(f.representatives);
+  f.copies.add(run.pieces.ends);
+  f.copies.add(run.pieces.source_offsets);
+  f.copies.add(run.pieces.sources);
   return f;
+}
+
+// What the host waits for: the report, and the result, which it mostly is.
+std::vector<runtime::HostRead> reads_of(Finish& f, device::CheckReport& found) {
+  std::vector<runtime::HostRead> reads = {{f.report.handle(), &found, sizeof found}};
+  f.copies.append_reads(reads);
+  return reads;
 }
 
 FinishedMesh finished(Finish f, const device::CheckReport& found, std::uint32_t vertices, std::uint32_t pieces) {
   FinishedMesh made;
   made.mesh = std::move(f.mesh).of(found.triangles);
-  if (gcdt_check_passed(found, vertices, pieces)) made.representatives = std::move(f.representatives);
+  if (gcdt_check_passed(found, vertices, pieces)) {
+    made.representatives = std::move(f.representatives);
+    made.copies = std::move(f.copies);
+  }
   return made;
 }
 
@@ -96,7 +114,8 @@ OrderResult begin_at_once(Run& run, InputPoints points) {
   device::OrderReport report;
   device::CheckReport found;
   std::vector<runtime::HostRead> reads = {{order.report.handle(), &report, sizeof report}, run.counters.to_read()};
-  if (finish) reads.push_back({finish->report.handle(), &found, sizeof found});
+  if (finish)
+    for (const runtime::HostRead& read : reads_of(*finish, found)) reads.push_back(read);
   runtime.read_all(reads);
   const double all = watch.milliseconds();
   OrderResult result = finish_order(runtime, std::move(order), report);
@@ -123,7 +142,8 @@ void finish_at_once(Run& run) {
     const Stopwatch watch(run.runtime);
     const LaunchTimes times(run.runtime);
     Finish f = launch_finish(run, times, run.vertices, false);
-    const device::CheckReport found = run.runtime.read_one(f.report);
+    device::CheckReport found;
+    run.runtime.read_all(reads_of(f, found));
     const double check_ms = LaunchTimes::milliseconds_between(f.put, f.checked);
     ms.gather = watch.milliseconds() - LaunchTimes::milliseconds_between(f.put, f.numbered);
     ms.check += check_ms;
@@ -133,6 +153,7 @@ void finish_at_once(Run& run) {
   run.mesh = {};
   OrderedMesh ordered = std::move(run.finished->mesh);
   run.result.representatives = std::move(run.finished->representatives);
+  run.result.copies = std::move(run.finished->copies);
   if (!run.result.representatives.allocated())  // a fault, or no triangles
     run.step("check", ms.check, [&] { check(run.runtime, run.plan, ordered, run.vertices, run.pieces); });
   run.step("output", ms.output, [&] { run.number(std::move(ordered)); });

@@ -25,6 +25,7 @@ constexpr double cleaned_share = 0.3;
 struct FinishedMesh {
   OrderedMesh mesh;                               ///< corners are input numbers
   runtime::Buffer<cl_uint> representatives = {};  ///< not allocated: a fault, or no triangles; corners are vertices
+  HostCopies copies = {};                         ///< of all of it and of the pieces, if representatives are there
 };
 
 /// Owns all that a call has on the device until its result is made. Whoever writes a sequence of steps reads and

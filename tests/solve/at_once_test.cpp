@@ -132,6 +132,31 @@ TEST_CASE("the same as phase by phase: shapes up to the limit and beyond it, wit
     }
 }
 
+// Keys agree in as many first bits as a sort by one work-item looks at before all others (sort_by_prefix): in runs that
+// it sorts by insertion, and in longer ones, of distinct keys and of equal ones, whose order is that of the input.
+TEST_CASE("vertices in clusters are put in the same order by one work-item as by many") {
+  runtime::CallHook hook;
+  hook.tuning = shared_out();
+  Solver many = hooked_solver(hook);
+  Random random(3);
+  for (const std::uint32_t n : {1000u, 5000u, 12000u})
+    for (const std::uint32_t each : {3u, 63u, 64u, 65u, 700u, 12000u}) {
+      CAPTURE(n);
+      CAPTURE(each);
+      std::vector<Point> points = {{0, 0}, {1, 1}};
+      while (points.size() < n) {
+        const Point middle = {random.unit(), random.unit()};
+        for (std::uint32_t i = 0; i < each && points.size() < n; ++i) {
+          const double size = i % 3 == 0 ? 0 : std::ldexp(1.0, -13);  // a third of a cluster is one point
+          points.push_back({middle[0] + size * random.unit(), middle[1] + size * random.unit()});
+        }
+      }
+      const Answer by_one = ask(at_once(), {points, {}}), by_many = ask(many, {points, {}});
+      CHECK(by_one.error == "");
+      CHECK(difference(by_one.mesh, by_many.mesh) == "");
+    }
+}
+
 TEST_CASE("the same of hardly any vertices, of a line, of what is asked for besides, and of what is refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const std::vector<Point>& points : std::vector<std::vector<Point>>{{},
@@ -162,9 +187,10 @@ TEST_CASE("the same of hardly any vertices, of a line, of what is asked for besi
   }
 }
 
-TEST_CASE("the host waits once between the first launch and the last, and then for the result") {
+TEST_CASE("the host waits once, for what it has to know and for the result together") {
   Workload work;
   work.points = workload("uniform", 1000).points;
+  CHECK(at_once().triangulate(work.points).statistics.read_backs == 1);
   CHECK(queued(work) == "order_by_one_item grow_insert output_by_one_item check_by_one_item number_by_one_item wait ");
   work.constraints = {{0, 1}, {1, 2}};
   CHECK(
