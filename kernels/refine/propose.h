@@ -162,14 +162,14 @@ GCDT_APART void judge_star(Search s, uint v, private BadList* list) {
 
 // ---- Waiting ------------------------------------------------------------------------------------------------
 
-// Tells the host that a triangle has not aimed whose turn it was. Most find it told; the word only becomes 1, so who
-// reads it too early sets it again.
+// Tells the host that a cavity was too large for its triangle this round. Most find it told; the word only becomes 1,
+// so who reads it too early sets it again.
 static inline void sit_out(volatile global RefineReport* report) {
   if (report->sitting_out == 0u) atomic_or(&report->sitting_out, 1u);
 }
 
-// Whose turn it is and who has not lost the draw aims. (Of others the host need not be told that they sit out: it sees
-// that not all that are bad have aimed.)
+// A triangle that need not wait and has not lost the draw aims. The host needs no word about the others: it sees that
+// fewer have aimed than are bad.
 static inline void take_turn(Search s, uint face) { s.aiming[atomic_inc(&s.lists.report->aiming)] = face; }
 
 // What triangles of the same share will ask for: themselves, and then the side where their way begins.

@@ -90,7 +90,7 @@ typedef struct RefineReport {
   u32 failed;                     // a loop did not end where theory says it must
   u32 bad;                        // the length of the list of triangles to be mended
   u32 aiming;                     // of that of those that need not wait
-  u32 sitting_out;                // whether triangles of large cavities have sat this round out
+  u32 sitting_out;                // whether one that aimed found its cavity too large; who lost the draw has not aimed
   u32 asked;                      // of that of subsegments to be split
   u32 candidates;                 // of that of candidates, counted on where they do not fit
   u32 blocks;                     // of lists of cavities, counted on where there are none left

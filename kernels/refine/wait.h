@@ -71,8 +71,8 @@ static inline uint ref_beyond(Mesh mesh, volatile global const uint* marks, uint
 }
 
 // Most slivers between slivers have large cavities, so these have a handicap before they have aimed at all: by powers
-// of two of the least angle's cotangent from 8 on. (One with fewer such neighbours stands apart, or at the end of a
-// row, from where the row is mended.)
+// of two of the least angle's cotangent, from about 8 on (the tangent is rounded down to 2^-8). One with fewer such
+// neighbours stands apart, or at the end of a row, from where the row is mended.
 static inline uint estimated_handicap(uint word) {
   const uint badness = word >> (URGENCY_BITS + URGENCY_LOT_BITS + GCDT_NEEDLE_BITS) & GCDT_MOST_BADNESS,
              tangent = GCDT_MOST_BADNESS - badness, least = 1u << GCDT_TANGENT_BITS;
@@ -94,7 +94,8 @@ static inline uint other_side(Mesh mesh, uint ref, uint number) {
   return element(mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(ref))], number == 0u ? next_corner(k) : previous_corner(k));
 }
 
-// Does a triangle lose this round's draw? Its handicap is the one that it was given, or else what is to be expected.
+// Does a triangle lose this round's draw? Its handicap is the one that its last aim has given it, or else what is to be
+// expected.
 static bool loses(Mesh mesh, volatile global const uint* marks, uint face, uint round, global const uint* urgency) {
   const uint word = urgency[face], given = handicap_of(word), handicap = given > 0u ? given : estimated_handicap(word);
   return handicap > 0u && draw(mesh, mesh.face_data[GCDT_CORNERS(face)], round) < handicap &&

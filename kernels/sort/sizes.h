@@ -12,8 +12,8 @@
 #define GCDT_MOST_ONE_ITEM_DIGIT_BITS 11u
 #define GCDT_ONE_ITEM_DIGIT_BITS(count) ((count) < 4096u ? 8u : GCDT_MOST_ONE_ITEM_DIGIT_BITS)
 
-// Pairs of a run that such a work-item sorts by insertion: as long as counters of five digits take to be cleared and
-// added up.
+// Pairs of a run that such a work-item sorts by insertion: as long as counters of five or six digits take to be cleared
+// and added up.
 #define GCDT_RUN_BY_INSERTION 64u
 
 // Bits up to which groups sort by digits however few keys there are, but for a block's: three digits take less time

@@ -46,7 +46,6 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
   return guarded_call(result, [&] {
     require(count == 0 || (arrays && destinations && capacities), "arrays, destinations or capacities is null");
     std::vector<runtime::HostRead> reads;
-    const auto start = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < count; ++i) {
       const DeviceArray from = result->array(arrays[i]);
       if (capacities[i] < from.count) throw too_small(from.count, capacities[i]);
@@ -54,7 +53,8 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
       require(destinations[i], "destination is null");
       reads.push_back({from.memory, destinations[i], static_cast<std::size_t>(from.bytes())});
     }
-    // Once all are known to fit: what is here already, and is not worth a command.
+    const auto start = std::chrono::steady_clock::now();
+    // Once all are known to fit: what is here already, or not worth a command.
     const auto is_given = [&](const runtime::HostRead& read) {
       if (read.from != result->data.pieces.source_offsets.handle() || result->data.pieces.count > 0)
         return result->data.copies.give(read.from, read.to, read.bytes);

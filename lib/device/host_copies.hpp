@@ -22,6 +22,7 @@ class HostCopies {
   }
   /// What makes the copies, behind `reads`; they are there when all these are done.
   void append_reads(std::vector<runtime::HostRead>& reads) {
+    if (bytes_ == 0) return;
     unsigned char* const to = memory_.make<unsigned char>(bytes_);
     for (const Copy& copy : copies_) reads.push_back({copy.of, to + copy.place, copy.bytes});
   }

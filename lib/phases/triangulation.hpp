@@ -24,6 +24,8 @@ struct DeviceInput {
 struct InputSource {
   std::uint64_t n = 0, m = 0;  ///< vertices and constraints
   std::function<DeviceInput()> load;
+  bool copied =
+      false;  ///< whoever gets the result copies it to the host as it is: where that is little, it comes along
 };
 
 /// Arrays of the host's, which must last as long.
@@ -59,7 +61,7 @@ struct DeviceTriangulation {
   runtime::Buffer<cl_uchar> excuses;  ///< of refinement: GCDT_EXCUSE_... by triangle
   Chains chains;                      ///< of refinement: what another one goes on from
   bool adopted = false;               ///< `mesh` was there before: the hull has all its edges as constraints
-  HostCopies copies;                  ///< of some of these arrays; of none, mostly
+  HostCopies copies;                  ///< of arrays that stay here as they are; none unless InputSource::copied
   Statistics statistics;
 };
 

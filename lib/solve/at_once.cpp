@@ -34,6 +34,7 @@ Finish launch_finish(Run& run, const LaunchTimes& times, const Vertices& vertice
   f.checked = times.last();
   f.representatives = launch_numbers(runtime, vertices, f.mesh, run.pieces, f.report);
   f.numbered = times.last();
+  if (!run.copied) return f;
   f.copies.add(f.mesh.mesh.corners);
   f.copies.add(f.mesh.mesh.neighbours);
   f.copies.add(f.mesh.mesh.constrained);

@@ -122,6 +122,7 @@ DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   auto& ms = run.statistics.ms;
   run.step("order", ms.order, ordered_share, [&] {
     run.ticker.tick("order", 0);
+    run.copied = source.copied;
     DeviceInput input = source.load();
     run.constraints = std::move(input.constraints);
     run.plan = make_plan(runtime, {1, input.points.n, input.points.n});

@@ -52,7 +52,7 @@ static void check_copies(gcdt_solver* solver, gcdt_result* result, const uint32_
   CHECK(gcdt_result_statistics(result, &before) == GCDT_OK);
   CHECK(gcdt_result_copy_arrays(result, arrays, destinations, capacities, 4) == GCDT_OK);
   CHECK(gcdt_result_statistics(result, &after) == GCDT_OK);
-  CHECK(after.read_backs == before.read_backs + 1);
+  CHECK(after.read_backs <= before.read_backs + 1); /* none where the result has come already: at_once_test */
   CHECK(memcmp(some_triangles, triangles, 24) == 0 && some_triangles[6] == 7 && dropped[0] == 7);
   CHECK(memcmp(some_neighbours, neighbours, 24) == 0 && memcmp(flags, constrained, 2) == 0);
 }

@@ -191,6 +191,7 @@ TEST_CASE("the host waits once, for what it has to know and for the result toget
   Workload work;
   work.points = workload("uniform", 1000).points;
   CHECK(at_once().triangulate(work.points).statistics.read_backs == 1);
+  CHECK(at_once().triangulate(work.points, Constraints({{0, 1}, {1, 2}})).statistics.read_backs == 4);
   CHECK(queued(work) == "order_by_one_item grow_insert output_by_one_item check_by_one_item number_by_one_item wait ");
   work.constraints = {{0, 1}, {1, 2}};
   CHECK(
@@ -269,6 +270,23 @@ TEST_CASE("numbers wait for the check: of a mesh with a fault corners stay verti
   behind.runtime.write(mesh.mesh.corners, corners.data(), corners.size());
   for (cl_uint& v : corners) v = inputs[v];
   CHECK(numbers() == std::make_pair(true, corners));
+}
+
+TEST_CASE("arrays that the result has come with need no read, others one together; both are the same") {
+  const Workload work = random_pslg(600, 1 << 20, 40, 5);
+  Options options;
+  options.crossing = Crossing::drop;
+  const Result once = at_once().solve(work.points, work.constraints, options),
+               steps = in_steps().solve(work.points, work.constraints, options);
+  const auto reads = [](const Result& result) {
+    const std::uint64_t before = result.statistics().read_backs;
+    const Triangulation all = result.download();
+    CHECK(all.triangles == result.triangles());
+    return all.statistics.read_backs - before;
+  };
+  CHECK(reads(once) == 0);
+  CHECK(reads(steps) == 1);
+  CHECK(difference(once.download(), steps.download()) == "");
 }
 
 TEST_CASE("edges that growth leaves are flipped, and output is launched again") {
