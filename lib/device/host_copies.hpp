@@ -13,7 +13,7 @@ namespace gcdt {
 
 class HostCopies {
  public:
-  /// There shall be a copy of the array. Before reads().
+  /// There shall be a copy of the array, which must live as long, and stay as it is. Before append_reads().
   template <class T>
   void add(const runtime::Buffer<T>& array) {
     if (array.size() == 0) return;

@@ -24,8 +24,8 @@ struct DeviceInput {
 struct InputSource {
   std::uint64_t n = 0, m = 0;  ///< vertices and constraints
   std::function<DeviceInput()> load;
-  bool copied =
-      false;  ///< whoever gets the result copies it to the host as it is: where that is little, it comes along
+  /// Whoever gets the result copies it to the host as it is: where that is little, it comes along (HostCopies).
+  bool copied = false;
 };
 
 /// Arrays of the host's, which must last as long.
