@@ -33,17 +33,7 @@ typedef struct CheckReport {
   u32 hull_vertices;            // vertices on the boundary
   u32 least_corners;            // boundary vertices below both neighbours there, x first
   u32 constrained_edges;
-  u32 triangles;  // that were checked
 } CheckReport;
-
-// Nothing is wrong with the triangles of `vertices` vertices and of `pieces` pieces, of which all edges are expected to
-// be flagged. They must be triangles at all: none may be right, too (check_collinear).
-GCDT_INLINE int gcdt_check_passed(CheckReport r, u32 vertices, u32 pieces) {
-  for (u32 kind = 0; kind < GCDT_CHECK_KINDS; ++kind)
-    if (r.first[kind] != GCDT_NONE) return 0;
-  return r.triangles != 0 && r.least_corners == 1 && (u64)r.triangles + 2u + r.hull_vertices == (u64)2u * vertices &&
-         r.constrained_edges == pieces;
-}
 
 #ifdef __OPENCL_VERSION__
 // atomic_min finds the least number of a kind, whatever the schedule.
@@ -51,7 +41,7 @@ static inline void note(global CheckReport* report, uint kind, uint number) {
   atomic_min(&report->first[kind], number);
 }
 #else
-static_assert(sizeof(CheckReport) == 19 * sizeof(u32), "CheckReport has the same layout on host and device");
+static_assert(sizeof(CheckReport) == 18 * sizeof(u32), "CheckReport has the same layout on host and device");
 }  // namespace gcdt::device
 #endif
 

@@ -66,6 +66,20 @@ GCDT_INLINE int gcdt_sign128(Int128 a) {
   return (a.high != 0 || a.low != 0) ? 1 : 0;
 }
 
+// Sign of a b + c d + e f, which must fit into 128 bits; partial sums need not.
+GCDT_INLINE int gcdt_sign_of_products(i64 a, i64 b, i64 c, i64 d, i64 e, i64 f) {
+#if GCDT_HAS_INT128 && !defined(GCDT_EMULATE_MUL_HI)
+  // Unsigned, where sums wrap; products of signed numbers, which a processor has in one instruction.
+  __extension__ typedef __int128 signed_wide;
+  __extension__ typedef unsigned __int128 wide;
+  const signed_wide sum =
+      (signed_wide)((wide)((signed_wide)a * b) + (wide)((signed_wide)c * d) + (wide)((signed_wide)e * f));
+  return sum < 0 ? -1 : sum != 0 ? 1 : 0;
+#else
+  return gcdt_sign128(gcdt_add(gcdt_add(gcdt_multiply(a, b), gcdt_multiply(c, d)), gcdt_multiply(e, f)));
+#endif
+}
+
 GCDT_INLINE int gcdt_sign64(i64 a) { return (a > 0) - (a < 0); }
 
 #ifndef __OPENCL_VERSION__

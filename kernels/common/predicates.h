@@ -96,7 +96,7 @@ GCDT_INLINE int gcdt_incircle_finite(Vertex a, Vertex b, Vertex c, Vertex d) {
             lc = gcdt_times(cx, cx) + gcdt_times(cy, cy);
   const i64 bc = gcdt_times(bx, cy) - gcdt_times(by, cx), ca = gcdt_times(cx, ay) - gcdt_times(cy, ax),
             ab = gcdt_times(ax, by) - gcdt_times(ay, bx);
-  return gcdt_sign128(gcdt_add(gcdt_add(gcdt_multiply(la, bc), gcdt_multiply(lb, ca)), gcdt_multiply(lc, ab)));
+  return gcdt_sign_of_products(la, bc, lb, ca, lc, ab);
 }
 
 // The complete in-circle sign, 0 to 3 symbols in any position. Taking away the largest symbol leaves

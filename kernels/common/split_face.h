@@ -12,7 +12,9 @@
 // fences are empty functions, so that its compiler moves stores across them. It waits for all stores before it, so
 // nobody else pays for it.
 static inline void before_links(Mesh mesh, uint t, uint claim, bool walked) {
+#ifndef GCDT_ALONE
   if (walked) atomic_xchg(claim_word(mesh.face_data, t), claim);
+#endif
 }
 
 // A vertex brings exactly three edges. new_edge(mesh, m, j) of a face split by m is the spoke that joins m and p_j; of

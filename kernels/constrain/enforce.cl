@@ -22,6 +22,8 @@
 // One that had better begin at its other end: its first vertex has more faces than ENFORCE_STAR.
 #define ENFORCE_TURN (GCDT_NONE - 2u)
 #define ENFORCE_STAR 64u
+// Edges that are remembered while flips go on around one; a further pass finds those beyond.
+#define ENFORCE_WORKLIST 64u
 
 // What the work-item of a problem has.
 typedef struct Problem {
@@ -38,10 +40,10 @@ static inline Vertex vertex_of(const private Problem* p, uint v) { return load_v
 
 // ---- Triangles --------------------------------------------------------------------------------------
 
-static void flip_and_know(private Problem* p, uint e, uint2 refs) {
+// `around` gets codes of the four edges around.
+static void flip_and_know(private Problem* p, uint e, uint2 refs, private uint* around) {
   const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
   const uint4 ct = p->mesh.face_data[GCDT_CORNERS(t)], cu = p->mesh.face_data[GCDT_CORNERS(u)];
-  uint around[4];
   flip_edge(p->mesh, e, refs, ct, cu, around);
   // The ends of the old edge have one of the faces each, those of the new one both.
   const uint4 rt = rotate_to(ct, GCDT_REF_CORNER(refs.x));
@@ -104,18 +106,30 @@ static inline u64 distance_from(const private Problem* p, Vertex a, Vertex b, ui
   return (u64)(d < 0 ? -d : d);
 }
 
-// Flips the new edges, `count` of them, but the constraint's own. Ends: L4.
+// Flips the new edges, `count` of them, and what becomes illegal around those, but no constraint's: passes over all
+// alone would be as many as the longest chain of flips. Ends: each pass of the inner loop takes an edge from the
+// worklist, and only flips add edges; a further pass of the outer one is after flips (L4).
 static void settle_crossed(private Problem* p, uint count) {
-  bool flipped = true;
-  while (flipped) {
-    flipped = false;
+  bool left = true;
+  while (left) {
+    left = false;
     for (uint i = 1; i <= count; ++i) {
-      const uint e = p->crossed[i].y;
-      if (p->marks[e] & GCDT_MARK_CONSTRAINED) continue;
-      const uint2 refs = faces_of_edge(p->mesh, e);
-      if (!is_illegal(p->mesh, refs.x, refs.y)) continue;
-      flip_and_know(p, e, refs);
-      flipped = true;
+      uint work[ENFORCE_WORKLIST];
+      uint size = 1;
+      work[0] = p->crossed[i].y;
+      while (size > 0u) {
+        const uint e = work[--size];
+        if (p->marks[e] & GCDT_MARK_CONSTRAINED) continue;
+        const uint2 refs = faces_of_edge(p->mesh, e);
+        if (refs.x == GCDT_NONE || refs.y == GCDT_NONE || !is_illegal(p->mesh, refs.x, refs.y)) continue;
+        uint around[4];
+        flip_and_know(p, e, refs, around);
+        for (uint k = 0; k < 4u; ++k)
+          if (size < ENFORCE_WORKLIST)
+            work[size++] = GCDT_SIDE_EDGE(around[k]);
+          else
+            left = true;
+      }
     }
   }
 }
@@ -158,7 +172,8 @@ static uint cross(private Problem* p, uint a, uint b, uint t, uint k, bool part)
   p->pairs += count + 1u;
   if (count == 1u) {  // across one edge lies a strictly convex quadrilateral
     const uint e = p->crossed[1].y;
-    flip_and_know(p, e, faces_of_edge(mesh, e));
+    uint around[4];
+    flip_and_know(p, e, faces_of_edge(mesh, e), around);
     p->marks[e] = GCDT_MARK_CONSTRAINED;
     p->owned += 2u;
     return end;
@@ -358,6 +373,15 @@ static uint next_on(Mesh mesh, global const uint* vertex_face, uint a, uint b) {
   return b;
 }
 
+// Pieces of one lower end, by the rank of the other one. The other arrays are void afterwards.
+static void sort_pieces(uint count, global ulong* keys, global uint* sources, global ulong* other_keys,
+                        global uint* other_sources) {
+  if (count <= GCDT_RUN_BY_INSERTION)
+    sort_run(keys, sources, 0u, count);
+  else if (sort_by_digits(count, 0u, 32u, keys, sources, other_keys, other_sources))
+    copy_pairs(count, other_keys, other_sources, keys, sources);
+}
+
 // What enforce_pieces does for `trees`.
 GCDT_APART void list_pieces(Items trees, GCDT_LEVELS_POINTER levels, Mesh mesh, global const uint* first_constraint,
                             global const uint2* constraints, global const uint* input_vertex,
@@ -391,13 +415,17 @@ GCDT_APART void list_pieces(Items trees, GCDT_LEVELS_POINTER levels, Mesh mesh, 
       keys[to] = key;
       sources[to] = unsorted_sources[at];
     }
-    sort_run(keys, sources, first, last);
+    for (uint v = begin, from = first; v < end; ++v) {  // places[v] is where v's pieces end
+      sort_pieces(places[v] - from, keys + from, sources + from, unsorted_keys + from, unsorted_sources + from);
+      from = places[v];
+    }
   }
 }
 
 // One work-item per problem. Writes its pieces, in order of lower rank, higher rank, source: `keys` (lower << 32 |
-// higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and by
-// insertion for the few pieces of each. `places`: a word per vertex, void afterwards, as are the unsorted ones.
+// higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and for the
+// pieces of each, mostly few, by insertion or by digits. `places`: a word per vertex, void afterwards, as are the
+// unsorted ones.
 // Writes words of its problem. After: as clean_pieces and a stable sort.
 kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                            global const uint* first_constraint, global const uint2* constraints,

@@ -44,9 +44,14 @@ static void leave_edge(Owner o, uint e) {
   if (!(atomic_or(o.marks + e, GCDT_MARK_QUEUED) & GCDT_MARK_QUEUED)) o.queue[atomic_inc(o.queued)] = e;
 }
 
-// Whether `face`, whose claim word was read as `word`, is or now becomes the work-item's own.
+// Whether `face`, whose claim word was read as `word`, is or now becomes the work-item's own. It needs no claim where
+// the launch has no other work-item, as the host's have (GCDT_ALONE).
 static inline bool own(Mesh mesh, Owner o, uint face, uint word) {
+#ifdef GCDT_ALONE
+  return true;
+#else
   return own_face(mesh, face, word, o.ticket, o.claim);
+#endif
 }
 
 // ---- Insertion ------------------------------------------------------------------------------------
@@ -201,15 +206,13 @@ GCDT_APART uint grow_shares(Items items, uint count, uint begin, uint segments, 
 // `level` is that of `begin`. The mesh must be Delaunay. Each vertex is found by a walk from the one before, split
 // off, and settled. Writes words of owned faces, and those that its vertices bring; the queue, in any order; `left` and
 // left_of of its own segments, no place of which it has still to read: it leaves no more than it has read.
-// The launch with begin = 0 is of one segment, and its work-item makes the roots, and the counters zero; it does
-// nothing if there are not n vertices, since the host may launch it before it knows how many inputs are distinct. With
-// one work-item none are left; `limit` then is the number of faces. Ends: see the functions. After: a triangulation in
+// The launch with begin = 0 is of one segment, and its work-item makes the roots, and the counters zero. With one
+// work-item none are left; `limit` then is the number of faces. Ends: see the functions. After: a triangulation in
 // which every edge that is not queued is legal.
 kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint step_before, uint level, uint limit,
                         uint stamp, uint bits, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                         global uint* edge_marks, global uint* left, global uint* left_of, global uint* queue,
                         volatile global Counters* counters) {
-  if (levels->n != n) return;
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
   Grown grown = {0u, 0u, 0u};

@@ -14,10 +14,10 @@
 namespace gcdt::device {
 #endif
 
-#define GCDT_DEPTHS 32u
+#define GCDT_QUADTREE_DEPTHS 32u
 // A table of how many vertices there are of each depth, a row, and stride, a column.
 #define GCDT_DEPTH_COUNT(depth, strides) ((depth)*GCDT_MAX_LEVELS + (strides))
-#define GCDT_DEPTH_COUNTS GCDT_DEPTH_COUNT(GCDT_DEPTHS, 0u)
+#define GCDT_DEPTH_COUNTS GCDT_DEPTH_COUNT(GCDT_QUADTREE_DEPTHS, 0u)
 
 // The column of a rank: how many levels above the finest it is, if there are so many. Ends: strides grow to 2^30.
 GCDT_INLINE u32 gcdt_strides_of_rank(u32 rank) {

@@ -36,14 +36,12 @@ GCDT_APART void choose_grid(uint n, uint type, global const ulong* coordinates, 
 // The whole order phase: lib/phases/order.cpp. `given`: the grid is report->scale.
 // Reads: coordinates, report->scale if given. Writes: all else; keys, values and the other ones are void afterwards.
 // After: as after number_vertices, of make_levels(report->distinct, coarsest), and *levels is that; or an error of the
-// input and *levels of no vertices, if surveyed[GCDT_SURVEY_BAD] or quantised[GCDT_QUANTISE_OUTSIDE] of *report is not
-// 0.
+// input, if surveyed[GCDT_SURVEY_BAD] or quantised[GCDT_QUANTISE_OUTSIDE] of *report is not 0.
 kernel void order_by_one_item(uint n, uint type, global const ulong* coordinates, uint given, uint coarsest,
                               global OrderReport* report, global ulong* keys, global uint* values,
                               global ulong* other_keys, global uint* other_values, global Levels* levels,
                               global int2* points, global uint* vertex_input, global uint* input_vertex) {
   report->decimal_digits = -1;
-  levels->n = 0u;
   ulong surveyed[GCDT_SURVEY_COLUMNS], quantised[GCDT_QUANTISE_COLUMNS] = {0, 0};
   survey_items((Items)(0u, n, 1u), 0u, type, coordinates, surveyed);
   put_columns(surveyed, GCDT_SURVEY_COLUMNS, report->surveyed);
@@ -71,16 +69,11 @@ kernel void order_by_one_item(uint n, uint type, global const ulong* coordinates
 // All triangles in canonical order: lib/phases/output.cpp. Faces with a symbolic corner are sorted last.
 // Reads: levels and the mesh of `faces` faces. Writes: *triangles, how many there are, and of each what
 // gather_triangles writes; keys, refs and the other ones are void afterwards, positions as after place_faces.
-// `grown`: the host has not looked whether the mesh was grown (grow_insert). If it was not, there are no triangles.
-kernel void output_by_one_item(uint grown, global const Counters* counters, uint faces, global const Levels* levels,
-                               uint bits, global const uint4* face_data, global const uint* edge_faces,
-                               global const uint* edge_marks, global ulong* keys, global uint* refs,
-                               global ulong* other_keys, global uint* other_refs, global int* positions,
-                               global uint* triangles, global uint* corners, global int* neighbours,
-                               global uchar* constrained) {
-  *triangles = 0u;
-  if (grown && (gcdt_face_count(levels->n) != faces || counters->list_insert[0] > 0u || counters->list_test[0] > 0u))
-    return;
+kernel void output_by_one_item(uint faces, global const Levels* levels, uint bits, global const uint4* face_data,
+                               global const uint* edge_faces, global const uint* edge_marks, global ulong* keys,
+                               global uint* refs, global ulong* other_keys, global uint* other_refs,
+                               global int* positions, global uint* triangles, global uint* corners,
+                               global int* neighbours, global uchar* constrained) {
   const uint count = key_faces_among((Items)(0u, faces, 1u), levels, bits, face_data, keys, refs);
   *triangles = count;
   if (sort_by_digits(faces, 0u, 2u * bits, keys, refs, other_keys, other_refs)) refs = other_refs;
@@ -91,15 +84,12 @@ kernel void output_by_one_item(uint grown, global const Counters* counters, uint
 
 // The check of a mesh with triangles: lib/phases/check.cpp.
 // Reads: everything but `next`, `previous`, first_pieces and *report, and writes these: as after check_boundary.
-// `triangles`: how many there are; on the device, since output_by_one_item may have found it just before.
-kernel void check_by_one_item(global const uint* triangles, uint n, global const Levels* levels,
-                              global const int2* points, global const uint* corners, global const int* neighbours,
-                              global const uchar* constrained, uint pieces, global uint* first_pieces,
-                              global const uint2* ends, global uint* next, global uint* previous,
-                              global CheckReport* report) {
+kernel void check_by_one_item(uint count, uint n, global const Levels* levels, global const int2* points,
+                              global const uint* corners, global const int* neighbours, global const uchar* constrained,
+                              uint pieces, global uint* first_pieces, global const uint2* ends, global uint* next,
+                              global uint* previous, global CheckReport* report) {
   for (uint kind = 0; kind < GCDT_CHECK_KINDS; ++kind) report->first[kind] = GCDT_NONE;
   report->hull_vertices = report->least_corners = report->constrained_edges = 0;
-  const uint count = report->triangles = *triangles;
   for (uint v = 0; v < n; ++v) next[v] = previous[v] = GCDT_NONE;
   for (uint t = 0; t < count; ++t) check_corners_of(t, n, points, corners, report);
   if (noted(report, GCDT_CHECK_ORIENT)) return;
@@ -115,14 +105,11 @@ kernel void check_by_one_item(global const uint* triangles, uint n, global const
 
 // Numbers of vertices become those of the input: number_by_input of lib/phases/output.cpp.
 // Reads vertex_input and input_vertex. Writes representatives, replaces corners and ends, and writes *source_offsets if
-// there are no ends. If `checked`, only of triangles that passed the check: of others the host tells the fault by
-// vertices.
-kernel void number_by_one_item(uint inputs, global const uint* triangles, uint pieces, global const uint* vertex_input,
+// there are no ends.
+kernel void number_by_one_item(uint inputs, uint triangles, uint pieces, global const uint* vertex_input,
                                global const uint* input_vertex, global uint* representatives, global uint* corners,
-                               global uint* ends, global uint* source_offsets, uint checked, uint n,
-                               global const CheckReport* report) {
-  if (checked && !gcdt_check_passed(*report, n, pieces)) return;
-  const uint corner_count = 3u * *triangles, end_count = 2u * pieces;
+                               global uint* ends, global uint* source_offsets) {
+  const uint corner_count = 3u * triangles, end_count = 2u * pieces;
   for (uint i = 0; i < inputs; ++i) number_representative(i, vertex_input, input_vertex, representatives);
   for (uint i = 0; i < corner_count; ++i) number_corner(i, vertex_input, corners);
   for (uint i = 0; i < end_count; ++i) number_corner(i, vertex_input, ends);

@@ -68,9 +68,10 @@ runtime::Buffer<T> from_start(runtime::Runtime& runtime, const char* name, cl_me
                               std::uint64_t count) {
   if (count == 0) return runtime.allocate<T>(name, 0);
   runtime::Buffer<T> theirs(cl::Buffer(memory, true), static_cast<std::size_t>(count));
-  if (offset == 0) return theirs;
+  if (offset == 0 && !runtime.works_here()) return theirs;
   auto copied = runtime.allocate<T>(name, static_cast<std::size_t>(count));
   runtime.copy(theirs, copied, static_cast<std::size_t>(count), static_cast<std::size_t>(offset));
+  if (runtime.works_here()) runtime.finish();  // what is queued would keep the calling thread from it
   return copied;
 }
 
@@ -163,7 +164,7 @@ int32_t gcdt_cl_triangulate(gcdt_solver* solver, const gcdt_cl_input* input, con
 int32_t gcdt_cl_result_buffer(const gcdt_result* result, int32_t array, cl_mem* buffer) {
   return guarded_call(result, [&] {
     require(buffer, "buffer is null");
-    *buffer = result->array(array).memory;
+    *buffer = result->array(array).memory.handle;
   });
 }
 
@@ -187,7 +188,7 @@ int32_t gcdt_cl_enqueue_copy(gcdt_result* result, int32_t array, cl_command_queu
                          [&] { return clEnqueueMarkerWithWaitList(queue, wait_count, wait_list, &copied()); });
     else
       state.runtime.call("clEnqueueCopyBuffer", "the application's queue", [&] {
-        return clEnqueueCopyBuffer(queue, from.memory, destination, 0,
+        return clEnqueueCopyBuffer(queue, from.memory.handle, destination, 0,
                                    static_cast<std::size_t>(offset) * from.element_bytes,
                                    static_cast<std::size_t>(from.bytes()), wait_count, wait_list, &copied());
       });

@@ -20,7 +20,7 @@ std::uint64_t gcdt_result::count(std::int32_t number) const {
 
 DeviceArray gcdt_result::array(std::int32_t number) const {
   const ResultArray& array = known_array(number);
-  const cl_mem memory =
+  const runtime::Memory memory =
       array.derive ? array.derive(state->runtime, state->primitives, derived, data) : array.memory(data);
   return {memory, elements(data, array), array.element_bytes};
 }
@@ -54,16 +54,11 @@ int32_t gcdt_result_copy_arrays(gcdt_result* result, const int32_t* arrays, void
       reads.push_back({from.memory, destinations[i], static_cast<std::size_t>(from.bytes())});
     }
     const auto start = std::chrono::steady_clock::now();
-    // Once all are known to fit: what is here already, or not worth a command.
-    const auto is_given = [&](const runtime::HostRead& read) {
-      if (read.from != result->data.pieces.source_offsets.handle() || result->data.pieces.count > 0)
-        return result->data.copies.give(read.from, read.to, read.bytes);
-      std::memset(read.to, 0, read.bytes);
-      return true;
-    };
-    reads.erase(std::remove_if(reads.begin(), reads.end(), is_given), reads.end());
     Statistics& s = result->data.statistics;
-    if (!reads.empty()) result->state->runtime.read_all(reads), ++s.read_backs;
+    runtime::Runtime& runtime = result->state->runtime;
+    const std::uint64_t read_backs = runtime.read_backs();
+    runtime.read_all(reads);
+    s.read_backs += runtime.read_backs() - read_backs;
     const double ms = milliseconds_since(start);
     s.ms.output += ms;
     s.ms.full += ms;

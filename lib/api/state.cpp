@@ -338,8 +338,7 @@ int32_t gcdt_triangulate(gcdt_solver* solver, const gcdt_input* input, const gcd
       const gcdt_input given = read_struct(input, "gcdt_input");
       const Points points = read_points(given);
       const Constraints constraints = read_constraints(given);
-      InputSource source = source_of(state.runtime, points, constraints);
-      source.copied = true;
+      const InputSource source = source_of(state.runtime, points, constraints);
       const Options wanted = read_options(options);
       const runtime::HostRoom room = make_room(state.runtime, options, given.vertex_count);
       const PinnedInput pinned(*state.pinned, points, constraints, wanted);

@@ -147,7 +147,7 @@ const ResultArray& known_array(std::int32_t number);
 
 /// Where one of the arrays of a result is.
 struct DeviceArray {
-  cl_mem memory = nullptr;
+  runtime::Memory memory;
   std::uint64_t count = 0;
   std::size_t element_bytes = 0;
   std::uint64_t bytes() const { return count * element_bytes; }

@@ -2,6 +2,7 @@
 #include "device/buffer_pool.hpp"
 
 #include "device/runtime.hpp"
+#include "device/shared_memory.hpp"
 
 namespace gcdt::runtime {
 
@@ -39,7 +40,7 @@ DeviceMemory::Place BufferPool::find(Runtime& runtime, const char* name, std::si
   if (runtime.tuning().fresh_buffers) {
     const std::size_t made = add(runtime, name, bytes);
     entries_[made].used = entries_[made].once = true;
-    return {made, 0, bytes, entries_[made].memory};
+    return {made, 0, bytes, entries_[made].memory, entries_[made].here};
   }
   Served& served = served_[name];
   const std::size_t turn = served.next;
@@ -50,7 +51,7 @@ DeviceMemory::Place BufferPool::find(Runtime& runtime, const char* name, std::si
   ++served.next;
   entries_[chosen].used = true;
   entries_[chosen].last_call = call_;
-  return {chosen, 0, entries_[chosen].bytes, entries_[chosen].memory};
+  return {chosen, 0, entries_[chosen].bytes, entries_[chosen].memory, entries_[chosen].here};
 }
 
 std::size_t BufferPool::choose(Runtime& runtime, const char* name, std::size_t preferred, std::size_t bytes) {
@@ -61,12 +62,15 @@ std::size_t BufferPool::choose(Runtime& runtime, const char* name, std::size_t p
   return best < entries_.size() ? best : add(runtime, name, bytes);
 }
 
-cl_int BufferPool::try_to_make(Runtime& runtime, const char* name, std::size_t bytes, cl::Buffer& memory) {
+cl_int BufferPool::try_to_make(Runtime& runtime, const char* name, Entry& entry) {
+  const std::size_t bytes = entry.bytes;
   return runtime.attempt("clCreateBuffer", name, [&] {
+    if (!source_.allocate && runtime.can_work_here() && bytes <= Tuning::most_shared)
+      return make_shared_buffer(runtime.context(), bytes, entry.memory, entry.here);
     cl_int code = CL_SUCCESS;
     cl_mem made = source_.allocate ? source_.allocate(runtime.context()(), CL_MEM_READ_WRITE, bytes, &code)
                                    : clCreateBuffer(runtime.context()(), CL_MEM_READ_WRITE, bytes, nullptr, &code);
-    if (made && code == CL_SUCCESS) memory = cl::Buffer(made);
+    if (made && code == CL_SUCCESS) entry.memory = cl::Buffer(made);
     return made || code != CL_SUCCESS ? code : CL_MEM_OBJECT_ALLOCATION_FAILURE;
   });
 }
@@ -82,15 +86,15 @@ std::size_t BufferPool::add(Runtime& runtime, const char* name, std::size_t want
                                            std::to_string(info.memory_bytes) + ", at most " +
                                            std::to_string(info.largest_buffer_bytes) + " in one buffer");
   Entry entry;
-  cl_int code = try_to_make(runtime, name, bytes, entry.memory);
+  entry.bytes = bytes;
+  cl_int code = try_to_make(runtime, name, entry);
   if (is_shortage(code)) {
     const std::uint64_t before = meter_.held;
     trim();
     runtime.try_finish();  // what was trimmed may be in use until then
-    if (meter_.held < before) code = try_to_make(runtime, name, bytes, entry.memory);
+    if (meter_.held < before) code = try_to_make(runtime, name, entry);
   }
   if (code != CL_SUCCESS) runtime.fail("clCreateBuffer", name, code);
-  entry.bytes = bytes;
   meter_.hold(bytes);
   runtime.log(GCDT_LOG_INFORMATION, "took " + std::to_string(bytes) + " bytes of device memory for " + name + ", " +
                                         std::to_string(meter_.held) + " held");
@@ -115,7 +119,7 @@ void BufferPool::drop(Entry& entry) {
   meter_.let_go(entry.bytes);
   cl_mem memory = entry.memory();
   if (source_.release) clRetainMemObject(memory);  // the one reference that the hook is to release
-  entry.memory = cl::Buffer();
+  entry.memory = cl::Buffer(), entry.here = nullptr;
   if (source_.release) source_.release(memory);
 }
 

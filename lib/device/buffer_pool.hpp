@@ -35,6 +35,7 @@ class BufferPool final : public DeviceMemory {
  private:
   struct Entry {
     cl::Buffer memory;  ///< null: the entry may be used again
+    void* here = nullptr;
     std::size_t bytes = 0;
     bool used = false;
     bool once = false;            ///< dropped when handed back (Tuning::fresh_buffers)
@@ -50,7 +51,7 @@ class BufferPool final : public DeviceMemory {
   bool fits(const Entry& entry, std::size_t bytes) const;
   std::size_t choose(Runtime& runtime, const char* name, std::size_t preferred, std::size_t bytes);
   std::size_t add(Runtime& runtime, const char* name, std::size_t bytes);
-  cl_int try_to_make(Runtime& runtime, const char* name, std::size_t bytes, cl::Buffer& memory);
+  cl_int try_to_make(Runtime& runtime, const char* name, Entry& entry);
   void drop(Entry& entry);
 
   BufferSource source_;

@@ -18,6 +18,14 @@ namespace gcdt::runtime {
 
 class Runtime;
 
+/// Device memory, and where it lies in the host's, if it does (shared_memory.hpp).
+struct Memory {
+  Memory() = default;
+  Memory(cl_mem memory, void* where = nullptr) : handle(memory), here(where) {}
+  cl_mem handle = nullptr;
+  void* here = nullptr;
+};
+
 /// Device bytes in use now and at the peak, as asked for, and those held for it.
 struct MemoryMeter {
   std::uint64_t now = 0, peak = 0, held = 0, held_peak = 0;
@@ -35,6 +43,7 @@ class DeviceMemory : public std::enable_shared_from_this<DeviceMemory> {
   struct Place {
     std::size_t holder = 0, offset = 0, length = 0;
     cl::Buffer memory;
+    void* here = nullptr;
   };
 
  public:
@@ -54,6 +63,7 @@ class DeviceMemory : public std::enable_shared_from_this<DeviceMemory> {
       owner_->give_back(place_);
     }
     cl_mem handle() const { return place_.memory(); }
+    void* here() const { return place_.here; }
 
    private:
     friend class DeviceMemory;

@@ -37,7 +37,7 @@ void read_through(TransferChunks& chunks, unsigned threads, const std::vector<Ho
     for (std::size_t at = 0; at < read.bytes; at += chunks.chunk_bytes()) {
       const std::size_t bytes = std::min(chunks.chunk_bytes(), read.bytes - at);
       crew.wait(turn);
-      chunks.read(turn, read.from, read.offset + at, bytes);
+      chunks.read(turn, read.from.handle, read.offset + at, bytes);
       under_way.push_back({turn, static_cast<unsigned char*>(read.to) + at, bytes});
       if (under_way.size() > ahead) land();
       turn = (turn + 1) % chunks.count();

@@ -10,6 +10,7 @@
 
 #include "device/cache.hpp"
 #include "device/download.hpp"
+#include "device/shared_memory.hpp"
 #include "device/step.hpp"
 #include "device/told.hpp"
 #include "device/upload.hpp"
@@ -83,12 +84,14 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
     });
   call("clCreateCommandQueue", info_.name.c_str(), [&] {
     cl_int code;
-    const bool profiled = tracer_.on() || contiguous();
-    queue_ = cl::CommandQueue(context_, device_, profiled ? cl::QueueProperties::Profiling : cl::QueueProperties::None,
-                              &code);
+    queue_ = cl::CommandQueue(context_, device_,
+                              tracer_.on() ? cl::QueueProperties::Profiling : cl::QueueProperties::None, &code);
     return code;
   });
   geometry_ = geometry_of(info_.compute_units);
+  // A text that is changed is the device's.
+  can_work_here_ = contiguous() && hook_.tuning.works_here.value_or(!hook_.before) && !hook_.edit &&
+                   hook_.options.empty() && shares_memory(device_);
   const std::size_t widest = geometry_of(compute_units_of_root(device_)).max_groups;  // parts' runtimes have it, too
   widest_ = hook_.tuning.width.value_or(loads_code_by_width(info_) ? widest : 0);
   if (widest_ > 0) {
@@ -97,14 +100,18 @@ Runtime::Runtime(const cl::Context& context, const cl::Device& device, CallHook 
   }
   // In bits. Never less than a cache line, which work-groups on distinct buffers should not share.
   alignment_ = std::max<std::size_t>(told<CL_DEVICE_MEM_BASE_ADDR_ALIGN>(device_) / 8, least_alignment);
-  if (sibling) {  // which has tested the device
-    emulate_mul_hi_ = sibling->emulate_mul_hi_;
-    return;
-  }
+  if (sibling) tested_ = sibling->tested_, emulate_mul_hi_ = sibling->emulate_mul_hi_;
+  // Until a program is built, the calling thread may do all that there is: few vertices wait for no compiler.
+  if (!tested_ && !can_work_here_) test_device();
+}
+
+void Runtime::test_device() {
+  tested_ = true;  // for its own launches
   try {
     self_test();
   } catch (...) {
     try_finish();
+    tested_ = false;
     throw;
   }
 }
@@ -122,7 +129,16 @@ void Runtime::fail(const char* name, const char* detail, cl_int code) const {
       {static_cast<std::uint64_t>(static_cast<std::int64_t>(code))}, 0, code);
 }
 
+// By a runtime of its own: nothing of it belongs to the call under way.
+void Runtime::test_before_use() {
+  Runtime tester(*this, log_, {});
+  tester.test_device();
+  emulate_mul_hi_ = tester.emulate_mul_hi_;
+  tested_ = true;
+}
+
 const cl::Program& Runtime::find_program(const char* program) {
+  if (!tested_) test_before_use();
   const auto start = std::chrono::steady_clock::now();
   const bool waits = !programs_->has(key_of(program));
   const cl::Program& found =
@@ -186,7 +202,13 @@ Runtime::Kernel& Runtime::make_kernel(const char* program, const char* kernel) {
   return kernels_.emplace(key, std::move(k)).first->second;
 }
 
-void Runtime::write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
+void Runtime::write_bytes(Memory place, std::size_t offset, const void* from, std::size_t bytes) {
+  if (bytes == 0) return;
+  if (is_here(place)) {
+    std::memcpy(at(place, offset), from, bytes);
+    return;
+  }
+  const cl_mem to = place.handle;
   TransferChunks* chunks = transfers_for_many() ? nullptr : chunks_for(bytes);
   if (!chunks) return write_at_once(to, offset, from, bytes);
   if (is_pinned(from, bytes)) return settled(*this, nullptr, [&] { wait(write_later(to, offset, from, bytes)); });
@@ -202,6 +224,7 @@ void Runtime::write_at_once(cl_mem to, std::size_t offset, const void* from, std
     const auto* first = static_cast<const unsigned char*>(from);
     from = unwritten_.emplace_back(first, first + bytes).data();
   }
+  queued_ = true;
   call("clEnqueueWriteBuffer", "", [&] {
     return clEnqueueWriteBuffer(queue_(), to, copied ? CL_FALSE : CL_TRUE, offset, bytes, from, 0, nullptr, nullptr);
   });
@@ -209,6 +232,7 @@ void Runtime::write_at_once(cl_mem to, std::size_t offset, const void* from, std
 
 cl::Event Runtime::write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes) {
   cl::Event written;
+  queued_ = true;
   call("clEnqueueWriteBuffer", "",
        [&] { return clEnqueueWriteBuffer(queue_(), to, CL_FALSE, offset, bytes, from, 0, nullptr, &written()); });
   return written;
@@ -216,6 +240,7 @@ cl::Event Runtime::write_later(cl_mem to, std::size_t offset, const void* from, 
 
 cl::Event Runtime::read_later(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
   cl::Event read;
+  queued_ = true;
   call("clEnqueueReadBuffer", "",
        [&] { return clEnqueueReadBuffer(queue_(), from, CL_FALSE, offset, bytes, to, 0, nullptr, &read()); });
   return read;
@@ -300,8 +325,13 @@ TransferChunks* Runtime::page_for(std::size_t bytes) {
   return page_.get();
 }
 
-void Runtime::read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes) {
+void Runtime::read_bytes(Memory place, std::size_t offset, void* to, std::size_t bytes) {
   if (bytes == 0) return;
+  if (is_here(place)) {
+    std::memcpy(to, at(place, offset), bytes);
+    return;
+  }
+  const cl_mem from = place.handle;
   ++read_backs_;
   if (TransferChunks* chunks = chunks_for(bytes))
     settled(*this, chunks, [&] { read_large(*chunks, {{from, to, bytes, offset}}); });
@@ -324,7 +354,7 @@ void Runtime::read_large(TransferChunks& chunks, const std::vector<HostRead>& re
   std::size_t bytes = 0;
   for (const HostRead& read : reads)
     if (is_pinned(read.to, read.bytes))
-      straight.push_back(read_later(read.from, read.offset, read.to, read.bytes));
+      straight.push_back(read_later(read.from.handle, read.offset, read.to, read.bytes));
     else
       copied.push_back(read), bytes += read.bytes;
   if (!straight.empty()) flush();
@@ -334,6 +364,11 @@ void Runtime::read_large(TransferChunks& chunks, const std::vector<HostRead>& re
 
 void Runtime::read_all(const std::vector<HostRead>& reads) {
   if (reads.empty()) return;
+  if (std::all_of(reads.begin(), reads.end(), [&](const HostRead& read) { return is_here(read.from); })) {
+    for (const HostRead& read : reads) std::memcpy(read.to, at(read.from, read.offset), read.bytes);
+    return;
+  }
+  queued_ = true;
   std::size_t bytes = 0;
   for (const HostRead& read : reads) bytes += read.bytes;
   TransferChunks* const chunks = chunks_for(bytes);
@@ -345,22 +380,35 @@ void Runtime::read_all(const std::vector<HostRead>& reads) {
     }
     for (std::size_t i = 0; i + 1 < reads.size(); ++i)
       call("clEnqueueReadBuffer", "", [&] {
-        return clEnqueueReadBuffer(queue_(), reads[i].from, CL_FALSE, reads[i].offset, reads[i].bytes, reads[i].to, 0,
-                                   nullptr, nullptr);
+        return clEnqueueReadBuffer(queue_(), reads[i].from.handle, CL_FALSE, reads[i].offset, reads[i].bytes,
+                                   reads[i].to, 0, nullptr, nullptr);
       });
     read_bytes(reads.back().from, reads.back().offset, reads.back().to, reads.back().bytes);  // the queue is in order
   });
 }
 
-void Runtime::fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
+void Runtime::fill_bytes(Memory place, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
                          std::size_t bytes) {
   if (bytes == 0) return;
+  if (is_here(place)) {
+    for (std::size_t i = 0; i < bytes; i += pattern_bytes) std::memcpy(at(place, offset + i), pattern, pattern_bytes);
+    return;
+  }
+  const cl_mem to = place.handle;
+  queued_ = true;
   call("clEnqueueFillBuffer", "",
        [&] { return clEnqueueFillBuffer(queue_(), to, pattern, pattern_bytes, offset, bytes, 0, nullptr, nullptr); });
 }
 
-void Runtime::copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes) {
+void Runtime::copy_bytes(Memory source, std::size_t from_offset, Memory target, std::size_t to_offset,
+                         std::size_t bytes) {
   if (bytes == 0) return;
+  if (is_here(source) && is_here(target)) {
+    std::memcpy(at(target, to_offset), at(source, from_offset), bytes);
+    return;
+  }
+  const cl_mem from = source.handle, to = target.handle;
+  queued_ = true;
   call("clEnqueueCopyBuffer", "",
        [&] { return clEnqueueCopyBuffer(queue_(), from, to, from_offset, to_offset, bytes, 0, nullptr, nullptr); });
 }
@@ -391,6 +439,44 @@ Geometry Runtime::geometry_of(std::size_t units) const {
   return geometry;
 }
 
+std::size_t Runtime::groups_of(Range range, std::size_t local) const {
+  if (works_here_ || range.groups == Groups::one || range.groups == Groups::item) return 1;
+  const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
+  const std::size_t wanted = (range.items + each - 1) / each;
+  std::size_t most = geometry_.max_groups;
+  if (geometry_.most_items > 0) {
+    const std::size_t items = range.large_items ? 1 : geometry_.most_items;
+    most = std::max(most, (wanted + items - 1) / items);
+  }
+  return std::clamp<std::size_t>(wanted, 1, most);
+}
+
+std::uint64_t Runtime::most_here() const {
+  if (!can_work_here_ || tuning().one_item_vertices == 0) return 0;
+  const std::uint64_t units = std::max<std::uint64_t>(info_.compute_units, 1), here = tuning().here_vertices;
+  return units == 1 ? 4 * here : here * units / (units - 1);
+}
+
+// Slots as of find_kernel(). Null: enqueue it.
+const HostKernel* Runtime::host_kernel(const char* program, const char* kernel) {
+  if (!works_here_ || queued_ || meshes_ != Meshes::one) return nullptr;
+  RecentHere& recent = recent_here_[(reinterpret_cast<std::uintptr_t>(kernel) >> 3) % recent_here_.size()];
+  if (recent.program != program || recent.kernel != kernel)
+    recent = {program, kernel, find_host_kernel(info_of(program).bundle, kernel)};
+  return recent.found;
+}
+
+void Runtime::run_here(const HostKernel& kernel, const HostArguments& given) {
+  if (needless_ && needless_()) throw Error(Status::cancelled, std::string("given up before ") + kernel.name);
+  if (!given.fit(kernel))
+    throw Error(Status::device_failed, std::string(kernel.name) + " takes arguments of other types");
+  ++launches_;
+  call("host launch", kernel.name, [&] {
+    tracer_.launch_here(kernel.name, [&] { kernel.run(given.given()); });
+    return CL_SUCCESS;
+  });
+}
+
 void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   if (needless_ && needless_()) throw Error(Status::cancelled, "given up before " + kernel.name);
   if (arguments != kernel.arguments)
@@ -399,38 +485,22 @@ void Runtime::enqueue(Kernel& kernel, Range range, cl_uint arguments) {
   const bool one_group = range.groups == Groups::one || range.groups == Groups::item;
   const std::size_t local =
       kernel.stated_group > 0 ? kernel.stated_group : std::min(group_size(range.groups), kernel.largest_group);
-  const std::size_t each = local * (range.large_items ? 1 : std::max<std::size_t>(geometry_.share, 1));
-  const std::size_t wanted = (range.items + each - 1) / each;
-  std::size_t most = geometry_.max_groups;
-  if (geometry_.most_items > 0) {
-    const std::size_t items = range.large_items ? 1 : geometry_.most_items;
-    most = std::max(most, (wanted + items - 1) / items);
-  }
-  const std::size_t usual = one_group ? 1 : std::clamp<std::size_t>(wanted, 1, most);
+  const std::size_t usual = groups_of(range, local);
   const bool widest = !one_group && (!kernel.launched || loaded_by_width > 1);
   const std::size_t groups = widest ? std::max(usual, widest_) : usual;
   const std::size_t global = groups * local;
   ++launches_;
-  if (last_launch_) *last_launch_ = cl::Event();
-  cl_event* last = last_launch_ ? &(*last_launch_)() : nullptr;
+  queued_ = true;
   call("clEnqueueNDRangeKernel", kernel.name.c_str(), [&] {
     return tracer_.launch(kernel.name, [&](cl_event* event) {
-      return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr,
-                                    event ? event : last);
+      return clEnqueueNDRangeKernel(queue_(), kernel.handle(), 1, nullptr, &global, &local, 0, nullptr, event);
     });
   });
   kernel.launched = true;
 }
 
-double LaunchTimes::milliseconds_between(const cl::Event& earlier, const cl::Event& later) {
-  cl_ulong from = 0, to = 0;
-  if (!earlier() || !later() || earlier.getProfilingInfo(CL_PROFILING_COMMAND_END, &from) != CL_SUCCESS ||
-      later.getProfilingInfo(CL_PROFILING_COMMAND_END, &to) != CL_SUCCESS)
-    return 0;
-  return to > from ? 1e-6 * static_cast<double>(to - from) : 0;
-}
-
 std::size_t Runtime::rows_of(std::size_t items) const {
+  if (works_here_) return 1;
   const std::size_t groups = geometry_.row_groups > 0 ? geometry_.row_groups : geometry_.max_groups;
   const std::size_t usual = geometry_.local * groups,
                     least = geometry_.most_items > 0 ? items / geometry_.most_items : 0;
@@ -468,6 +538,7 @@ void Runtime::unmap(const cl::Buffer& buffer, void* mapped) {
 }
 
 void Runtime::finish() {
+  if (can_work_here_ && !queued_) return;
   if (shares_context_) {
     cl::Event reached;
     call("clEnqueueMarkerWithWaitList", "",
@@ -477,16 +548,19 @@ void Runtime::finish() {
     call("clFinish", "", [&] { return clFinish(queue_()); });
   }
   unwritten_.clear();
+  queued_ = false;
 }
 
 cl_int Runtime::try_finish() {
   const cl_int code = clFinish(queue_());
   unwritten_.clear();
+  if (code == CL_SUCCESS) queued_ = false;
   return code;
 }
 
 void Runtime::waited() {
   unwritten_.clear();
+  queued_ = false;
   tracer_.waited();
 }
 

@@ -20,6 +20,7 @@
 #include "device/buffer_pool.hpp"
 #include "device/built_programs.hpp"
 #include "device/geometry.hpp"
+#include "device/host_kernels.hpp"
 #include "device/pinned_ranges.hpp"
 #include "device/trace.hpp"
 #include "device/tuning.hpp"
@@ -47,6 +48,7 @@ class Buffer {
   std::size_t bytes() const { return std::max<std::size_t>(size_, 1) * sizeof(T); }
   bool allocated() const { return handle() != nullptr; }
   cl_mem handle() const { return block_.handle() ? block_.handle() : theirs_(); }
+  Memory memory() const { return {handle(), block_.here()}; }
 
  private:
   friend class Runtime;
@@ -65,7 +67,7 @@ constexpr char pocl_platform[] = "Portable Computing Language";
 
 /// Bytes of a buffer, from `offset` on, and where they are to go.
 struct HostRead {
-  cl_mem from;
+  Memory from;
   void* to;
   std::size_t bytes;
   std::size_t offset = 0;
@@ -90,7 +92,8 @@ class TransferChunks;
 class Runtime {
  public:
   /// Makes a context and an in-order queue on `device`, and makes sure that it computes rightly
-  /// (lib/device/selftest.cpp). Throws device_failed, naming what is wrong.
+  /// (lib/device/selftest.cpp): before its first launch, if the calling thread can do without it (can_work_here).
+  /// Throws device_failed, naming what is wrong.
   explicit Runtime(const cl::Device& device, CallHook hook = {});
   /// The same on `device` of a context that is there, with a private in-order queue; a null context: a new one.
   /// The queue has profiling if there is a trace.
@@ -150,12 +153,12 @@ class Runtime {
   /// Writes from host memory; the host memory may be reused on return. count 0 is fine.
   template <class T>
   void write(const Buffer<T>& to, const T* from, std::size_t count, std::size_t offset = 0) {
-    write_bytes(to.handle(), offset * sizeof(T), from, count * sizeof(T));
+    write_bytes(to.memory(), offset * sizeof(T), from, count * sizeof(T));
   }
   /// Reads into host memory and waits for it: the only blocking calls are read() and finish().
   template <class T>
   void read(const Buffer<T>& from, T* to, std::size_t count, std::size_t offset = 0) {
-    read_bytes(from.handle(), offset * sizeof(T), to, count * sizeof(T));
+    read_bytes(from.memory(), offset * sizeof(T), to, count * sizeof(T));
   }
   template <class T>
   T read_one(const Buffer<T>& from, std::size_t index = 0) {
@@ -165,30 +168,35 @@ class Runtime {
   }
   template <class T>
   void fill(const Buffer<T>& buffer, T value, std::size_t count, std::size_t offset = 0) {
-    fill_bytes(buffer.handle(), &value, sizeof(T), offset * sizeof(T), count * sizeof(T));
+    fill_bytes(buffer.memory(), &value, sizeof(T), offset * sizeof(T), count * sizeof(T));
   }
   /// All bytes 0, without waiting.
   template <class T>
   void zero(const Buffer<T>& buffer) {
     static_assert(sizeof(T) % sizeof(cl_uint) == 0, "filled word by word");
     const cl_uint nothing = 0;
-    fill_bytes(buffer.handle(), &nothing, sizeof nothing, 0, buffer.size() * sizeof(T));
+    fill_bytes(buffer.memory(), &nothing, sizeof nothing, 0, buffer.size() * sizeof(T));
   }
   template <class T>
   void copy(const Buffer<T>& from, const Buffer<T>& to, std::size_t count, std::size_t from_offset = 0) {
-    copy_bytes(from.handle(), from_offset * sizeof(T), to.handle(), 0, count * sizeof(T));
+    copy_bytes(from.memory(), from_offset * sizeof(T), to.memory(), 0, count * sizeof(T));
   }
 
   /// Into element `offset` on of the caller's buffer.
   template <class T>
   void copy_out(const Buffer<T>& from, cl_mem to, std::size_t count, std::size_t offset) {
-    copy_bytes(from.handle(), 0, to, offset * sizeof(T), count * sizeof(T));
+    copy_bytes(from.memory(), 0, to, offset * sizeof(T), count * sizeof(T));
   }
 
-  /// Enqueues `kernel` of `program`. Buffers are passed as they are, scalars by value with the
-  /// kernel's exact type (cl_uint, cl_ulong, cl_int ...).
+  /// Enqueues `kernel` of `program`, or runs it here and now (WorkHere). Buffers are passed as they are, scalars
+  /// by value with the kernel's exact type (cl_uint, cl_ulong, cl_int ...).
   template <class... Args>
   void launch(const char* program, const char* kernel, Range range, const Args&... args) {
+    if (const HostKernel* const here = host_kernel(program, kernel)) {
+      HostArguments given;
+      (add_argument(given, args), ...);
+      if (given.all_here()) return run_here(*here, given);
+    }
     Kernel& k = find_kernel(program, kernel);
     cl_uint index = 0;
     (set_argument(k, index++, args), ...);
@@ -204,13 +212,10 @@ class Runtime {
     if (times_steps_) finish();
   }
   void time_steps(bool wanted) { times_steps_ = wanted; }
-  /// Whether phases may be launched one behind the other without a wait, and told apart by LaunchTimes: the queue has a
-  /// clock, and there is no trace, whose phases end with a wait.
-  bool may_time_launches() const { return contiguous() && !tracer_.on(); }
   /// The same as finish(), without an exception.
   cl_int try_finish();
   /// Writes bytes from host memory, which may be reused on return; `at_once`: straight from there.
-  void write_bytes(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
+  void write_bytes(Memory to, std::size_t offset, const void* from, std::size_t bytes);
   void write_at_once(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
   /// Queues a write: the host memory must not change before wait() for what is returned.
   cl::Event write_later(cl_mem to, std::size_t offset, const void* from, std::size_t bytes);
@@ -233,7 +238,7 @@ class Runtime {
   /// through more and larger chunks, and by several threads.
   void set_alone(bool alone) { alone_ = alone; }
   /// Reads bytes into host memory and waits for it.
-  void read_bytes(cl_mem from, std::size_t offset, void* to, std::size_t bytes);
+  void read_bytes(Memory from, std::size_t offset, void* to, std::size_t bytes);
   /// All of them, none of which is empty, and waits once. Whatever happens, none goes on afterwards.
   void read_all(const std::vector<HostRead>& reads);
   void flush();
@@ -275,6 +280,13 @@ class Runtime {
   DeviceKind kind() const { return kind_; }
   /// Whether a work-item is a loop of a thread, and takes a contiguous share of every loop (kernels/common/loops.h).
   bool contiguous() const { return kind_ == DeviceKind::threads; }
+  /// Whether the calling thread can be a work-item: these are threads, and the device's memory is the host's
+  /// (shared_memory.hpp).
+  bool can_work_here() const { return can_work_here_; }
+  /// Vertices up to which it is faster than all; 0 if it cannot.
+  std::uint64_t most_here() const;
+  /// Whether it does so now (WorkHere), while nothing is queued.
+  bool works_here() const { return works_here_; }
   /// What the meshes are from now on whose kernels are launched; at first of one triangulation. Each run says it once.
   /// Programs of both kinds that have been built are kept.
   void use_programs(Meshes meshes) { meshes_ = meshes; }
@@ -331,9 +343,11 @@ class Runtime {
   };
 
   friend class SparedPrograms;
-  friend class LaunchTimes;
+  friend class WorkHere;
   Meshes meshes_of(const char* program) const;
   void self_test();
+  void test_device();
+  void test_before_use();
   void read_large(TransferChunks& chunks, const std::vector<HostRead>& reads);
   void waited();
   cl_int ask_until_done(cl_event event);
@@ -345,8 +359,8 @@ class Runtime {
   Kernel& make_kernel(const char* program, const char* kernel);  ///< or finds it by its name
   BuiltPrograms::Key key_of(const char* program) const { return {program, meshes_of(program)}; }
   const cl::Program& find_program(const char* program);
-  void fill_bytes(cl_mem to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
-  void copy_bytes(cl_mem from, std::size_t from_offset, cl_mem to, std::size_t to_offset, std::size_t bytes);
+  void fill_bytes(Memory to, const void* pattern, std::size_t pattern_bytes, std::size_t offset, std::size_t bytes);
+  void copy_bytes(Memory from, std::size_t from_offset, Memory to, std::size_t to_offset, std::size_t bytes);
   void set_argument_bytes(Kernel& kernel, cl_uint index, std::size_t bytes, const void* value);
   std::size_t group_size(Groups groups) const {
     const std::size_t size = groups == Groups::item   ? 1
@@ -356,6 +370,14 @@ class Runtime {
     return size > 0 ? size : geometry_.local;
   }
   void enqueue(Kernel& kernel, Range range, cl_uint arguments);
+  std::size_t groups_of(Range range, std::size_t local) const;  ///< that a launch wants
+  const HostKernel* host_kernel(const char* program, const char* kernel);
+  void run_here(const HostKernel& kernel, const HostArguments& given);
+  /// Whether the host may use the memory itself.
+  bool is_here(const Memory& memory) const { return memory.here && !queued_; }
+  static unsigned char* at(const Memory& memory, std::size_t offset) {
+    return static_cast<unsigned char*>(memory.here) + offset;
+  }
   Geometry geometry_of(std::size_t compute_units) const;  ///< of launches on so many
 
   template <class T>
@@ -369,6 +391,16 @@ class Runtime {
   template <class T, class = std::enable_if_t<std::is_trivially_copyable_v<T>>>
   void set_argument(Kernel& kernel, cl_uint index, const T& value) {
     set_argument_bytes(kernel, index, sizeof(T), &value);
+  }
+
+  template <class T>
+  static void add_argument(HostArguments& given, const Buffer<T>& buffer) {
+    given.add_array(buffer.memory().here);
+  }
+  static void add_argument(HostArguments& given, const LocalMemory& memory) { given.add_local(memory.bytes); }
+  template <class T, class = std::enable_if_t<std::is_trivially_copyable_v<T>>>
+  static void add_argument(HostArguments& given, const T& value) {
+    given.add(&value, sizeof value);
   }
 
   cl::Device device_;
@@ -389,7 +421,14 @@ class Runtime {
   std::shared_ptr<BuiltPrograms> programs_;
   std::map<std::tuple<std::string, std::string, Meshes>, Kernel> kernels_;  ///< by program, kernel, and kind of mesh
   std::array<Kernel*, 256> recent_ = {};  ///< of kernels_, launched by a literal at such an address; null: none
-  cl::Event* last_launch_ = nullptr;      ///< where LaunchTimes wants it
+  struct RecentHere {
+    const char *program, *kernel;  ///< literals
+    const HostKernel* found;
+  };
+  std::array<RecentHere, 256> recent_here_ = {};  ///< the same of those that run here
+  bool can_work_here_ = false, works_here_ = false;
+  bool tested_ = false;  ///< it computes rightly
+  bool queued_ = false;  ///< commands that nobody may have waited for
   std::uint64_t launches_ = 0, read_backs_ = 0;
   double build_ms_ = 0;
   Meshes meshes_ = Meshes::one;
@@ -402,21 +441,20 @@ class Runtime {
   std::unique_ptr<TransferChunks> page_;                    ///< of small reads; null before the first
 };
 
-/// Times of launches by the device's clock, while it lives: each launch has an event, which costs the host
-/// microseconds. Only where Runtime::may_time_launches().
-class LaunchTimes {
+/// While it lives, launches have one work-item, which the calling thread is by itself if it can
+/// (Runtime::can_work_here) and has the kernel. For few vertices: to wake other threads takes longer than what they
+/// would do.
+class WorkHere {
  public:
-  explicit LaunchTimes(Runtime& runtime) : runtime_(runtime) { runtime.last_launch_ = &last_; }
-  ~LaunchTimes() { runtime_.last_launch_ = nullptr; }
-  LaunchTimes(const LaunchTimes&) = delete;
-  LaunchTimes& operator=(const LaunchTimes&) = delete;
-  const cl::Event& last() const { return last_; }
-  /// From the end of a launch to the end of a later one, both finished; 0 if the driver does not tell.
-  static double milliseconds_between(const cl::Event& earlier, const cl::Event& later);
+  WorkHere(Runtime& runtime, bool wanted) : runtime_(runtime) {
+    runtime.works_here_ = wanted && runtime.can_work_here_;
+  }
+  ~WorkHere() { runtime_.works_here_ = false; }
+  WorkHere(const WorkHere&) = delete;
+  WorkHere& operator=(const WorkHere&) = delete;
 
  private:
   Runtime& runtime_;
-  cl::Event last_;
 };
 
 /// Builds the embedded program `name` for the runtime's device (device/programs.cpp).

@@ -52,6 +52,16 @@ class Tracer {
     if (code == CL_SUCCESS) launches_.push_back({&kernel, std::move(event), before, now()});
     return code;
   }
+  /// Calls `run()`, which is a launch of `kernel` by itself. What was launched before is finished.
+  template <class Run>
+  void launch_here(const char* kernel, Run&& run) {
+    if (!on()) return run();
+    tell_launches();
+    const std::uint64_t before = now();
+    run();
+    told_until_ = now();
+    tell(kernel, true, before, told_until_);
+  }
   /// The queue was just waited for: tells launches if many are kept.
   void waited() {
     if (launches_.size() >= kept_launches) tell_launches();

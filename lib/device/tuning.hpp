@@ -104,6 +104,14 @@ struct Tuning {
   /// It orders so many times as many: ordering has the most launches and reads for the work that it does (NOTES, "Few
   /// vertices on CPUs").
   static constexpr std::uint32_t one_item_orders = 6;
+  /// Whether the calling thread does by itself what there is to do with few vertices, where work-items are threads and
+  /// the memory is the host's (host_kernels.hpp); none: unless somebody watches the OpenCL calls. Larger buffers than
+  /// `most_shared` bytes are not the host's: few vertices need none.
+  std::optional<bool> works_here;
+  /// Up to so many vertices it does all, and to as many times more as a second thread brings less of: with u units
+  /// u / (u - 1) times (bench/NOTES.md, "Few vertices on the calling thread").
+  std::uint32_t here_vertices = 8192;
+  static constexpr std::size_t most_shared = std::size_t{16} << 20;
   /// Work-groups of launches, but for those of one group, while there are several runtimes; 0: as many as they want;
   /// none: where the driver needs them to be of one width, as many as the widest has (runtime.cpp).
   std::optional<std::uint32_t> width;

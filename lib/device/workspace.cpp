@@ -24,7 +24,7 @@ DeviceMemory::Place Workspace::reserve(Runtime& runtime, const char* name, std::
     const auto [offset, room] = *best;
     slab.gaps.erase(best);
     if (room > length) slab.gaps.emplace(offset + length, room - length);
-    return {static_cast<std::size_t>(&slab - slabs_.data()), offset, length, {}};
+    return {static_cast<std::size_t>(&slab - slabs_.data()), offset, length, {}, nullptr};
   }
   throw Error(Status::workspace_too_small,
               std::string("the workspace is too small: ") + name + " needs " + std::to_string(bytes) +

@@ -51,7 +51,8 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const bool gpu = device.kind == DeviceKind::gpu, many = sizes.problems > 1;
   const std::uint32_t units = std::max(1u, device.units);
   const auto by_one = [&](std::uint32_t count, std::uint32_t times = 1) {
-    return threads && count <= std::uint64_t{times} * tuning.one_item_vertices ? By::one : By::all;
+    const bool few = device.works_here || count <= std::uint64_t{times} * tuning.one_item_vertices;
+    return threads && few ? By::one : By::all;
   };
   // Threads take whole problems if each has several.
   const auto shared_out = [&](std::uint32_t count) {
@@ -86,7 +87,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   plan.rounds_before_few = device.spares_programs ? Tuning::rounds_without_few : 0;
   plan.least_sweep = device.spares_programs ? UINT32_MAX : tuning.least_sweep;
   plan.sweep_share = tuning.sweep_share;
-  plan.grown_shares = units * Tuning::grown_shares_per_unit;
+  plan.grown_shares = device.works_here ? 1 : units * Tuning::grown_shares_per_unit;
 
   const bool each = plan.problems == By::each && sizes.largest <= Tuning::most_enforced_by_one;
   plan.constraints = each ? By::each : many ? By::all : by_one(sizes.inputs);
@@ -142,7 +143,8 @@ PlannedDevice planned_device(const runtime::Runtime& runtime) {
           static_cast<std::uint32_t>(runtime.geometry().max_groups),
           runtime.info().local_bytes,
           runtime.info().largest_buffer_bytes,
-          runtime.spares_programs()};
+          runtime.spares_programs(),
+          runtime.works_here()};
 }
 
 Plan make_plan(const runtime::Runtime& runtime, const PlannedSizes& sizes) {

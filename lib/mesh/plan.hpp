@@ -20,6 +20,7 @@ struct PlannedDevice {
   std::uint64_t local_bytes = 1u << 15;  ///< local memory of a work-group
   std::uint64_t largest_buffer = UINT64_MAX;
   bool spares_programs = false;  ///< see runtime::SparedPrograms
+  bool works_here = false;       ///< the calling thread does all: runtime::WorkHere
 };
 
 /// What a plan knows of the input. Of several problems, sums, but for `largest`.

@@ -53,14 +53,6 @@ Scratch make_scratch(Runtime& runtime, const Plan& plan, const Vertices& vertice
           runtime.allocate<cl_uint>("check first pieces", plan.lists_pieces && pieces.count > 0 ? n + 1 : 0)};
 }
 
-void launch_by_one_item(Runtime& runtime, const Buffer<cl_uint>& triangles, const OrderedMesh& ordered,
-                        const Vertices& vertices, const Pieces& pieces, const Scratch& scratch,
-                        const Buffer<CheckReport>& report) {
-  runtime.launch("by_one_item", "check_by_one_item", runtime::one_item(), triangles, vertices.n(),
-                 vertices.levels_buffer, vertices.points, ordered.corners, ordered.neighbours, ordered.constrained,
-                 cl_uint{pieces.count}, scratch.first_pieces, pieces.ends, scratch.next, scratch.previous, report);
-}
-
 struct Checker {
   Runtime& runtime;
   const Plan& plan;
@@ -118,7 +110,9 @@ struct Checker {
     const cl_uint n = vertices.n(), count = ordered.triangles;
     const Scratch s = make_scratch(runtime, plan, vertices, pieces);
     if (plan.check == Plan::By::one) {
-      launch_by_one_item(runtime, runtime.upload_one("check triangles", count), ordered, vertices, pieces, s, report);
+      runtime.launch("by_one_item", "check_by_one_item", runtime::one_item(), count, n, vertices.levels_buffer,
+                     vertices.points, ordered.corners, ordered.neighbours, ordered.constrained, cl_uint{pieces.count},
+                     s.first_pieces, pieces.ends, s.next, s.previous, report);
     } else {
       clear_report();
       runtime.fill<cl_uint>(s.next, GCDT_NONE, n);
@@ -142,7 +136,6 @@ struct Checker {
   void clear_report() {
     CheckReport clear = {};
     std::fill(std::begin(clear.first), std::end(clear.first), GCDT_NONE);
-    clear.triangles = ordered.triangles;
     runtime.write(report, &clear, 1);
   }
 
@@ -228,14 +221,6 @@ void check(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const
            const Pieces& pieces) {
   Checker checker{runtime, plan, ordered, vertices, pieces};
   ordered.triangles == 0 ? checker.check_empty() : checker.check_mesh();
-}
-
-Buffer<CheckReport> launch_check(Runtime& runtime, const Plan& plan, const LaunchedMesh& launched,
-                                 const Vertices& vertices, const Pieces& pieces) {
-  auto report = runtime.allocate<CheckReport>("check report", 1);
-  launch_by_one_item(runtime, launched.triangles, launched.mesh, vertices, pieces,
-                     make_scratch(runtime, plan, vertices, pieces), report);
-  return report;
 }
 
 void check_problems(Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,

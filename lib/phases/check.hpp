@@ -16,12 +16,6 @@ namespace gcdt {
 void check(runtime::Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,
            const Pieces& pieces);
 
-/// The same by one work-item (Plan::check), launched only. The report says whether it found anything
-/// (gcdt_check_passed); what that is, check() tells.
-runtime::Buffer<device::CheckReport> launch_check(runtime::Runtime& runtime, const Plan& plan,
-                                                  const LaunchedMesh& launched, const Vertices& vertices,
-                                                  const Pieces& pieces);
-
 /// The same of many problems in one mesh, problem by problem. `first_triangle`, `first_piece`: where each one's begin,
 /// P + 1 elements. Numbers in messages count through the run.
 void check_problems(runtime::Runtime& runtime, const Plan& plan, const OrderedMesh& ordered, const Vertices& vertices,

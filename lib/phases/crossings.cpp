@@ -91,7 +91,7 @@ std::vector<Constraint> find_crossings(runtime::Runtime& runtime, Primitives& pr
   runtime.launch("crossings", "crossings_sources", over(count), count, pieces.source_offsets, pieces.sources, pairs,
                  begins, constraints);
   std::vector<Constraint> all(named);
-  runtime.read_bytes(constraints.handle(), 0, all.data(), named * sizeof(Constraint));
+  runtime.read_bytes(constraints.memory(), 0, all.data(), named * sizeof(Constraint));
   // Two straight constraints meet in one point, so each pair occurs once.
   std::sort(all.begin(), all.end());
   return all;

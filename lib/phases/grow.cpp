@@ -51,12 +51,15 @@ class Growth {
                     mesh_.edge_faces, mesh_.edge_marks, lists_.first, counters_.buffer());
     mesh_.claims_below = stamps.claims_below();
     const device::Counters c = counters_.read();
-    if (!grew_all(c)) lost();
+    if (c.list_insert[0] > 0 || c.list_test[0] > 0) lost();
     result.rounds = 1;
     add(c);
   }
 
-  /// A round's launch.
+  GrowResult result;
+
+ private:
+  /// A round's launch. With begin = 0 the kernel makes the counters zero.
   void launch(cl_uint begin, cl_uint end, cl_uint level, cl_uint segments, cl_uint step, cl_uint step_before) {
     if (begin > 0) counters_.zero();
     Stamps stamps = stamps_of(runtime_, mesh_);
@@ -89,9 +92,6 @@ class Growth {
 
   [[noreturn]] static void lost() { throw Error(Status::round_limit, "insert: point location left the mesh"); }
 
-  GrowResult result;
-
- private:
   void add(const device::Counters& c) {
     result.edge_splits += c.edge_splits;
     result.steps += wide(c.steps_low, c.steps_high);
@@ -131,27 +131,6 @@ GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& ver
     growth.insert(begin, std::min(levels.begin[next], end), level);
     level = next;
   }
-  return growth.result;
-}
-
-// Its levels, whatever they are, are the first ones, inserted together.
-bool grows_by_one_launch(const Plan& plan, std::uint32_t n) {
-  return plan.grows && plan.problems != Plan::By::each && n > 0 && n <= Tuning::most_grown_by_one;
-}
-
-void launch_grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                 const WorkLists& lists, PhaseCounters& counters) {
-  Ticker silent;
-  mesh.claims_below = 1;
-  Growth(runtime, plan, vertices, mesh, lists, counters, silent).launch(0, vertices.n(), 0, 1, 1, 1);
-}
-
-bool grew_all(const device::Counters& c) { return c.list_insert[0] == 0 && c.list_test[0] == 0; }
-
-GrowResult finish_grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                       const WorkLists& lists, PhaseCounters& counters, Ticker& ticker) {
-  Growth growth(runtime, plan, vertices, mesh, lists, counters, ticker);
-  if (growth.finish(vertices.n(), counters.last()) > 0) Growth::lost();
   return growth.result;
 }
 

@@ -18,18 +18,6 @@ struct GrowResult {
 GrowResult grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                 const WorkLists& lists, PhaseCounters& counters, std::uint32_t end, Ticker& ticker);
 
-/// Whether grow() of so many vertices, all that there are, is one launch.
-bool grows_by_one_launch(const Plan& plan, std::uint32_t n);
-/// That launch alone, behind one that orders the vertices. If they turn out to be fewer than `vertices` says, it does
-/// nothing.
-void launch_grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                 const WorkLists& lists, PhaseCounters& counters);
-/// Whether growing is done with these counters: no vertex is left, and no edge is to be flipped.
-bool grew_all(const device::Counters& counters);
-/// What grow() does after that launch. The counters were read. Throws round_limit.
-GrowResult finish_grow(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
-                       const WorkLists& lists, PhaseCounters& counters, Ticker& ticker);
-
 /// As flip(): makes a valid mesh of all vertices (constrained) Delaunay.
 FlipResult grow_flip(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices, Mesh& mesh,
                      const WorkLists& lists, PhaseCounters& counters, Ticker& ticker);

@@ -14,7 +14,7 @@ constexpr unsigned level_bits = 4;
 static_assert(GCDT_MAX_LEVELS <= 1 << level_bits, "a level has so many bits");
 
 /// The number of vertices of each depth.
-using Depths = std::array<cl_uint, GCDT_DEPTHS>;
+using Depths = std::array<cl_uint, GCDT_QUADTREE_DEPTHS>;
 
 int median_depth(const Depths& of_depth, cl_uint n) {
   std::size_t median = 0;
@@ -38,7 +38,7 @@ constexpr std::size_t table_bytes(std::size_t n) { return 2 * n * sizeof(cl_uint
 
 ChosenLevels choose_levels(const std::vector<cl_uint>& counts, std::uint32_t coarsest, const Tuning& tuning) {
   Depths of_depth;
-  for (unsigned depth = 0; depth < GCDT_DEPTHS; ++depth) {
+  for (unsigned depth = 0; depth < GCDT_QUADTREE_DEPTHS; ++depth) {
     const auto row = counts.begin() + GCDT_DEPTH_COUNT(depth, 0);
     of_depth[depth] = std::accumulate(row, row + GCDT_MAX_LEVELS, cl_uint{0});
   }
@@ -50,7 +50,7 @@ ChosenLevels choose_levels(const std::vector<cl_uint>& counts, std::uint32_t coa
   cl_uint isolated = 0;
   for (unsigned j = 0; j + 1 < levels.count; ++j) {
     const int above = GCDT_STRIDE_BITS(levels.count - 1 - j) / 2;  // depths of the quadtree
-    const int most = std::min(median + 1 - above - tuning.isolation_margin, static_cast<int>(GCDT_DEPTHS));
+    const int most = std::min(median + 1 - above - tuning.isolation_margin, static_cast<int>(GCDT_QUADTREE_DEPTHS));
     cl_uint& below = chosen.by_depth.below[j];
     for (cl_uint taken = 0; static_cast<int>(below) < most; ++below) {
       taken += of_depth[below];
@@ -61,7 +61,7 @@ ChosenLevels choose_levels(const std::vector<cl_uint>& counts, std::uint32_t coa
   if (isolated == 0) return chosen;
   levels.tabled = 1;
   std::array<cl_uint, GCDT_MAX_LEVELS> sizes = {};
-  for (unsigned depth = 0; depth < GCDT_DEPTHS; ++depth)
+  for (unsigned depth = 0; depth < GCDT_QUADTREE_DEPTHS; ++depth)
     for (unsigned strides = 0; strides < GCDT_MAX_LEVELS; ++strides)
       sizes[device::gcdt_level(levels.count, &chosen.by_depth, strides, depth)] +=
           counts[GCDT_DEPTH_COUNT(depth, strides)];

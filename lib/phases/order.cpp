@@ -72,6 +72,49 @@ void set_together(runtime::Runtime& runtime, const InputPoints& points, OrderRes
   result.together = rounded_together(runtime, points, result.vertices, {0, points.n})[0];
 }
 
+// Few vertices, where a work-item is a thread: by one of them.
+OrderResult order_by_one_item(runtime::Runtime& runtime, const Plan& plan, const InputPoints& points,
+                              const std::optional<FixedGrid>& fixed) {
+  const cl_uint n = points.n;
+  std::optional<ChosenGrid> given;
+  if (fixed) given = fixed_grid(*fixed);
+  device::OrderReport report = {};
+  if (given) report.scale = given->scale;
+  const auto reported = runtime.upload_one("order report", report);
+  const auto keys = runtime.allocate<cl_ulong>("Morton codes", n),
+             other_keys = runtime.allocate<cl_ulong>("other half of the keys", n);
+  const auto numbers = runtime.allocate<cl_uint>("input numbers", n),
+             other_numbers = runtime.allocate<cl_uint>("other half of the values", n);
+  OrderResult result;
+  Vertices& vertices = result.vertices;
+  vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
+  vertices.levels_buffer = runtime.allocate<device::Levels>("levels", 1);
+  vertices.points = runtime.allocate<cl_int2>("points", n);
+  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
+  runtime.launch("by_one_item", "order_by_one_item", runtime::one_item(), n, points.type, points.coordinates,
+                 cl_uint(!!given), cl_uint{plan.coarsest_level}, reported, keys, numbers, other_keys, other_numbers,
+                 vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
+  report = runtime.read_one(reported);
+
+  const Survey found = checked_survey(points.type, report.surveyed);
+  ChosenGrid chosen;
+  if (given) {
+    chosen = *given;
+  } else {
+    const GridChoice choice = choose_grid(found);
+    chosen = report.decimal_digits >= 0 ? choice.with_decimals(report.decimal_digits) : choice.grid;
+  }
+  vertices.grid = chosen.grid;
+  vertices.decimals = chosen.decimals;
+  if (!chosen.decimals) vertices.grid.largest_move = checked_move(runtime, points, report.quantised, chosen.scale);
+  vertices.levels = device::make_levels(report.distinct, plan.coarsest_level);
+  vertices.points.shrink(report.distinct);
+  vertices.vertex_input.shrink(report.distinct);
+  result.merged = n - report.distinct;
+  set_together(runtime, points, result);
+  return result;
+}
+
 }  // namespace
 
 Error coordinate_error(Status status, const char* what, std::uint64_t coordinate) {
@@ -158,55 +201,6 @@ InputPoints stage(runtime::Runtime& runtime, Points points) {
   return staged;
 }
 
-LaunchedOrder launch_order(runtime::Runtime& runtime, const Plan& plan, InputPoints points,
-                           const std::optional<FixedGrid>& fixed) {
-  const cl_uint n = points.n;
-  LaunchedOrder launched;
-  if (fixed) launched.given = fixed_grid(*fixed);
-  launched.coarsest_level = plan.coarsest_level;
-  launched.report = runtime.allocate<device::OrderReport>("order report", 1);
-  if (launched.given) {
-    device::OrderReport report = {};
-    report.scale = launched.given->scale;
-    runtime.write(launched.report, &report, 1);
-  }
-  const auto keys = runtime.allocate<cl_ulong>("Morton codes", n),
-             other_keys = runtime.allocate<cl_ulong>("other half of the keys", n);
-  const auto numbers = runtime.allocate<cl_uint>("input numbers", n),
-             other_numbers = runtime.allocate<cl_uint>("other half of the values", n);
-  Vertices& vertices = launched.vertices;
-  vertices.levels = device::make_levels(n, plan.coarsest_level);
-  vertices.input_vertex = runtime.allocate<cl_uint>("input vertices", n);
-  vertices.levels_buffer = runtime.allocate<device::Levels>("levels", 1);
-  vertices.points = runtime.allocate<cl_int2>("points", n);
-  vertices.vertex_input = runtime.allocate<cl_uint>("vertex inputs", n);
-  runtime.launch("by_one_item", "order_by_one_item", runtime::one_item(), n, points.type, points.coordinates,
-                 cl_uint(!!launched.given), cl_uint{plan.coarsest_level}, launched.report, keys, numbers, other_keys,
-                 other_numbers, vertices.levels_buffer, vertices.points, vertices.vertex_input, vertices.input_vertex);
-  launched.points = std::move(points);
-  return launched;
-}
-
-OrderResult finish_order(runtime::Runtime& runtime, LaunchedOrder launched, const device::OrderReport& report) {
-  const InputPoints& points = launched.points;
-  const Survey found = checked_survey(points.type, report.surveyed);
-  const GridChoice choice = choose_grid(found);
-  const ChosenGrid chosen = launched.given               ? *launched.given
-                            : report.decimal_digits >= 0 ? choice.with_decimals(report.decimal_digits)
-                                                         : choice.grid;
-  OrderResult result;
-  Vertices& vertices = result.vertices = std::move(launched.vertices);
-  vertices.grid = chosen.grid;
-  vertices.decimals = chosen.decimals;
-  if (!chosen.decimals) vertices.grid.largest_move = checked_move(runtime, points, report.quantised, chosen.scale);
-  vertices.levels = device::make_levels(report.distinct, launched.coarsest_level);
-  vertices.points.shrink(report.distinct);
-  vertices.vertex_input.shrink(report.distinct);
-  result.merged = points.n - report.distinct;
-  set_together(runtime, points, result);
-  return result;
-}
-
 OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
                   const std::optional<FixedGrid>& fixed) {
   const std::uint32_t coarsest_level = plan.coarsest_level;
@@ -214,11 +208,8 @@ OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan&
   if (n == 0) return no_vertices(runtime, fixed, coarsest_level);
   if (plan.order == Plan::By::one) {
     Step sorting(runtime, "sort");
-    LaunchedOrder launched = launch_order(runtime, plan, std::move(points), fixed);
-    const auto report = runtime.read_one(launched.report);
-    const double sort_ms = sorting.end();
-    OrderResult result = finish_order(runtime, std::move(launched), report);
-    result.sort_ms = sort_ms;
+    OrderResult result = order_by_one_item(runtime, plan, points, fixed);
+    result.sort_ms = sorting.end();
     return result;
   }
   Keys keys = quantise(runtime, points, choose_grid(runtime, points, fixed));

@@ -68,17 +68,4 @@ struct OrderResult {
 OrderResult order(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, InputPoints points,
                   const std::optional<FixedGrid>& fixed);
 
-/// The same where one work-item does the phase (Plan::order), launched and not read.
-struct LaunchedOrder {
-  InputPoints points;
-  std::optional<ChosenGrid> given;
-  std::uint32_t coarsest_level = 0;
-  runtime::Buffer<device::OrderReport> report;
-  Vertices vertices;  ///< without a grid; levels are those of distinct points
-};
-LaunchedOrder launch_order(runtime::Runtime& runtime, const Plan& plan, InputPoints points,
-                           const std::optional<FixedGrid>& fixed);
-/// What follows the launch. `report` is what its buffer holds.
-OrderResult finish_order(runtime::Runtime& runtime, LaunchedOrder launched, const device::OrderReport& report);
-
 }  // namespace gcdt

@@ -6,7 +6,6 @@
 
 namespace gcdt {
 
-using device::CheckReport;
 using runtime::Buffer;
 using runtime::over;
 using runtime::over_large;
@@ -46,12 +45,26 @@ std::uint32_t select_faces(Runtime& runtime, Primitives& primitives, const Mesh&
   return triangles;
 }
 
-void number_by_one_item(Runtime& runtime, const Vertices& vertices, const Buffer<cl_uint>& triangles,
-                        const OrderedMesh& ordered, const Pieces& pieces, const Buffer<cl_uint>& representatives,
-                        bool checked, const Buffer<CheckReport>& report) {
-  runtime.launch("by_one_item", "number_by_one_item", runtime::one_item(), cl_uint(representatives.size()), triangles,
-                 cl_uint{pieces.count}, vertices.vertex_input, vertices.input_vertex, representatives, ordered.corners,
-                 pieces.ends, pieces.source_offsets, cl_uint{checked}, vertices.n(), report);
+OrderedMesh triangles_by_one_item(Runtime& runtime, const Mesh& mesh, const Vertices& vertices) {
+  Step gathering(runtime, "gather");
+  const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
+  OrderedMesh ordered = make_ordered(runtime, faces);
+  const auto count = runtime.allocate<cl_uint>("output count", 1);
+  const auto keys = runtime.allocate<cl_ulong>("output keys", faces),
+             other_keys = runtime.allocate<cl_ulong>("other half of the keys", faces);
+  const auto refs = runtime.allocate<cl_uint>("output faces", faces),
+             other_refs = runtime.allocate<cl_uint>("other half of the values", faces);
+  const auto positions = runtime.allocate<cl_int>("output positions", faces);
+  runtime.launch("by_one_item", "output_by_one_item", runtime::one_item(), faces, vertices.levels_buffer, bits,
+                 mesh.face_data, mesh.edge_faces, mesh.edge_marks, keys, refs, other_keys, other_refs, positions, count,
+                 ordered.corners, ordered.neighbours, ordered.constrained);
+  const std::size_t triangles = runtime.read_one(count);
+  ordered.triangles = static_cast<std::uint32_t>(triangles);
+  ordered.corners.shrink(3 * triangles);
+  ordered.neighbours.shrink(3 * triangles);
+  ordered.constrained.shrink(triangles);
+  ordered.gather_ms = gathering.end();
+  return ordered;
 }
 
 }  // namespace
@@ -65,34 +78,11 @@ OrderedMesh make_ordered(Runtime& runtime, std::size_t triangles) {
   return ordered;
 }
 
-LaunchedMesh launch_output(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices,
-                           const PhaseCounters* grown) {
-  primitives.release();
-  const cl_uint faces = mesh.faces(), bits = bit_width(mesh.n);
-  LaunchedMesh launched = {make_ordered(runtime, faces), runtime.allocate<cl_uint>("output count", 1)};
-  const OrderedMesh& ordered = launched.mesh;
-  const auto keys = runtime.allocate<cl_ulong>("output keys", faces),
-             other_keys = runtime.allocate<cl_ulong>("other half of the keys", faces);
-  const auto refs = runtime.allocate<cl_uint>("output faces", faces),
-             other_refs = runtime.allocate<cl_uint>("other half of the values", faces);
-  const auto positions = runtime.allocate<cl_int>("output positions", faces);
-  const auto none = runtime.allocate<device::Counters>("no counters", 0);
-  runtime.launch("by_one_item", "output_by_one_item", runtime::one_item(), cl_uint(grown != nullptr),
-                 grown ? grown->buffer() : none, faces, vertices.levels_buffer, bits, mesh.face_data, mesh.edge_faces,
-                 mesh.edge_marks, keys, refs, other_keys, other_refs, positions, launched.triangles, ordered.corners,
-                 ordered.neighbours, ordered.constrained);
-  return launched;
-}
-
 OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
                             const Vertices& vertices, bool canonical, Buffer<cl_uint>* refs_of_triangles) {
   if (canonical && mesh.n >= 3 && plan.output == Plan::By::one) {
-    Step gathering(runtime, "gather");
-    LaunchedMesh launched = launch_output(runtime, primitives, mesh, vertices);
-    const std::uint32_t triangles = runtime.read_one(launched.triangles);
-    OrderedMesh ordered = std::move(launched).of(triangles);
-    ordered.gather_ms = gathering.end();
-    return ordered;
+    primitives.release();
+    return triangles_by_one_item(runtime, mesh, vertices);
   }
   auto refs = runtime.allocate<cl_uint>("output faces", mesh.faces());
   double gather_ms = 0;
@@ -111,21 +101,6 @@ OrderedMesh order_triangles(Runtime& runtime, Primitives& primitives, const Plan
   if (refs_of_triangles) *refs_of_triangles = std::move(refs);
   ordered.gather_ms += gathering.end();
   return ordered;
-}
-
-OrderedMesh LaunchedMesh::of(std::uint32_t count) && {
-  mesh.triangles = count;
-  mesh.corners.shrink(std::size_t{3} * count);
-  mesh.neighbours.shrink(std::size_t{3} * count);
-  mesh.constrained.shrink(count);
-  return std::move(mesh);
-}
-
-Buffer<cl_uint> launch_numbers(Runtime& runtime, const Vertices& vertices, const LaunchedMesh& launched,
-                               const Pieces& pieces, const Buffer<CheckReport>& report) {
-  auto representatives = runtime.allocate<cl_uint>("output representatives", vertices.input_vertex.size());
-  number_by_one_item(runtime, vertices, launched.triangles, launched.mesh, pieces, representatives, true, report);
-  return representatives;
 }
 
 ArrangedForest arrange_problems(Runtime& runtime, Primitives& primitives, const Mesh& mesh, const Vertices& vertices) {
@@ -155,8 +130,9 @@ Buffer<cl_uint> number_by_input(Runtime& runtime, const Plan& plan, const Vertic
   const cl_uint ends = 2 * pieces.count;
   auto representatives = runtime.allocate<cl_uint>("output representatives", inputs);
   if (inputs != 0 && plan.number == Plan::By::one) {
-    number_by_one_item(runtime, vertices, runtime.upload_one("output count", cl_uint{ordered.triangles}), ordered,
-                       pieces, representatives, false, runtime.allocate<CheckReport>("no report", 0));
+    runtime.launch("by_one_item", "number_by_one_item", runtime::one_item(), inputs, cl_uint{ordered.triangles},
+                   cl_uint{pieces.count}, vertices.vertex_input, vertices.input_vertex, representatives,
+                   ordered.corners, pieces.ends, pieces.source_offsets);
     return representatives;
   }
   if (inputs != 0)

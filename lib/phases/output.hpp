@@ -2,7 +2,6 @@
 // The result in canonical order, on the device and on the host.
 #pragma once
 
-#include "check/check.h"
 #include "mesh/mesh.hpp"
 #include "mesh/phase.hpp"
 #include "mesh/plan.hpp"
@@ -25,25 +24,12 @@ struct OrderedMesh {
 /// Room for so many triangles, contents undefined.
 OrderedMesh make_ordered(runtime::Runtime& runtime, std::size_t triangles);
 
-/// The same where one work-item makes it (Plan::output), launched and not read.
-struct LaunchedMesh {
-  OrderedMesh mesh;                    ///< with room for a triangle of each face; their number is not set
-  runtime::Buffer<cl_uint> triangles;  ///< T, one element
-  /// The mesh, once T is known. It keeps its memory.
-  OrderedMesh of(std::uint32_t count) &&;
-};
-
 /// The finite triangles of `mesh`, which is complete. Blocks once, to learn T. Beside the result it needs 24 bytes a
 /// face while it sorts, then 8. The scratch of `primitives` is released. If not `canonical`, triangles come in any
 /// order, with any corner first; that needs 12 bytes a face. `refs`, unless null, is given the reference of each
 /// triangle's first corner in `mesh`; Plan::output is By::all then.
 OrderedMesh order_triangles(runtime::Runtime& runtime, Primitives& primitives, const Plan& plan, const Mesh& mesh,
                             const Vertices& vertices, bool canonical = true, runtime::Buffer<cl_uint>* refs = nullptr);
-
-/// The same in canonical order where Plan::output is By::one, launched only. The mesh has at least three vertices.
-/// `grown`: launch_grow() made it, and its counters have not been read; if it did not end well, there are no triangles.
-LaunchedMesh launch_output(runtime::Runtime& runtime, Primitives& primitives, const Mesh& mesh,
-                           const Vertices& vertices, const PhaseCounters* grown = nullptr);
 
 struct ArrangedForest {
   OrderedMesh mesh;                         ///< as of order_triangles()
@@ -61,12 +47,6 @@ ArrangedForest arrange_problems(runtime::Runtime& runtime, Primitives& primitive
 /// `ordered` no longer holds vertices, as check() wants them. Without pieces it writes the one source offset, 0.
 runtime::Buffer<cl_uint> number_by_input(runtime::Runtime& runtime, const Plan& plan, const Vertices& vertices,
                                          OrderedMesh& ordered, Pieces& pieces);
-
-/// The same where Plan::number is By::one, launched only, behind the check whose report it is given. If the check found
-/// a fault, or there are no triangles, nothing is replaced, and what it returns has no contents.
-runtime::Buffer<cl_uint> launch_numbers(runtime::Runtime& runtime, const Vertices& vertices,
-                                        const LaunchedMesh& launched, const Pieces& pieces,
-                                        const runtime::Buffer<device::CheckReport>& report);
 
 /// Replaces the corners of `ordered`, so far vertices, by input numbers.
 void number_corners(runtime::Runtime& runtime, const Vertices& vertices, OrderedMesh& ordered);

@@ -4,7 +4,6 @@
 
 #include <functional>
 
-#include "device/host_copies.hpp"
 #include "phases/clean.hpp"
 #include "phases/domain.hpp"
 #include "phases/order.hpp"
@@ -24,8 +23,6 @@ struct DeviceInput {
 struct InputSource {
   std::uint64_t n = 0, m = 0;  ///< vertices and constraints
   std::function<DeviceInput()> load;
-  /// Whoever gets the result copies it to the host as it is: where that is little, it comes along (HostCopies).
-  bool copied = false;
 };
 
 /// Arrays of the host's, which must last as long.
@@ -61,7 +58,6 @@ struct DeviceTriangulation {
   runtime::Buffer<cl_uchar> excuses;  ///< of refinement: GCDT_EXCUSE_... by triangle
   Chains chains;                      ///< of refinement: what another one goes on from
   bool adopted = false;               ///< `mesh` was there before: the hull has all its edges as constraints
-  HostCopies copies;                  ///< of arrays that stay here as they are; none unless InputSource::copied
   Statistics statistics;
 };
 

@@ -19,19 +19,19 @@ struct ResultArray {
   std::size_t element_bytes;
   Per per;
   There there;
-  cl_mem (*memory)(const DeviceTriangulation& made);  ///< null on demand
-  cl_mem (*derive)(runtime::Runtime& runtime, Primitives& primitives, Derived& derived,
-                   const DeviceTriangulation& made);  ///< makes it if it is not there; null unless on demand
+  runtime::Memory (*memory)(const DeviceTriangulation& made);  ///< null on demand
+  runtime::Memory (*derive)(runtime::Runtime& runtime, Primitives& primitives, Derived& derived,
+                            const DeviceTriangulation& made);  ///< makes it if it is not there; null unless on demand
 };
 
 // clang-format off
 #define GCDT_ARRAY(number, name, type, width, per, there, buffer)                                     \
   ResultArray{number, #name, sizeof(type) * width, Per::per, There::there,                            \
-              [](const DeviceTriangulation& made) { return (buffer).handle(); }, nullptr},
+              [](const DeviceTriangulation& made) { return (buffer).memory(); }, nullptr},
 #define GCDT_DERIVED_ARRAY(number, name, type, width, per, buffer)                                    \
   ResultArray{number, #name, sizeof(type) * width, Per::per, There::on_demand, nullptr,               \
               []([[maybe_unused]] runtime::Runtime& runtime, [[maybe_unused]] Primitives& primitives, \
-                 Derived& derived, const DeviceTriangulation& made) { return (buffer).handle(); }},
+                 Derived& derived, const DeviceTriangulation& made) { return (buffer).memory(); }},
 /// All, by ascending numbers.
 inline constexpr ResultArray result_arrays[] = {
 #include <gcdt/arrays.def>

@@ -65,9 +65,7 @@ void Run::insert_levels() {
 }
 
 void Run::grow_all() {
-  const GrowResult r = grown ? finish_grow(runtime, plan, vertices, mesh, lists, counters, ticker)
-                             : grow(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker);
-  grown = false;
+  const GrowResult r = grow(runtime, plan, vertices, mesh, lists, counters, vertices.n(), ticker);
   statistics.rounds.insert += r.rounds;
   statistics.cases.edge_splits += r.edge_splits;
   statistics.location_steps += r.steps;

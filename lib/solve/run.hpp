@@ -21,13 +21,6 @@ constexpr double ordered_before_refining = 0.93;
 /// The part of the constraints' share that cleaning takes.
 constexpr double cleaned_share = 0.3;
 
-/// A mesh whose output, check and numbers were launched at once (solve/at_once.hpp).
-struct FinishedMesh {
-  OrderedMesh mesh;                               ///< corners are input numbers
-  runtime::Buffer<cl_uint> representatives = {};  ///< not allocated: a fault, or no triangles; corners are vertices
-  HostCopies copies = {};  ///< of all of it and of the pieces, if representatives are there and Run::copied
-};
-
 /// Owns all that a call has on the device until its result is made. Whoever writes a sequence of steps reads and
 /// changes it; a step says what it releases.
 struct Run {
@@ -49,9 +42,6 @@ struct Run {
   History history;
   Pieces pieces;
   runtime::Buffer<cl_int> turns;  ///< by piece; for domains
-  bool copied = false;            ///< InputSource::copied
-  bool grown = false;             ///< vertices were inserted behind the order (solve/at_once.hpp); insert() counts that
-  std::optional<FinishedMesh> finished;
   DeviceTriangulation result;
   Statistics& statistics = result.statistics;
 

@@ -2,7 +2,6 @@
 #include "solve/triangulate.hpp"
 
 #include "phases/check.hpp"
-#include "solve/at_once.hpp"
 #include "solve/crossing_policy.hpp"
 #include "solve/programs.hpp"
 #include "solve/refine.hpp"
@@ -101,44 +100,32 @@ std::string flat_note(runtime::Runtime& runtime, const Vertices& vertices, const
   return few ? "fewer than three distinct vertices: no triangles" : "all vertices lie on one line: no triangles";
 }
 
-void finish_in_steps(Run& run) {
-  runtime::Runtime& runtime = run.runtime;
-  const Options& options = run.options;
-  const bool refines = options.refine.has_value();
-  auto& ms = run.statistics.ms;
-  OrderedMesh ordered;
-  runtime::Buffer<cl_uint> refs;
-  run.step("output", ms.output, refines ? ordered_before_refining : 1,
-           [&] { ordered = put_in_order(run, refines, refs); });
-  if (options.check) run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
-  if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
-  if (refines)
-    run.step("refine", ms.refine, 1, [&] { ordered = refine_domain(run, std::move(ordered), std::move(refs)); });
-  run.step("output", ms.output, [&] { run.number(std::move(ordered)); });
-}
-
 DeviceTriangulation run_steps(Run& run, const InputSource& source) {
   runtime::Runtime& runtime = run.runtime;
+  const bool refines = run.options.refine.has_value();
   auto& ms = run.statistics.ms;
   run.step("order", ms.order, ordered_share, [&] {
     run.ticker.tick("order", 0);
-    run.copied = source.copied;
     DeviceInput input = source.load();
     run.constraints = std::move(input.constraints);
     run.plan = make_plan(runtime, {1, input.points.n, input.points.n});
-    run.take(may_begin_at_once(run, input.points.n)
-                 ? begin_at_once(run, std::move(input.points))
-                 : order(runtime, run.primitives, run.plan, std::move(input.points), run.options.grid));
+    run.take(order(runtime, run.primitives, run.plan, std::move(input.points), run.options.grid));
   });
   run.tell_plan();
   if (run.options.refine) tell_coarse_grid(run);
   run.step("insert", ms.insert, inserted_share, [&] { run.insert(); });
-  const bool at_once = may_finish_at_once(run);
-  run.step(
-      "constrain", ms.constrain, constrained_share, [&] { constrain(run); }, !at_once);
-  run.step(
-      "flip", ms.flip, flipped_share, [&] { run.flip(); }, !at_once);
-  at_once ? finish_at_once(run) : finish_in_steps(run);
+  run.step("constrain", ms.constrain, constrained_share, [&] { constrain(run); });
+  run.step("flip", ms.flip, flipped_share, [&] { run.flip(); });
+  OrderedMesh ordered;
+  runtime::Buffer<cl_uint> refs;
+  run.step("output", ms.output, refines ? ordered_before_refining : 1,
+           [&] { ordered = put_in_order(run, refines, refs); });
+  if (run.options.check)
+    run.step("check", ms.check, [&] { check(runtime, run.plan, ordered, run.vertices, run.pieces); });
+  if (run.wants_regions()) run.step("domain", ms.domain, [&] { select_domain(run, ordered); });
+  if (refines)
+    run.step("refine", ms.refine, 1, [&] { ordered = refine_domain(run, std::move(ordered), std::move(refs)); });
+  run.step("output", ms.output, [&] { run.number(std::move(ordered)); });
   DeviceTriangulation made = run.finish();
   Statistics& s = made.statistics;
   if (s.triangles + s.triangles_removed == 0) s.notes.push_back(flat_note(runtime, made.vertices, source));
@@ -167,6 +154,9 @@ DeviceTriangulation triangulate(runtime::Runtime& runtime, Primitives& primitive
   const std::uint64_t edges = 3 * std::uint64_t{source.n};
   const runtime::SparedPrograms spared(runtime, edges < Tuning::least_all_programs);
   const runtime::Builders ahead(runtime, programs_of_call(shape_of_call(runtime, source, edges)));
+  // Few vertices may be refined to many.
+  const std::uint64_t most = options.refine ? 0 : runtime.most_here();
+  const runtime::WorkHere here(runtime, source.n <= most && source.m <= 2 * most);
   Run run(runtime, primitives, options, source.n, source.m);
   try {
     return run_steps(run, source);

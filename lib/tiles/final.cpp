@@ -60,9 +60,9 @@ std::function<void(Runtime& runtime)> FinalTriangles::begin_spill(Runtime& runti
       made->file->put(any, neighbours);
       made->file->put(any, constrained);
     } else if (count > 0) {
-      any.read_all({{corners.handle(), made->berth.triangles, count * sizeof(Triangle)},
-                    {neighbours.handle(), made->berth.neighbours, count * sizeof(Neighbours)},
-                    {constrained.handle(), made->berth.constrained, count}});
+      any.read_all({{corners.memory(), made->berth.triangles, count * sizeof(Triangle)},
+                    {neighbours.memory(), made->berth.neighbours, count * sizeof(Neighbours)},
+                    {constrained.memory(), made->berth.constrained, count}});
     }
     reading.end();
     made->done = true;
@@ -145,7 +145,7 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   if (seam > 0) {
     const SeamKeys given = places.make_keys();
     auto keys = runtime.allocate<cl_ulong2>("keys of the seam's triangles", seam);
-    runtime.write_bytes(keys.handle(), 0, given.data(), seam * sizeof(given[0]));
+    runtime.write_bytes(keys.memory(), 0, given.data(), seam * sizeof(given[0]));
     runtime.launch("tiles", "tile_before", over(seam), seam, triangles, all_final, keys, final.corners, final.points,
                    finals_before, before);
   }
@@ -160,9 +160,9 @@ std::vector<std::uint32_t> write_tile(DevicePool::Lent& lent, FinalTriangles& fi
   };
   const auto reads = [&](std::size_t begin, std::size_t end) -> std::vector<runtime::HostRead> {
     const std::size_t some = end - begin;
-    return {{corners.handle(), to.triangles + begin, some * sizeof(Triangle), begin * sizeof(Triangle)},
-            {others.handle(), to.neighbours + begin, some * sizeof(Neighbours), begin * sizeof(Neighbours)},
-            {flags.handle(), to.constrained + begin, some, begin}};
+    return {{corners.memory(), to.triangles + begin, some * sizeof(Triangle), begin * sizeof(Triangle)},
+            {others.memory(), to.neighbours + begin, some * sizeof(Neighbours), begin * sizeof(Neighbours)},
+            {flags.memory(), to.constrained + begin, some, begin}};
   };
   const Resting resting{lent.side};
   const std::size_t bytes = count * (sizeof(Triangle) + sizeof(Neighbours) + 1);

@@ -75,7 +75,7 @@ FinalPieces::OnItsWay FinalPieces::begin_write(Runtime& runtime, const runtime::
   made.sources_before = runtime.allocate<cl_uint>("sources before", of_seam);
   if (of_seam > 0) {
     const auto given = runtime.allocate<cl_ulong2>("keys of the seam's pieces", of_seam);
-    runtime.write_bytes(given.handle(), 0, keys.data(), of_seam * sizeof(keys[0]));
+    runtime.write_bytes(given.memory(), 0, keys.data(), of_seam * sizeof(keys[0]));
     runtime.launch("tiles", "pieces_before", over(of_seam), of_seam, cl_uint{count}, with_offsets, given, ends,
                    own_offsets, points, made.before, made.sources_before);
   }
@@ -87,9 +87,9 @@ FinalPieces::OnItsWay FinalPieces::begin_write(Runtime& runtime, const runtime::
   made.sources = runtime.allocate<cl_uint>("output sources", all_sources);
   runtime.launch("tiles", "pieces_write", over(count), cl_uint{count}, of_seam, with_offsets, cl_uint{to.first_source},
                  made.before, seam_offsets, ids, ends, own_offsets, sources, made.ends, made.offsets, made.sources);
-  made.reads = {{made.ends.handle(), to.ends, all * sizeof(Constraint)},
-                {made.offsets.handle(), to.offsets, all * sizeof(std::uint32_t)},
-                {made.sources.handle(), to.sources, all_sources * sizeof(std::uint32_t)}};
+  made.reads = {{made.ends.memory(), to.ends, all * sizeof(Constraint)},
+                {made.offsets.memory(), to.offsets, all * sizeof(std::uint32_t)},
+                {made.sources.memory(), to.sources, all_sources * sizeof(std::uint32_t)}};
   return made;
 }
 

@@ -48,8 +48,8 @@ NearMesh near_mesh(Runtime& runtime, Primitives& primitives, const OrderedMesh& 
   runtime.launch("passages", "passage_take", over(mesh.triangles), mesh.triangles, near, used, mesh.corners,
                  mesh.neighbours, taken, corners, neighbours);
   made.triangles.resize(triangles), made.neighbours.resize(triangles);
-  runtime.read_bytes(corners.handle(), 0, made.triangles.data(), triangles * sizeof(Triangle));
-  runtime.read_bytes(neighbours.handle(), 0, made.neighbours.data(), triangles * sizeof(Neighbours));
+  runtime.read_bytes(corners.memory(), 0, made.triangles.data(), triangles * sizeof(Triangle));
+  runtime.read_bytes(neighbours.memory(), 0, made.neighbours.data(), triangles * sizeof(Neighbours));
 
   made.numbers = read_all_of<std::uint32_t>(runtime, taken, triangles);
   check_below(made.numbers, mesh.triangles, "a triangle near a constraint is none of the tile");

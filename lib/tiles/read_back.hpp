@@ -10,7 +10,7 @@ template <class T, class From>
 std::vector<T> read_all_of(runtime::Runtime& runtime, const runtime::Buffer<From>& from, std::size_t count) {
   static_assert(sizeof(T) == sizeof(From), "one is read as the other");
   std::vector<T> values(count);
-  runtime.read_bytes(from.handle(), 0, values.data(), count * sizeof(T));
+  runtime.read_bytes(from.memory(), 0, values.data(), count * sizeof(T));
   return values;
 }
 
@@ -18,7 +18,7 @@ std::vector<T> read_all_of(runtime::Runtime& runtime, const runtime::Buffer<From
 template <class T, class From>
 Array<T> read_array(runtime::Runtime& runtime, const runtime::Buffer<From>& from, std::size_t count) {
   Array<T> values(count);
-  runtime.read_bytes(from.handle(), 0, values.data(), count * sizeof(T));
+  runtime.read_bytes(from.memory(), 0, values.data(), count * sizeof(T));
   return values;
 }
 

@@ -16,6 +16,7 @@ Called call_ahead(runtime::Runtime& runtime, const Workload& work, std::optional
                   Crossing policy = Crossing::reject) {
   Tuning tuning = runtime.tuning();
   tuning.crossings_ahead = crossings_ahead;
+  tuning.here_vertices = 0;  // where constraints are taken one after the other
   return call(runtime, work, tuning, policy);
 }
 

@@ -59,6 +59,7 @@ Called call_gated(runtime::Runtime& runtime, const Workload& work, std::uint32_t
                   Crossing policy = Crossing::reject) {
   Tuning tuning = runtime.tuning();
   tuning.crossings_gated = crossings_gated;
+  tuning.here_vertices = 0;  // where constraints are taken one after the other
   return call(runtime, work, tuning, policy);
 }
 

@@ -164,7 +164,7 @@ TEST_CASE("on every device vertices of less depth are of no finer level, however
       CHECK(read.levels().tabled != 0);
       check_table(read);
       // The level that a depth brings, of those that it does bring one.
-      std::vector<std::uint32_t> finest(GCDT_DEPTHS, 0), brought(GCDT_DEPTHS, GCDT_MAX_LEVELS);
+      std::vector<std::uint32_t> finest(GCDT_QUADTREE_DEPTHS, 0), brought(GCDT_QUADTREE_DEPTHS, GCDT_MAX_LEVELS);
       for (std::uint32_t rank = 0; rank < read.n(); ++rank) {
         const std::uint32_t strides = device::gcdt_strides_of_rank(rank), depth = read.depth(rank);
         const std::uint32_t level = read.level(read.vertex(rank)), last = read.levels().count - 1;
@@ -173,7 +173,7 @@ TEST_CASE("on every device vertices of less depth are of no finer level, however
         finest[depth] = std::max(finest[depth], level);
         if (level < by_rank) brought[depth] = std::min(brought[depth], level);
       }
-      for (std::uint32_t depth = 0; depth < GCDT_DEPTHS; ++depth)
+      for (std::uint32_t depth = 0; depth < GCDT_QUADTREE_DEPTHS; ++depth)
         if (brought[depth] != GCDT_MAX_LEVELS)
           for (std::uint32_t less = 0; less <= depth; ++less) CHECK(finest[less] <= brought[depth]);
     }

@@ -3,6 +3,8 @@
 // errors as by all work-items, of whatever is asked for, in a fifth of the launches.
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "answer.hpp"
 #include "batch_cases.hpp"
 #include "solver_fixture.hpp"
@@ -67,11 +69,47 @@ TEST_CASE("the corpus and random graphs, whatever is asked for") {
 
 TEST_CASE("up to the limit and beyond it, with vertices that coincide, in shapes with long and short constraints") {
   const auto few = static_cast<std::size_t>(Tuning().one_item_vertices);
+  const std::size_t most = most_here();
+  REQUIRE(most > few);
   for (const char* name : {"hub", "letters", "spiral", "comb", "near_circle", "grid"})
-    for (const std::size_t n : {std::size_t{100}, few, few + 1}) {
+    for (const std::size_t n : {std::size_t{100}, few, few + 1, most, most + 1}) {
       CAPTURE(name);
       check_same(workload(name, n), {});
     }
+}
+
+// Where all edges behind a constraint are new, and each has to be flipped until the last one is legal.
+TEST_CASE("a constraint between two chains of vertices, convex to it or not, that crosses all edges between them") {
+  for (const double bend : {-0.2, 0.2})
+    for (const int n : {200, 2000, 12000}) {
+      CAPTURE(bend);
+      CAPTURE(n);
+      Workload work;
+      work.points = {{0, 0}, {1, 0}};
+      for (int i = 1; i <= n; ++i) {
+        const double x = double(i) / (n + 1), away = 0.1 + bend * (x - 0.5) * (x - 0.5);
+        work.points.push_back({x, i % 2 == 0 ? away : -away});
+      }
+      work.constraints = {{0, 1}};
+      check_same(work, {});
+      const Statistics s = usual().triangulate(work.points, work.constraints).statistics;
+      CHECK(s.crossed_pairs > static_cast<std::uint64_t>(n) / 2);
+      if (n >= 2000) CHECK(s.flips < 12 * static_cast<std::uint64_t>(n));
+    }
+}
+
+// Vertices of many pieces, whose other ends come in any order.
+TEST_CASE("pieces of one vertex, more than are sorted by insertion") {
+  for (const int n : {63, 64, 65, 66, 700, 3000}) {
+    Workload work;
+    work.points = {{0, 0}};
+    for (int i = 0; i < n; ++i) {
+      const double angle = 6.28 * i / n;
+      work.points.push_back({std::cos(angle), std::sin(angle)});
+      work.constraints.push_back({0, static_cast<std::uint32_t>(1 + (i * 7919) % n)});
+    }
+    check_same(work, {});
+  }
 }
 
 TEST_CASE("the first of several ends out of range is named, whatever crosses before it") {

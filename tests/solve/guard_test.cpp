@@ -34,6 +34,7 @@ runtime::CallHook fresh(DeviceKind kind, const Tuning& tuning = {}) {
   hook.tuning = tuning;
   hook.tuning.kind = kind;
   hook.tuning.fresh_buffers = true;
+  hook.tuning.works_here = false;  // the host's memory has no guards
   return hook;
 }
 

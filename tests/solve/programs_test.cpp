@@ -74,11 +74,14 @@ std::string built_by(const Workload& input, std::uint32_t most_merged,
   return listener.in_order();
 }
 
-// What a solver and its first call build where work-items are loops of threads.
-std::string built_on_threads(const Workload& input) {
+// What a solver and its first call build where work-items are loops of threads. `here`: the calling thread does what it
+// can.
+std::string built_on_threads(const Workload& input, bool here) {
   Listener listener;
   auto handle = std::make_unique<gcdt_solver>();
-  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), runtime::CallHook());
+  runtime::CallHook hook;
+  hook.tuning.works_here = here;
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), hook);
   Solver(handle.release()).triangulate(input.points, input.constraints);
   return listener.in_order();
 }
@@ -124,10 +127,12 @@ TEST_CASE("the programs that a call is said to need are those that it builds") {
 }
 
 TEST_CASE("on CPUs a call builds three programs at most") {
-  CHECK(built_on_threads(workload("uniform", 1000)) == "core ");
-  CHECK(built_on_threads(random_pslg(1000, 1 << 20, 100, 2)) == "core enforce ");
-  CHECK(built_on_threads(workload("uniform", 20000)) == "core flips ");
-  CHECK(built_on_threads(random_pslg(20000, 1 << 20, 3000, 2)) == "constraints core flips ");
+  for (const bool here : {false, true}) {
+    CHECK(built_on_threads(workload("uniform", 1000), here) == (here ? "" : "core "));
+    CHECK(built_on_threads(random_pslg(1000, 1 << 20, 100, 2), here) == (here ? "" : "core enforce "));
+    CHECK(built_on_threads(workload("uniform", 40000), here) == "core flips ");
+    CHECK(built_on_threads(random_pslg(40000, 1 << 20, 3000, 2), here) == "constraints core flips ");
+  }
 }
 
 TEST_CASE("calls whose programs are built by threads give the same, the first one without those that only save time") {

@@ -12,6 +12,7 @@
 
 #include "device/tuning.hpp"
 #include "solver_fixture.hpp"
+#include "tuned_solver.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -126,13 +127,13 @@ void check_phases(const Workload& work, bool cleans) {
 
 TEST_CASE("full is the sum of the phases, core that of its parts, and each part is as long as its span in the trace") {
   check_phases(workload("random_pslg", 300), false);
-  check_phases(workload("spiral", 3000), true);
+  check_phases(workload("spiral", most_here() + 1000), true);
 }
 
 // Sorting alone has no figure of its own: what core has beside the others must be what the trace calls so. Clocks are
 // read one after the other, far less than half a walk apart.
 TEST_CASE("core is sorting, inserting, enforcing with the walk that cleaning shares with it, flipping and gathering") {
-  Told t = told(workload("fan", 20000));
+  Told t = told(workload("fan", most_here() + 4000));
   const auto& s = t.statistics.ms;
   const double sorting = s.core - (s.insert + (s.constrain - s.clean) + s.walk + s.flip + s.gather);
   const double least = std::min(s.walk, s.gather);
@@ -141,7 +142,8 @@ TEST_CASE("core is sorting, inserting, enforcing with the walk that cleaning sha
 }
 
 TEST_CASE("call is the caller's clock: with copies and new arrays, and with building where programs are built") {
-  for (const auto& [name, n] : {std::pair<const char*, std::size_t>{"uniform", 200000}, {"random_pslg", 60}}) {
+  for (const auto& [name, n] :
+       {std::pair<const char*, std::size_t>{"uniform", 200000}, {"random_pslg", most_here() + 1000}}) {
     CAPTURE(name);
     const Workload work = workload(name, n);
     const Told t = told(work);
@@ -202,8 +204,10 @@ TEST_CASE("flips, steps of location and rounds are those of theory, to a factor 
 // one after the other.
 TEST_CASE("crossed pairs are those of the mesh in which constraints are enforced") {
   std::uint64_t all = 0;
-  for (const auto& [name, n] :
-       {std::pair<const char*, std::size_t>{"random_pslg", 60}, {"fan", 200}, {"fan", 2500}, {"letters", 3000}}) {
+  for (const auto& [name, n] : {std::pair<const char*, std::size_t>{"random_pslg", 60},
+                                {"fan", 200},
+                                {"fan", most_here() + 1000},
+                                {"letters", most_here() + 1000}}) {
     CAPTURE(name);
     const Workload work = workload(name, n);
     const Told t = told(work);
@@ -212,7 +216,7 @@ TEST_CASE("crossed pairs are those of the mesh in which constraints are enforced
     CHECK(t.statistics.cases.pieces_walked + t.statistics.cases.existing_edges == enforced.pieces.size());
     CHECK(t.statistics.crossed_pairs >= t.statistics.cases.pieces_walked);
     const bool at_once = t.launches.count("enforce_problems") == 0;
-    CHECK(at_once == (work.points.size() > Tuning().one_item_vertices || t.launches.count("grow_insert") == 0));
+    CHECK(at_once == (work.points.size() > most_here() || t.launches.count("grow_insert") == 0));
     if (at_once && t.launches.count("grow_insert") != 0) CHECK(t.statistics.crossed_pairs == crossed);
     all += crossed;
   }

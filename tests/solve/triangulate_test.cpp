@@ -6,6 +6,7 @@
 #include "agreement.hpp"
 #include "corpus.hpp"
 #include "device/tuning.hpp"
+#include "tuned_solver.hpp"
 #include "whole_results.hpp"
 
 using namespace gcdt;
@@ -73,8 +74,9 @@ TEST_CASE("small inputs of every generator give valid meshes") {
 
 TEST_CASE("few vertices, which one work-item orders, and one more give valid meshes that agree with CGAL") {
   const std::size_t few = Tuning().one_item_vertices;
-  for (const std::size_t n : {few - 1, few, few + 1}) {
-    std::vector<Workload> all{uniform(n), grid(n), line(n), line_and_one(n), comb(n), parabola(n)};
+  for (const std::size_t n : {few - 1, few, few + 1, most_here(), most_here() + 1}) {
+    std::vector<Workload> all{uniform(n), grid(n), line_and_one(n), comb(n), parabola(n)};
+    if (n <= few + 1) all.push_back(line(n));  // its constraints overlap: pieces grow with their square
     all.push_back(uniform(n));
     for (std::size_t i = 0; i < n; i += 2) all.back().points[i] = all.back().points[i / 3];
     all.push_back(Workload{std::vector<Point>(n, Point{0.1, 7}), {}});

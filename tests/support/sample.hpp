@@ -17,7 +17,8 @@
 namespace gcdt::test {
 
 /// One runtime for each device of the machine, rusticl's software renderer included; for those that have a way of their
-/// own for few vertices, a second one without it, and a third one that treats the device as a GPU.
+/// own for few vertices, a second one that launches what the calling thread can do, a third one without that way, and a
+/// fourth one that treats the device as a GPU.
 inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
   static std::vector<std::unique_ptr<runtime::Runtime>> all = [] {
     setenv("RUSTICL_ENABLE", "swrast", 0);
@@ -25,8 +26,10 @@ inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
     for (const auto& device : runtime::all_devices()) {
       made.push_back(std::make_unique<runtime::Runtime>(device));
       runtime::CallHook hook;
-      hook.tuning.one_item_vertices = 0;
       if (!made.back()->contiguous()) continue;
+      hook.tuning.works_here = false;
+      if (made.back()->can_work_here()) made.push_back(std::make_unique<runtime::Runtime>(device, hook));
+      hook.tuning.one_item_vertices = 0;
       made.push_back(std::make_unique<runtime::Runtime>(device, hook));
       hook.tuning.kind = DeviceKind::gpu;
       made.push_back(std::make_unique<runtime::Runtime>(device, hook));

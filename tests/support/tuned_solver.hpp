@@ -25,6 +25,15 @@ inline Solver tuned_solver(DeviceKind really, const Tuning& tuning, Trace trace 
   throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
 }
 
+/// Vertices up to which the calling thread triangulates by itself on PoCL (Runtime::most_here).
+inline std::size_t most_here() {
+  for (const cl::Device& device : every_device()) {
+    const runtime::Runtime runtime(device);
+    if (runtime.kind() == DeviceKind::threads) return static_cast<std::size_t>(runtime.most_here());
+  }
+  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd");
+}
+
 /// Few vertices go the way of many: work-items share out what else one does.
 inline Tuning shared_out() {
   Tuning tuning;
