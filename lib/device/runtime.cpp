@@ -204,7 +204,7 @@ Runtime::Kernel& Runtime::make_kernel(const char* program, const char* kernel) {
 
 void Runtime::write_bytes(Memory place, std::size_t offset, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
-  if (is_here(place)) {
+  if (writes_here(place)) {
     std::memcpy(at(place, offset), from, bytes);
     return;
   }
@@ -390,8 +390,11 @@ void Runtime::read_all(const std::vector<HostRead>& reads) {
 void Runtime::fill_bytes(Memory place, const void* pattern, std::size_t pattern_bytes, std::size_t offset,
                          std::size_t bytes) {
   if (bytes == 0) return;
-  if (is_here(place)) {
-    for (std::size_t i = 0; i < bytes; i += pattern_bytes) std::memcpy(at(place, offset + i), pattern, pattern_bytes);
+  if (writes_here(place)) {
+    unsigned char* const to = at(place, offset);
+    std::memcpy(to, pattern, pattern_bytes);
+    for (std::size_t done = pattern_bytes; done < bytes; done *= 2)  // what is filled once is copied behind it
+      std::memcpy(to + done, to, std::min(done, bytes - done));
     return;
   }
   const cl_mem to = place.handle;
@@ -403,7 +406,7 @@ void Runtime::fill_bytes(Memory place, const void* pattern, std::size_t pattern_
 void Runtime::copy_bytes(Memory source, std::size_t from_offset, Memory target, std::size_t to_offset,
                          std::size_t bytes) {
   if (bytes == 0) return;
-  if (is_here(source) && is_here(target)) {
+  if (writes_here(source) && writes_here(target)) {
     std::memcpy(at(target, to_offset), at(source, from_offset), bytes);
     return;
   }

@@ -373,8 +373,9 @@ class Runtime {
   std::size_t groups_of(Range range, std::size_t local) const;  ///< that a launch wants
   const HostKernel* host_kernel(const char* program, const char* kernel);
   void run_here(const HostKernel& kernel, const HostArguments& given);
-  /// Whether the host may use the memory itself.
+  /// Whether the host may read the memory itself; and write to it, which is the device's part where it works.
   bool is_here(const Memory& memory) const { return memory.here && !queued_; }
+  bool writes_here(const Memory& memory) const { return works_here_ && is_here(memory); }
   static unsigned char* at(const Memory& memory, std::size_t offset) {
     return static_cast<unsigned char*>(memory.here) + offset;
   }

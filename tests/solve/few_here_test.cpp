@@ -302,6 +302,7 @@ TEST_CASE("a launch here must have the kernel's arguments, as one of a device's 
 
 TEST_CASE("the host's copies, fills and writes go where the device's would") {
   Here one;
+  const runtime::WorkHere works(one.runtime, true);
   const std::vector<cl_uint> numbers = {1, 2, 3, 4, 5, 6, 7, 8};
   const auto from = one.runtime.upload("from", numbers), to = one.runtime.filled<cl_uint>("to", 8, 9);
   one.runtime.copy(from, to, 3, 2);
@@ -313,6 +314,13 @@ TEST_CASE("the host's copies, fills and writes go where the device's would") {
   CHECK(all == std::vector<cl_uint>{4, 5, 9, 9, 21, 22, 77});
   one.runtime.zero(to);
   CHECK(one.runtime.read_one(to, 7) == 0);
+  const auto pairs = one.runtime.filled<cl_ulong>("pairs", 1000, 0x0123456789ABCDEF);
+  one.runtime.fill<cl_ulong>(pairs, 5, 333, 334);
+  std::vector<cl_ulong> seen(1000);
+  one.runtime.read(pairs, seen.data(), seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    CHECK(seen[i] == (i >= 334 && i < 667 ? cl_ulong{5} : cl_ulong{0x0123456789ABCDEF}));
+  CHECK(one.runtime.rows_of(1u << 20) == 1);  // of tables with a row for each work-item
   CHECK(one.runtime.read_backs() == 0);
   for (const auto& [name, times] : *one.calls) CHECK(name.find("clEnqueue") != 0);
 }
@@ -324,6 +332,7 @@ TEST_CASE("a device reads what the host has made") {
   cl_mem memory = nullptr;
   {
     Here one;
+    const runtime::WorkHere works(one.runtime, true);
     const auto buffer = one.runtime.upload("triangles", host.triangles.data(), host.triangles.size());
     CHECK(buffer.memory().here != nullptr);
     memory = buffer.handle();
