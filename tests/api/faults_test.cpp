@@ -26,6 +26,13 @@ const Workload& small_graph() {
   return work;
 }
 
+/// With few vertices, too, all is asked of the device.
+runtime::CallHook launching() {
+  runtime::CallHook hook = healthy();
+  hook.tuning.works_here = false;
+  return hook;
+}
+
 /// A run of solvers like this one, of one call.
 template <class Call>
 Open on_solver(const runtime::CallHook& hook, Call call) {
@@ -86,17 +93,31 @@ TEST_CASE("making a solver, and its first call") {
       of_a_new_solver);
 }
 
+TEST_CASE("the same where the device is asked for all of it") {
+  campaign(
+      40,
+      [device = app_device()] {
+        return Opened{[=] {
+          runtime::CallHook compiling = launching();
+          compiling.keep_programs = false;
+          Solver made = hooked_solver(compiling, {}, device);
+          return solved(made, {});
+        }};
+      },
+      of_a_new_solver);
+}
+
 TEST_CASE("a call of a solver: constraints, domain, regions") {
   Options options;
   options.domain = Domain::even_odd;
   options.regions = true;
-  campaign(20, on_solver(healthy(), [=](Solver& on) { return solved(on, options); }));
+  campaign(20, on_solver(launching(), [=](Solver& on) { return solved(on, options); }));
 }
 
 TEST_CASE("a call that splits crossings") {
   Options options;
   options.crossing = Crossing::split;
-  campaign(40, on_solver(healthy(), [=](Solver& on) {
+  campaign(40, on_solver(launching(), [=](Solver& on) {
              return solved(on, options, problem({{0, 0}, {4, 4}, {0, 4}, {4, 0}, {1, 2}}, {{0, 1}, {2, 3}}));
            }));
 }
@@ -105,7 +126,7 @@ TEST_CASE("a call that refines") {
   Options options;
   options.refine = Refinement{};
   options.refine->most_added = 6;
-  campaign(40, on_solver(healthy(), [=](Solver& on) { return solved(on, options); }));
+  campaign(40, on_solver(launching(), [=](Solver& on) { return solved(on, options); }));
 }
 
 TEST_CASE("a call of a device treated as a GPU, with pinned memory") {
@@ -115,7 +136,7 @@ TEST_CASE("a call of a device treated as a GPU, with pinned memory") {
 
 TEST_CASE("what is asked of a result: points, values, quality, what is made on demand, refinement") {
   campaign(30, [] {
-    const auto made = std::make_shared<Solver>(hooked_solver(healthy()));
+    const auto made = std::make_shared<Solver>(hooked_solver(launching()));
     const auto result = std::make_shared<Result>(made->solve(small_graph().points, small_graph().constraints));
     return Opened{[=] {
       Hash hash;
@@ -139,7 +160,7 @@ TEST_CASE("what is asked of a result: points, values, quality, what is made on d
 
 TEST_CASE("a mesh of another program is adopted") {
   campaign(40, [] {
-    const auto made = std::make_shared<Solver>(hooked_solver(healthy()));
+    const auto made = std::make_shared<Solver>(hooked_solver(launching()));
     const Triangulation mesh = made->triangulate(small_graph().points, small_graph().constraints);
     return Opened{[=] {
       return result_hash(made->adopt(small_graph().points, mesh.triangles, small_graph().constraints).download());
@@ -151,7 +172,7 @@ TEST_CASE("the application's buffers and queue, and copies that it waits for") {
   const Rules over_by_then = {{"clWaitForEvents"}};  // the copy, whatever the wait for it says
   const Open open = [] {
     const auto app = std::make_shared<App>();
-    const auto made = std::make_shared<Solver>(hooked_solver(healthy(), app->queue));
+    const auto made = std::make_shared<Solver>(hooked_solver(launching(), app->queue));
     const Integers work = integer_input(20);
     const auto points = std::make_shared<DevicePoints>(device_points(*app, work));
     const auto constraints = std::make_shared<DeviceConstraints>(device_constraints(*app, work));
@@ -257,7 +278,7 @@ TEST_CASE("making a solver whose programs are in the cache, and its first call")
       40,
       [device = app_device()] {
         return Opened{[=] {
-          Solver made = hooked_solver(healthy(), {}, device);
+          Solver made = hooked_solver(launching(), {}, device);
           return solved(made, {});
         }};
       },

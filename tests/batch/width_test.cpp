@@ -16,6 +16,7 @@ runtime::CallHook hook_for(DeviceKind kind) {
   runtime::CallHook hook;
   hook.tuning.kind = kind;
   hook.tuning.job_overhead = 0;  // there are more jobs than one
+  hook.tuning.works_here = false;
   const runtime::Runtime runtime(app_device(), hook);
   if (std::atoi(runtime.info().driver.c_str()) >= 6)
     hook.tuning.width = static_cast<std::uint32_t>(runtime.geometry().max_groups);

@@ -18,13 +18,7 @@ using runtime::Meshes;
 
 namespace {
 
-const std::vector<cl::Device> all_of_them = every_device();
-
-cl::Device pocl() {
-  for (const cl::Device& device : all_of_them)
-    if (runtime::kind_of(runtime::describe(device), {}) == DeviceKind::threads) return device;
-  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd");
-}
+const cl::Device pocl_device = device_of(DeviceKind::threads);
 
 runtime::CallHook compiles_programs(std::uint32_t at_once) {
   runtime::CallHook hook;
@@ -66,7 +60,7 @@ std::string built_by(const Workload& input, std::uint32_t most_merged,
   hook.tuning.most_merged = most_merged;
   hook.tuning.least_patched = least_patched;
   hook.tuning.least_grouped = least_grouped;
-  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), hook);
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl_device, listener.log(), Trace(), hook);
   Solver solver(handle.release());
   listener.built.clear();
   solver.triangulate(input.points, input.constraints);
@@ -81,7 +75,7 @@ std::string built_on_threads(const Workload& input, bool here) {
   auto handle = std::make_unique<gcdt_solver>();
   runtime::CallHook hook;
   hook.tuning.works_here = here;
-  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), listener.log(), Trace(), hook);
+  handle->state = std::make_shared<api::State>(cl::Context(), pocl_device, listener.log(), Trace(), hook);
   Solver(handle.release()).triangulate(input.points, input.constraints);
   return listener.in_order();
 }
@@ -145,7 +139,8 @@ TEST_CASE("calls whose programs are built by threads give the same, the first on
   second.spares = false;
   REQUIRE(3 * input.points.size() > Tuning().least_sweep);
   auto handle = std::make_unique<gcdt_solver>();
-  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), runtime::Log(), Trace(), compiles_programs(4));
+  handle->state =
+      std::make_shared<api::State>(cl::Context(), pocl_device, runtime::Log(), Trace(), compiles_programs(4));
   runtime::Runtime& runtime = handle->state->runtime;
   Solver gpu(handle.release());
   REQUIRE(runtime.most_builds() == 4);
@@ -163,7 +158,8 @@ TEST_CASE("a chain of flips in a first call has the program compiled that follow
   const Workload comb = workload("comb", 20000);
   const Triangulation expected = solver().triangulate(comb.points, comb.constraints);
   auto handle = std::make_unique<gcdt_solver>();
-  handle->state = std::make_shared<api::State>(cl::Context(), pocl(), runtime::Log(), Trace(), compiles_programs(4));
+  handle->state =
+      std::make_shared<api::State>(cl::Context(), pocl_device, runtime::Log(), Trace(), compiles_programs(4));
   runtime::Runtime& runtime = handle->state->runtime;
   Solver gpu(handle.release());
   const Triangulation made = gpu.triangulate(comb.points, comb.constraints);
@@ -206,5 +202,5 @@ TEST_CASE("a program that does not compile is told by the call, and threads end 
   runtime::CallHook hook = compiles_programs(4);
   hook.options = "-DFOR_EACH=this does not compile";
   const runtime::Log silent;
-  CHECK_THROWS_AS(runtime::Runtime(cl::Context(), pocl(), hook, silent), Error);
+  CHECK_THROWS_AS(runtime::Runtime(cl::Context(), pocl_device, hook, silent), Error);
 }

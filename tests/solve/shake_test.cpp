@@ -14,6 +14,7 @@
 #include "device_list.hpp"
 #include "kinds.hpp"
 #include "pool_cases.hpp"
+#include "tuned_solver.hpp"
 
 using namespace gcdt;
 using namespace gcdt::test;
@@ -71,16 +72,10 @@ std::vector<Call> corpus() {
 }
 
 Solver pocl_as(DeviceKind kind, const Tuning& given = {}) {
-  for (const cl::Device& device : every_device()) {
-    if (runtime::kind_of(runtime::describe(device), {}) != DeviceKind::threads) continue;
-    runtime::CallHook hook;
-    hook.tuning = given;
-    hook.tuning.kind = kind;
-    auto handle = std::make_unique<gcdt_solver>();
-    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), Trace(), hook);
-    return Solver(handle.release());
-  }
-  throw Error(Status::no_device, "install pocl-opencl-icd");
+  Tuning tuning = given;
+  tuning.kind = kind;
+  tuning.works_here = false;  // launches alone are shaken
+  return tuned_solver(DeviceKind::threads, tuning);
 }
 
 /// Every call once as it is, then shaken so many times.

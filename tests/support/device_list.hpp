@@ -23,4 +23,12 @@ inline std::vector<cl::Device> every_device() {
   return all;
 }
 
+/// The device whose work-items are that, by itself: PoCL's are threads, llvmpipe's lanes. Throws if it is missing.
+inline cl::Device device_of(DeviceKind really) {
+  static const std::vector<cl::Device> all = every_device();
+  for (const cl::Device& device : all)
+    if (runtime::kind_of(runtime::describe(device), {}) == really) return device;
+  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
+}
+
 }  // namespace gcdt::test

@@ -125,6 +125,7 @@ runtime::CallHook hook_of(const std::string& kind) {
   } else {
     throw std::runtime_error("no kind is called " + kind);
   }
+  hook.tuning.works_here = false;
   hook.tuning.builds_at_once = 1;  // Oclgrind crashes when threads build programs at once
   return hook;
 }

@@ -13,25 +13,17 @@ namespace gcdt::test {
 
 /// On PoCL (`really`: threads), or on llvmpipe (lanes). Throws if it is missing.
 inline Solver tuned_solver(DeviceKind really, const Tuning& tuning, Trace trace = {}) {
-  static const std::vector<cl::Device> all = every_device();
-  for (const cl::Device& device : all) {
-    if (runtime::kind_of(runtime::describe(device), {}) != really) continue;
-    runtime::CallHook hook;
-    hook.tuning = tuning;
-    auto handle = std::make_unique<gcdt_solver>();
-    handle->state = std::make_shared<api::State>(cl::Context(), device, runtime::Log(), std::move(trace), hook);
-    return Solver(handle.release());
-  }
-  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd and mesa-opencl-icd");
+  runtime::CallHook hook;
+  hook.tuning = tuning;
+  auto handle = std::make_unique<gcdt_solver>();
+  handle->state =
+      std::make_shared<api::State>(cl::Context(), device_of(really), runtime::Log(), std::move(trace), hook);
+  return Solver(handle.release());
 }
 
 /// Vertices up to which the calling thread triangulates by itself on PoCL (Runtime::most_here).
 inline std::size_t most_here() {
-  for (const cl::Device& device : every_device()) {
-    const runtime::Runtime runtime(device);
-    if (runtime.kind() == DeviceKind::threads) return static_cast<std::size_t>(runtime.most_here());
-  }
-  throw Error(Status::no_device, "a device is missing: install pocl-opencl-icd");
+  return static_cast<std::size_t>(runtime::Runtime(device_of(DeviceKind::threads)).most_here());
 }
 
 /// Few vertices go the way of many: work-items share out what else one does.
