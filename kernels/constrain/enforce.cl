@@ -373,15 +373,6 @@ static uint next_on(Mesh mesh, global const uint* vertex_face, uint a, uint b) {
   return b;
 }
 
-// Pieces of one lower end, by the rank of the other one. The other arrays are void afterwards.
-static void sort_pieces(uint count, global ulong* keys, global uint* sources, global ulong* other_keys,
-                        global uint* other_sources) {
-  if (count <= GCDT_RUN_BY_INSERTION)
-    sort_run(keys, sources, 0u, count);
-  else if (sort_by_digits(count, 0u, 32u, keys, sources, other_keys, other_sources))
-    copy_pairs(count, other_keys, other_sources, keys, sources);
-}
-
 // What enforce_pieces does for `trees`.
 GCDT_APART void list_pieces(Items trees, GCDT_LEVELS_POINTER levels, Mesh mesh, global const uint* first_constraint,
                             global const uint2* constraints, global const uint* input_vertex,
@@ -416,7 +407,7 @@ GCDT_APART void list_pieces(Items trees, GCDT_LEVELS_POINTER levels, Mesh mesh, 
       sources[to] = unsorted_sources[at];
     }
     for (uint v = begin, from = first; v < end; ++v) {  // places[v] is where v's pieces end
-      sort_pieces(places[v] - from, keys + from, sources + from, unsorted_keys + from, unsorted_sources + from);
+      sort_run_below(places[v] - from, 32u, keys + from, sources + from, unsorted_keys + from, unsorted_sources + from);
       from = places[v];
     }
   }
@@ -425,8 +416,7 @@ GCDT_APART void list_pieces(Items trees, GCDT_LEVELS_POINTER levels, Mesh mesh, 
 // One work-item per problem. Writes its pieces, in order of lower rank, higher rank, source: `keys` (lower << 32 |
 // higher) and sources, from offsets[first_constraint] on, as many as they are. By counting the lower ends, and for the
 // pieces of each, mostly few, by insertion or by digits. `places`: a word per vertex, void afterwards, as are the
-// unsorted ones.
-// Writes words of its problem. After: as clean_pieces and a stable sort.
+// unsorted ones. Writes words of its problem. After: as clean_pieces and a stable sort.
 kernel void enforce_pieces(uint problems, GCDT_LEVELS_POINTER levels, GCDT_MESH_PARAMETERS,
                            global const uint* first_constraint, global const uint2* constraints,
                            global const uint* input_vertex, global const uint* vertex_face, global const uint* offsets,

@@ -79,20 +79,26 @@ GCDT_APART bool sort_by_digits(u32 count, u32 low, u32 high, global u64* keys, g
   return other;
 }
 
+// A run by the bits of its keys below `high`, stably and in place: short ones by insertion, which takes all bits of the
+// key, long ones by digits. The other arrays are void afterwards.
+GCDT_INLINE void sort_run_below(u32 count, u32 high, global u64* keys, global u32* values, global u64* other_keys,
+                                global u32* other_values) {
+  if (count <= GCDT_RUN_BY_INSERTION)
+    sort_run(keys, values, 0u, count);
+  else if (sort_by_digits(count, 0u, high, keys, values, other_keys, other_values))
+    copy_pairs(count, other_keys, other_values, keys, values);
+}
+
 // By the bits below `high`, which are more than two digits, of the key, stably and in place: by two digits and what
-// these leave. Of keys that differ at random next to none agree in these 16 or 22 bits; where keys do, short runs are
-// sorted by insertion, long ones by themselves. The other arrays are void afterwards. Ends: each run has a pair.
+// these leave. Of keys that differ at random next to none agree in these 16 or 22 bits; where keys do, each run is
+// sorted by itself. The other arrays are void afterwards. Ends: each run has a pair.
 GCDT_APART void sort_by_prefix(u32 count, u32 high, global u64* keys, global u32* values, global u64* other_keys,
                                global u32* other_values) {
   const u32 low = high - 2u * GCDT_ONE_ITEM_DIGIT_BITS(count);
   sort_by_digits(count, low, high, keys, values, other_keys, other_values);  // there and back
   for (u32 begin = 0u, end = 1u; begin < count; begin = end++) {
     while (end < count && keys[end] >> low == keys[begin] >> low) ++end;
-    const u32 length = end - begin;
-    if (length <= GCDT_RUN_BY_INSERTION)
-      sort_run(keys, values, begin, end);
-    else if (sort_by_digits(length, 0u, low, keys + begin, values + begin, other_keys + begin, other_values + begin))
-      copy_pairs(length, other_keys + begin, other_values + begin, keys + begin, values + begin);
+    sort_run_below(end - begin, low, keys + begin, values + begin, other_keys + begin, other_values + begin);
   }
 }
 

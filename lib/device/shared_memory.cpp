@@ -3,8 +3,6 @@
 
 #include <memory>
 
-#include "device/told.hpp"
-
 namespace gcdt::runtime {
 
 // Where the host has kernels; and weak symbols, which objects of Windows and of macOS have otherwise.

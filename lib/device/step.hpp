@@ -40,10 +40,9 @@ class Timed {
 class Step {
  public:
   Step(runtime::Runtime& runtime, const char* name) : runtime_(runtime), stopwatch_(begin(runtime, name)) {}
-  /// Waits for the queue, if steps are timed, and returns the milliseconds. If not `waits`, what is queued still counts
-  /// in the step behind it.
-  double end(bool waits = true) {
-    if (waits) runtime_.end_step();
+  /// Waits for the queue, if steps are timed, and returns the milliseconds.
+  double end() {
+    runtime_.end_step();
     const double ms = stopwatch_.milliseconds();
     runtime_.tracer().end_phase();
     return ms;

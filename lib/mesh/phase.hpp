@@ -68,8 +68,6 @@ class PhaseCounters {
   /// A kernel has zeroed them.
   void are_zero() { host_ = {}; }
   const device::Counters& read();
-  /// The same as one of several reads (Runtime::read_all).
-  runtime::HostRead to_read() { return {buffer_.memory(), &host_, sizeof host_}; }
   const device::Counters& last() const { return host_; }
   const runtime::Buffer<device::Counters>& buffer() const { return buffer_; }
 

@@ -83,7 +83,6 @@ void Run::count(const FlipResult& flipped) {
 }
 
 void Run::no_pieces() {
-  if (pieces.ends.allocated()) return;
   pieces.ends = runtime.allocate<cl_uint2>("pieces", 0);
   pieces.source_offsets = runtime.allocate<cl_uint>("source offsets", 1);
   pieces.sources = runtime.allocate<cl_uint>("sources of pieces", 0);
@@ -226,8 +225,7 @@ void Run::begin_output() {
 }
 
 void Run::number(OrderedMesh ordered) {
-  if (!result.representatives.allocated())
-    result.representatives = number_by_input(runtime, plan, vertices, ordered, pieces);
+  result.representatives = number_by_input(runtime, plan, vertices, ordered, pieces);
   if (result.kept.allocated()) number_corners(runtime, vertices, result.hull);
   AddedVertices& added = result.added;
   if (!added.points.allocated()) {

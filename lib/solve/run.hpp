@@ -3,8 +3,6 @@
 // sequences stand in solve/triangulate.cpp and batch/pipeline.cpp.
 #pragma once
 
-#include <optional>
-
 #include "device/step.hpp"
 #include "phases/clean.hpp"
 #include "phases/constrain.hpp"
@@ -47,17 +45,17 @@ struct Run {
 
   /// Runs `f` as a step: a span of the trace, whose wall time, without building programs, is added to `ms`.
   template <class F>
-  void step(const char* name, double& ms, F&& f, bool waits = true) {
+  void step(const char* name, double& ms, F&& f) {
     Step timed(runtime, name);
     f();
-    ms += timed.end(waits);
+    ms += timed.end();
   }
   /// The same for a step whose progress ends at `share` of the whole, and begins where the one before ended.
   template <class F>
-  void step(const char* name, double& ms, double share, F&& f, bool waits = true) {
+  void step(const char* name, double& ms, double share, F&& f) {
     ticker.enter(told_, share);
     told_ = share;
-    step(name, ms, std::forward<F>(f), waits);
+    step(name, ms, std::forward<F>(f));
   }
 
   /// Takes what the order phase made, and plans what follows.
@@ -94,8 +92,7 @@ struct Run {
   WalkedMesh walked() { return {plan, vertices, mesh, history}; }
   /// Releases what output does not need.
   void begin_output();
-  /// Makes `ordered` the result's mesh, and input numbers of vertices, unless it has representatives already: then it
-  /// has these, too.
+  /// Makes `ordered` the result's mesh, and input numbers of vertices.
   void number(OrderedMesh ordered);
   /// The sums of times, counters and sizes; the result is whole.
   DeviceTriangulation finish();
