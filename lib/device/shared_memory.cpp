@@ -20,14 +20,16 @@ constexpr cl_device_info svm_capabilities = 0x1053;  // CL_DEVICE_SVM_CAPABILITI
 constexpr cl_bitfield fine_grain_buffer = 1 << 1;    // CL_DEVICE_SVM_FINE_GRAIN_BUFFER
 constexpr cl_bitfield fine_grain = 1 << 10;          // CL_MEM_SVM_FINE_GRAIN_BUFFER
 
+// Not a reference to the context: the buffer has one, and after a failed call may live until its last command is done,
+// longer than all that its owner held.
 struct Shared {
-  cl::Context context;
+  cl_context context;
   void* memory;
 };
 
 void CL_CALLBACK give_back(cl_mem, void* given) {
   const std::unique_ptr<Shared> shared(static_cast<Shared*>(given));
-  clSVMFree(shared->context(), shared->memory);
+  clSVMFree(shared->context, shared->memory);
 }
 
 }  // namespace
@@ -48,7 +50,7 @@ cl_int make_shared_buffer(const cl::Context& context, std::size_t bytes, cl::Buf
     clSVMFree(context(), memory);
     return code;
   }
-  auto shared = std::make_unique<Shared>(Shared{context, memory});
+  auto shared = std::make_unique<Shared>(Shared{context(), memory});
   code = clSetMemObjectDestructorCallback(made(), give_back, shared.get());
   if (code != CL_SUCCESS) {
     made = cl::Buffer();
