@@ -87,14 +87,33 @@ GCDT_INLINE uint check_link(uint h, uint u, uint a, uint b, uint flagged, global
   return j;
 }
 
+// The circle through a triangle's corners: the first, and the ways from there to the others.
+typedef struct Circle {
+  int2 first;
+  Way second, third;
+} Circle;
+
+GCDT_INLINE Way way_between(int2 a, int2 b) { return gcdt_way((i64)b.x - a.x, (i64)b.y - a.y); }
+
+GCDT_INLINE Circle circle_through(global const int2* points, uint3 c) {
+  const int2 first = points[c.x];
+  const Circle circle = {
+      .first = first, .second = way_between(first, points[c.y]), .third = way_between(first, points[c.z])};
+  return circle;
+}
+
+GCDT_INLINE u64 tie_key(global const int2* points, uint v) { return gcdt_tie_key(vertex_at(points, v)); }
+
 // Checks the Delaunay condition of docs/contract.md, 4, on half edge h, the diagonal from a to b between its corner p
-// and vertex q across.
-GCDT_INLINE void check_delaunay(uint h, global const int2* points, uint p, uint a, uint q, uint b,
+// and vertex q across. `circle`: that of its triangle. It is counter-clockwise, so that q, the third and the second
+// corner are an even permutation of any three of the quadrilateral beside the first, whichever corner p is.
+GCDT_INLINE void check_delaunay(uint h, global const int2* points, Circle circle, uint p, uint a, uint q, uint b,
                                 global CheckReport* report) {
-  const Vertex vp = vertex_at(points, p), va = vertex_at(points, a), vq = vertex_at(points, q),
-               vb = vertex_at(points, b);
-  if (gcdt_must_flip(va, vq, vb, vp))
-    note(report, gcdt_incircle_finite(va, vq, vb, vp) > 0 ? GCDT_CHECK_DELAUNAY : GCDT_CHECK_TIE, h);
+  const int inside = gcdt_incircle_of_ways(way_between(circle.first, points[q]), circle.third, circle.second);
+  if (inside > 0)
+    note(report, GCDT_CHECK_DELAUNAY, h);
+  else if (inside == 0 && min(tie_key(points, p), tie_key(points, q)) < min(tie_key(points, a), tie_key(points, b)))
+    note(report, GCDT_CHECK_TIE, h);
 }
 
 // Writes first[r] for r = begin .. end - 1. Ends: the range halves; the pieces are run through.
@@ -148,6 +167,7 @@ static uint check_edges_of(uint t, uint count, global const Levels* levels, glob
   uint constrained_edges = 0;
   uint3 c = vload3(t, corners);
   int3 across = vload3(t, neighbours);
+  const Circle circle = circle_through(points, c);
   const uint flags = constrained[t];
   if (flags > 7u) note(report, GCDT_CHECK_FLAG, 3u * t);
   for (uint k = 0; k < 3; ++k, c = c.yzx, across = across.yzx) {
@@ -170,7 +190,7 @@ static uint check_edges_of(uint t, uint count, global const Levels* levels, glob
       ++constrained_edges;
       if (!is_piece(levels, pieces, first_pieces, ends, a, b)) note(report, GCDT_CHECK_EXTRA, h);
     } else if (u >= 0) {
-      check_delaunay(h, points, p, a, corners[3u * (uint)u + j], b, report);
+      check_delaunay(h, points, circle, p, a, corners[3u * (uint)u + j], b, report);
     }
   }
   return constrained_edges;

@@ -80,23 +80,39 @@ GCDT_INLINE i64 gcdt_orient2d(Vertex a, Vertex b, Vertex c) {
   return gcdt_orient2d_any(a, b, c);
 }
 
-// orient2d(o, a, b) where o is finite, in one text for all: the cross product of a and b as o sees them, where a symbol
-// is its direction. (So b x o is part of it if a is finite, o x a if b is, as in orient2d_any.)
+// The way from a finite vertex o to another one, or a symbol's direction; and its squared length.
+typedef struct Way {
+  i64 x, y, lift;
+} Way;
+
+GCDT_INLINE Way gcdt_way(i64 x, i64 y) {
+  Way w;
+  w.x = x;
+  w.y = y;
+  w.lift = gcdt_times(x, x) + gcdt_times(y, y);
+  return w;
+}
+GCDT_INLINE Way gcdt_way_finite(Vertex o, Vertex v) { return gcdt_way(v.x - o.x, v.y - o.y); }
+GCDT_INLINE Way gcdt_way_to(Vertex o, Vertex v) { return v.symbol == 0 ? gcdt_way_finite(o, v) : gcdt_way(v.x, v.y); }
+
+// orient2d(o, a, b) where o is finite, in one text for all: the cross product of the ways from o. (So b x o is part of
+// it if a is finite, o x a if b is, as in orient2d_any.)
+GCDT_INLINE i64 gcdt_orient2d_of_ways(Way a, Way b) { return a.x * b.y - a.y * b.x; }
 GCDT_INLINE i64 gcdt_orient2d_from(Vertex o, Vertex a, Vertex b) {
-  const i64 ax = a.symbol == 0 ? a.x - o.x : a.x, ay = a.symbol == 0 ? a.y - o.y : a.y,
-            bx = b.symbol == 0 ? b.x - o.x : b.x, by = b.symbol == 0 ? b.y - o.y : b.y;
-  return ax * by - ay * bx;
+  return gcdt_orient2d_of_ways(gcdt_way_to(o, a), gcdt_way_to(o, b));
+}
+
+// Sign of the in-circle determinant of (a, b, c, o), all finite, by the ways from o.
+GCDT_INLINE int gcdt_incircle_of_ways(Way a, Way b, Way c) {
+  const i64 bc = gcdt_times(b.x, c.y) - gcdt_times(b.y, c.x), ca = gcdt_times(c.x, a.y) - gcdt_times(c.y, a.x),
+            ab = gcdt_times(a.x, b.y) - gcdt_times(a.y, b.x);
+  return gcdt_sign_of_products(a.lift, bc, b.lift, ca, c.lift, ab);
 }
 
 // Sign of the in-circle determinant: > 0 if d lies strictly inside the circle through the
 // counter-clockwise triangle (a, b, c). All finite.
 GCDT_INLINE int gcdt_incircle_finite(Vertex a, Vertex b, Vertex c, Vertex d) {
-  const i64 ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
-  const i64 la = gcdt_times(ax, ax) + gcdt_times(ay, ay), lb = gcdt_times(bx, bx) + gcdt_times(by, by),
-            lc = gcdt_times(cx, cx) + gcdt_times(cy, cy);
-  const i64 bc = gcdt_times(bx, cy) - gcdt_times(by, cx), ca = gcdt_times(cx, ay) - gcdt_times(cy, ax),
-            ab = gcdt_times(ax, by) - gcdt_times(ay, bx);
-  return gcdt_sign_of_products(la, bc, lb, ca, lc, ab);
+  return gcdt_incircle_of_ways(gcdt_way_finite(d, a), gcdt_way_finite(d, b), gcdt_way_finite(d, c));
 }
 
 // The complete in-circle sign, 0 to 3 symbols in any position. Taking away the largest symbol leaves

@@ -59,9 +59,9 @@ static bool is_illegal(Mesh mesh, uint near, uint far) {
 //        d                                              d
 // b keeps its place in t and d in u, so that e_y and f_x stay where they are: scattered words are what a flip costs.
 // Writes only words of the two faces, which the caller owns (L1). The claim words stay.
-// `refs`, `corners_t`, `corners_u`, `st`, `su`: its faces, their corners and sides. `around` gets the owned sides'
-// codes of the four edges around.
-static void flip_edge_with(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, uint4 st, uint4 su,
+// `code`: the edge's side that t has, either of the two. `refs`, `corners_t`, `corners_u`, `st`, `su`: the faces, their
+// corners and sides. `around` gets the owned sides' codes of the four edges around.
+static void flip_side_with(Mesh mesh, uint code, uint2 refs, uint4 corners_t, uint4 corners_u, uint4 st, uint4 su,
                            private uint* around) {
   const uint t = GCDT_REF_FACE(refs.x), u = GCDT_REF_FACE(refs.y);
   const uint b = GCDT_REF_CORNER(refs.x), d = GCDT_REF_CORNER(refs.y);
@@ -79,20 +79,21 @@ static void flip_edge_with(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4
   at[y] = au[d];
   au[x_of_u] = at[b];
   at[4u + b] = fy;
-  at[4u + x] = GCDT_SIDE(e, 0u);
+  at[4u + x] = code;
   au[4u + d] = ex;
-  au[4u + y_of_u] = GCDT_SIDE(e, 1u);
-  mesh.edge_faces[2u * e] = GCDT_FACE_REF(t, x);
-  mesh.edge_faces[2u * e + 1u] = GCDT_FACE_REF(u, y_of_u);
+  au[4u + y_of_u] = code ^ 1u;
+  mesh.edge_faces[code] = GCDT_FACE_REF(t, x);
+  mesh.edge_faces[code ^ 1u] = GCDT_FACE_REF(u, y_of_u);
   mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
   mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
 #else
   const uint ex = element(st, x), fy = element(su, y_of_u);
   mesh.face_data[GCDT_CORNERS(t)] = with_element(corners_t, y, element(corners_u, d));
   mesh.face_data[GCDT_CORNERS(u)] = with_element(corners_u, x_of_u, element(corners_t, b));
-  mesh.face_data[GCDT_SIDES(t)] = with_element(with_element(st, b, fy), x, GCDT_SIDE(e, 0u));
-  mesh.face_data[GCDT_SIDES(u)] = with_element(with_element(su, d, ex), y_of_u, GCDT_SIDE(e, 1u));
-  ((global uint2*)mesh.edge_faces)[e] = (uint2)(GCDT_FACE_REF(t, x), GCDT_FACE_REF(u, y_of_u));
+  mesh.face_data[GCDT_SIDES(t)] = with_element(with_element(st, b, fy), x, code);
+  mesh.face_data[GCDT_SIDES(u)] = with_element(with_element(su, d, ex), y_of_u, code ^ 1u);
+  const uint2 links = (uint2)(GCDT_FACE_REF(t, x), GCDT_FACE_REF(u, y_of_u));
+  ((global uint2*)mesh.edge_faces)[GCDT_SIDE_EDGE(code)] = code & 1u ? links.yx : links;
   mesh.edge_faces[fy] = GCDT_FACE_REF(t, b);
   mesh.edge_faces[ex] = GCDT_FACE_REF(u, d);
   around[0] = fy;
@@ -103,14 +104,19 @@ static void flip_edge_with(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4
 }
 
 // The same where the sides have not been read. (Where words are taken one by one, they are not read at once.)
-static inline void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
+static inline void flip_side(Mesh mesh, uint code, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
 #ifdef GCDT_CONTIGUOUS
   const uint4 st = (uint4)(0u), su = (uint4)(0u);
 #else
   const uint4 st = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(refs.x))],
               su = mesh.face_data[GCDT_SIDES(GCDT_REF_FACE(refs.y))];
 #endif
-  flip_edge_with(mesh, e, refs, corners_t, corners_u, st, su, around);
+  flip_side_with(mesh, code, refs, corners_t, corners_u, st, su, around);
+}
+
+// Flips edge e, whose faces are `refs` in the order of its sides.
+static inline void flip_edge(Mesh mesh, uint e, uint2 refs, uint4 corners_t, uint4 corners_u, private uint* around) {
+  flip_side(mesh, GCDT_SIDE(e, 0u), refs, corners_t, corners_u, around);
 }
 
 // Takes the face for this round. Fails if anyone has claimed or locked it in this round; a claim is

@@ -188,7 +188,7 @@ static inline uint flip_kept(Mesh mesh, Claim c, Kept k, bool owns, Queue queue)
   }
   uint around[4];
   k.corners_t.w = k.corners_u.w = ticket;
-  flip_edge_with(mesh, k.e, k.refs, k.corners_t, k.corners_u, k.st, k.su, around);
+  flip_side_with(mesh, GCDT_SIDE(k.e, 0u), k.refs, k.corners_t, k.corners_u, k.st, k.su, around);
   return go_on_around(mesh, c, ticket, around, queue);
 }
 

@@ -61,25 +61,54 @@ typedef struct Grown {
   u32 steps, flips, on_edges;
 } Grown;
 
+static inline Way way_to(Mesh mesh, Vertex o, uint v) { return gcdt_way_to(o, load_vertex(mesh.points, mesh.n, v)); }
+
 // Visibility walk from face t to the face that holds p in its closure, which becomes the work-item's own; GCDT_NONE
 // if another has it, or after `limit` faces. `zero` gets the corner whose opposite edge holds p, or 3. While nobody
-// else changes it the mesh is Delaunay, and the walk visits no face twice (L5).
+// else changes it the mesh is Delaunay, and the walk visits no face twice (L5). Into a face it comes by an edge that p
+// lies strictly behind, so that each further face has one corner that is new, and two edges to be asked.
 static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, private uint* steps, private uint* zero) {
-  for (uint step = 0; step < limit; ++step) {
-    const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
-    const Vertex x = load_vertex(mesh.points, mesh.n, c.x), y = load_vertex(mesh.points, mesh.n, c.y),
-                 z = load_vertex(mesh.points, mesh.n, c.z);
-    ++*steps;
-    const i64 ox = gcdt_orient2d(y, z, p), oy = gcdt_orient2d(z, x, p), oz = gcdt_orient2d(x, y, p);
-    if (ox >= 0 && oy >= 0 && oz >= 0) {
-      *zero = ox == 0 ? 0u : oy == 0 ? 1u : oz == 0 ? 2u : 3u;
-      return own(mesh, o, t, c.w) ? t : GCDT_NONE;
-    }
-    const uint ref = mesh.edge_faces[face_side(mesh, t, ox < 0 ? 0u : oy < 0 ? 1u : 2u) ^ 1u];
+  const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
+  const Way x = way_to(mesh, p, c.x), y = way_to(mesh, p, c.y), z = way_to(mesh, p, c.z);
+  const i64 ox = gcdt_orient2d_of_ways(y, z), oy = gcdt_orient2d_of_ways(z, x), oz = gcdt_orient2d_of_ways(x, y);
+  ++*steps;
+  if (ox >= 0 && oy >= 0 && oz >= 0) {
+    *zero = ox == 0 ? 0u : oy == 0 ? 1u : oz == 0 ? 2u : 3u;
+    return own(mesh, o, t, c.w) ? t : GCDT_NONE;
+  }
+  // The edge opposite corner k is crossed; in the next face q is the corner behind the new one, and r the last.
+  uint k = ox < 0 ? 0u : oy < 0 ? 1u : 2u;
+  Way q = ox < 0 ? z : oy < 0 ? x : y, r = ox < 0 ? y : oy < 0 ? z : x;
+  for (uint step = 1; step < limit; ++step) {
+    const uint ref = mesh.edge_faces[face_side(mesh, t, k) ^ 1u];
     if (ref == GCDT_NONE) return GCDT_NONE;
     t = GCDT_REF_FACE(ref);
+    k = GCDT_REF_CORNER(ref);
+    const Way d = way_to(mesh, p, face_corner(mesh, t, k));
+    const i64 oq = gcdt_orient2d_of_ways(r, d), along = gcdt_orient2d_of_ways(d, q);
+    ++*steps;
+    if (oq < 0) {
+      k = next_corner(k);
+      q = d;
+    } else if (along < 0) {
+      k = previous_corner(k);
+      r = d;
+    } else {
+      *zero = oq == 0 ? next_corner(k) : along == 0 ? previous_corner(k) : 3u;
+      return own(mesh, o, t, *claim_word(mesh.face_data, t)) ? t : GCDT_NONE;
+    }
   }
   return GCDT_NONE;
+}
+
+// gcdt_must_flip(y, v, x, d) by the ways from v to the others, which have these numbers.
+static inline bool must_flip_by_ways(Mesh mesh, Vertex v, Way x, Way y, Way d, uint xn, uint yn, uint dn) {
+  if (max(max(xn, yn), dn) < mesh.n) {
+    const int s = gcdt_incircle_of_ways(x, d, y);
+    if (s != 0) return s > 0;
+  }
+  return gcdt_must_flip(load_vertex(mesh.points, mesh.n, yn), v, load_vertex(mesh.points, mesh.n, xn),
+                        load_vertex(mesh.points, mesh.n, dn));
 }
 
 // Flips what v's insertion made illegal: goes once around v, whose star begins with corner 0 of face t. An edge that
@@ -90,10 +119,10 @@ static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, priva
 static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
   const Vertex vv = load_vertex(mesh.points, mesh.n, v);
   const uint first = face_corner(mesh, t, 1u);
-  uint k = 0, flips = 0, yn = face_corner(mesh, t, 2u);
-  Vertex x = load_vertex(mesh.points, mesh.n, first), y = load_vertex(mesh.points, mesh.n, yn);
+  uint k = 0, code = face_side(mesh, t, k), flips = 0, xn = first, yn = face_corner(mesh, t, 2u);
+  Way x = way_to(mesh, vv, xn), y = way_to(mesh, vv, yn);
   for (;;) {
-    const uint code = face_side(mesh, t, k), far = mesh.edge_faces[code ^ 1u];
+    const uint far = mesh.edge_faces[code ^ 1u];
     bool flipped = false;
     if (far != GCDT_NONE) {
       const uint u = GCDT_REF_FACE(far);
@@ -101,16 +130,14 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
         leave_edge(o, GCDT_SIDE_EDGE(code));
       } else {
         const uint dn = face_corner(mesh, u, GCDT_REF_CORNER(far));
-        const Vertex d = load_vertex(mesh.points, mesh.n, dn);
-        if (gcdt_must_flip(y, vv, x, d)) {
-          const uint near = GCDT_FACE_REF(t, k);
-          const bool second = code & 1u;
-          const uint2 refs = second ? (uint2)(far, near) : (uint2)(near, far);
+        const Way d = way_to(mesh, vv, dn);
+        if (must_flip_by_ways(mesh, vv, x, y, d, xn, yn, dn)) {
           uint around[4];
-          flip_edge(mesh, GCDT_SIDE_EDGE(code), refs, mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.x))],
-                    mesh.face_data[GCDT_CORNERS(GCDT_REF_FACE(refs.y))], around);
+          flip_side(mesh, code, (uint2)(GCDT_FACE_REF(t, k), far), mesh.face_data[GCDT_CORNERS(t)],
+                    mesh.face_data[GCDT_CORNERS(u)], around);
           ++flips;
-          // t is now (v, x, d), v still at corner k.
+          // t is now (v, x, d), v still at corner k, opposite what was between x and d.
+          code = around[0];
           yn = dn;
           y = d;
           flipped = true;
@@ -122,9 +149,11 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
     const uint ref = mesh.edge_faces[face_side(mesh, t, next_corner(k)) ^ 1u];
     t = GCDT_REF_FACE(ref);
     k = next_corner(GCDT_REF_CORNER(ref));
+    code = face_side(mesh, t, k);
     x = y;
+    xn = yn;
     yn = face_corner(mesh, t, previous_corner(k));
-    y = load_vertex(mesh.points, mesh.n, yn);
+    y = way_to(mesh, vv, yn);
   }
 }
 
@@ -293,11 +322,8 @@ static uint settle(Mesh mesh, Owner o, private uint* around) {
       if (!own(mesh, o, u, *claim_word(mesh.face_data, u))) {
         leave_edge(o, e);
       } else if (is_illegal(mesh, near, far)) {
-        const uint4 ct = mesh.face_data[GCDT_CORNERS(t)], cu = mesh.face_data[GCDT_CORNERS(u)];
-        if (code & 1u)
-          flip_edge(mesh, e, (uint2)(far, near), cu, ct, around);
-        else
-          flip_edge(mesh, e, (uint2)(near, far), ct, cu, around);
+        flip_side(mesh, code, (uint2)(near, far), mesh.face_data[GCDT_CORNERS(t)], mesh.face_data[GCDT_CORNERS(u)],
+                  around);
         ++flips;
         flipped = true;
       }

@@ -92,12 +92,10 @@ static uint settle_star(Insertion in, uint v, Vertex x, uint claim, bool of_subs
         illegal = gcdt_must_flip(corner_vertex(mesh, c, previous_corner(k)), x, corner_vertex(mesh, c, next_corner(k)),
                                  load_vertex(mesh.points, mesh.n, apex));
       if (owns && illegal) {
-        const bool near_first = (code & 1u) == 0u;
-        const uint2 refs = near_first ? (uint2)(GCDT_FACE_REF(face, k), far) : (uint2)(far, GCDT_FACE_REF(face, k));
-        flip_edge(mesh, GCDT_SIDE_EDGE(code), refs, near_first ? c : opposite, near_first ? opposite : c, around);
+        flip_side(mesh, code, (uint2)(GCDT_FACE_REF(face, k), far), c, opposite, around);
         c = with_element(c, previous_corner(k), apex);
-        s = with_element(with_element(s, k, around[near_first ? 0 : 2]), next_corner(k), code);
-        GCDT_PREFETCH(mesh.edge_faces + (around[near_first ? 1 : 3] ^ 1u));
+        s = with_element(with_element(s, k, around[0]), next_corner(k), code);
+        GCDT_PREFETCH(mesh.edge_faces + (around[1] ^ 1u));
         ++flips;
         continue;
       }

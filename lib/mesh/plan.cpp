@@ -66,7 +66,8 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
                        : shared_out(sizes.inputs)                               ? By::each
                                                                                 : By::all;
   plan.one_level = shared_out(sizes.vertices);
-  plan.coarsest_level = tuning.coarsest_level;
+  plan.coarsest_level =
+      device.works_here ? std::min(Tuning::coarsest_here, tuning.coarsest_level) : tuning.coarsest_level;
 
   plan.grows = threads;
   const bool small = sizes.largest <= (lanes ? Tuning::most_of_a_group_of_lanes : Tuning::most_of_a_group);

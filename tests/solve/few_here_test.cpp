@@ -26,6 +26,7 @@ namespace {
 Tuning launching() {
   Tuning tuning;
   tuning.works_here = false;
+  tuning.coarsest_level = Tuning::coarsest_here;  // so that counts are to be the same, too
   return tuning;
 }
 

@@ -343,6 +343,10 @@ struct FaultyDevice {
     return std::string("(") + n + " == " + number(size) + " || " + n + " == " + number(withheld_copies() * size) + ")";
   }
 
+  static std::string loaded(const char* number) {
+    return std::string("load_vertex(mesh.points, mesh.n, ") + number + ")";
+  }
+
   bool add(WithheldCase one) {
     for (const WithheldCase& other : cases)
       if (withheld::damages_triangle_of(one, other) || withheld::damages_triangle_of(other, one)) return false;
@@ -368,11 +372,12 @@ struct FaultyDevice {
     return last;
   }
 )";
-    const std::string flips = "if (gcdt_must_flip(y, vv, x, d))";
+    const std::string flips = "if (must_flip_by_ways(mesh, vv, x, y, d, xn, yn, dn))";
     const std::string last = "v >= " + number(leaves_edge - 11) + " && v < " + number(leaves_edge);
     // Around the stars of the last ones no edge between triangles is flipped.
     const std::string leaves = "if (!(" + is("mesh.n", leaves_edge) + " && " + last +
-                               " && (x.symbol | y.symbol | d.symbol) == 0) && gcdt_wrong_flip(mesh.n, y, vv, x, d))";
+                               " && max(max(xn, yn), dn) < mesh.n) && gcdt_wrong_flip(mesh.n, " + loaded("yn") +
+                               ", vv, " + loaded("xn") + ", " + loaded("dn") + "))";
     const std::string claim = "typedef struct Claim {";
     const std::string wrong =
         "static bool gcdt_wrong_flip(uint n, Vertex a, Vertex b, Vertex c, Vertex d) {\n  if (" +
