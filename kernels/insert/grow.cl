@@ -65,40 +65,48 @@ static inline Way way_to(Mesh mesh, Vertex o, uint v) { return gcdt_way_to(o, lo
 
 // Visibility walk from face t to the face that holds p in its closure, which becomes the work-item's own; GCDT_NONE
 // if another has it, or after `limit` faces. `zero` gets the corner whose opposite edge holds p, or 3. While nobody
-// else changes it the mesh is Delaunay, and the walk visits no face twice (L5). Into a face it comes by an edge that p
-// lies strictly behind, so that each further face has one corner that is new, and two edges to be asked.
+// else changes it the mesh is Delaunay, and the walk visits no face twice (L5).
+//
+// It comes into a face by an edge that p lies strictly behind, so that one corner is new, and two edges are to be
+// asked. Where others change faces, it may have come by another edge than it believes: so the face where it ends is
+// asked by all its corners, read with the claim word by which it is taken, and the walk goes on if p is not there.
 static uint find_and_own(Mesh mesh, Owner o, Vertex p, uint t, uint limit, private uint* steps, private uint* zero) {
-  const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
-  const Way x = way_to(mesh, p, c.x), y = way_to(mesh, p, c.y), z = way_to(mesh, p, c.z);
-  const i64 ox = gcdt_orient2d_of_ways(y, z), oy = gcdt_orient2d_of_ways(z, x), oz = gcdt_orient2d_of_ways(x, y);
+  uint left = limit;
   ++*steps;
-  if (ox >= 0 && oy >= 0 && oz >= 0) {
-    *zero = ox == 0 ? 0u : oy == 0 ? 1u : oz == 0 ? 2u : 3u;
-    return own(mesh, o, t, c.w) ? t : GCDT_NONE;
-  }
-  // The edge opposite corner k is crossed; in the next face q is the corner behind the new one, and r the last.
-  uint k = ox < 0 ? 0u : oy < 0 ? 1u : 2u;
-  Way q = ox < 0 ? z : oy < 0 ? x : y, r = ox < 0 ? y : oy < 0 ? z : x;
-  for (uint step = 1; step < limit; ++step) {
-    const uint ref = mesh.edge_faces[face_side(mesh, t, k) ^ 1u];
-    if (ref == GCDT_NONE) return GCDT_NONE;
-    t = GCDT_REF_FACE(ref);
-    k = GCDT_REF_CORNER(ref);
-    const Way d = way_to(mesh, p, face_corner(mesh, t, k));
-    const i64 oq = gcdt_orient2d_of_ways(r, d), along = gcdt_orient2d_of_ways(d, q);
-    ++*steps;
-    if (oq < 0) {
-      k = next_corner(k);
-      q = d;
-    } else if (along < 0) {
-      k = previous_corner(k);
-      r = d;
-    } else {
-      *zero = oq == 0 ? next_corner(k) : along == 0 ? previous_corner(k) : 3u;
-      return own(mesh, o, t, *claim_word(mesh.face_data, t)) ? t : GCDT_NONE;
+  for (;;) {
+    const uint4 c = mesh.face_data[GCDT_CORNERS(t)];
+    const Way x = way_to(mesh, p, c.x), y = way_to(mesh, p, c.y), z = way_to(mesh, p, c.z);
+    const i64 ox = gcdt_orient2d_of_ways(y, z), oy = gcdt_orient2d_of_ways(z, x), oz = gcdt_orient2d_of_ways(x, y);
+    if (ox >= 0 && oy >= 0 && oz >= 0) {
+      *zero = ox == 0 ? 0u : oy == 0 ? 1u : oz == 0 ? 2u : 3u;
+      return own(mesh, o, t, c.w) ? t : GCDT_NONE;
     }
+    // The edge opposite corner k is crossed; in the next face q is the corner behind the new one, and r the last.
+    uint k = ox < 0 ? 0u : oy < 0 ? 1u : 2u;
+    Way q = ox < 0 ? z : oy < 0 ? x : y, r = ox < 0 ? y : oy < 0 ? z : x;
+    for (bool arrived = false; !arrived;) {
+      const uint ref = mesh.edge_faces[face_side(mesh, t, k) ^ 1u];
+      if (ref == GCDT_NONE || --left == 0u) return GCDT_NONE;
+      t = GCDT_REF_FACE(ref);
+      k = GCDT_REF_CORNER(ref);
+      const Way d = way_to(mesh, p, face_corner(mesh, t, k));
+      const i64 oq = gcdt_orient2d_of_ways(r, d), along = gcdt_orient2d_of_ways(d, q);
+      ++*steps;
+      if (oq < 0) {
+        k = next_corner(k);
+        q = d;
+      } else if (along < 0) {
+        k = previous_corner(k);
+        r = d;
+      } else {
+        *zero = oq == 0 ? next_corner(k) : along == 0 ? previous_corner(k) : 3u;
+        arrived = true;
+      }
+    }
+#ifdef GCDT_ALONE
+    return t;
+#endif
   }
-  return GCDT_NONE;
 }
 
 // gcdt_must_flip(y, v, x, d) by the ways from v to the others, which have these numbers.

@@ -3,6 +3,7 @@
 // same work-items: every mesh against CGAL's, on CPUs whose work-items are threads' loops.
 #include "phases/grow.hpp"
 #include "constraint_oracle.hpp"
+#include "faulty_device.hpp"
 #include "forest_fixture.hpp"
 #include "kinds.hpp"
 
@@ -124,6 +125,22 @@ TEST_CASE("work-items beyond the edges of a small mesh claim with words that lat
       CHECK(claim < made.mesh.claims_below);
     }
     CHECK(claimed > 0);
+  }
+}
+
+// As where others change faces meanwhile: then it may come into a face by another edge than it believes.
+TEST_CASE("a walk that takes a face for the one that holds its vertex asks, and goes on") {
+  const std::string asked = "if (oq < 0) {", taken = "if (left % 5u == 0u) arrived = true; else ";
+  const auto misled = threads_runtime(runtime::Meshes::one, test::editing({{asked, taken + asked}}));
+  for (const std::uint32_t shares : {1u, 5u}) {
+    std::uint64_t steps[2];
+    for (const bool is_misled : {false, true}) {
+      MeshOnDevice made(is_misled ? *misled : threads(), make_points("uniform", 5000, 7), 64);
+      made.plan.grown_shares = shares;
+      steps[is_misled] = grow(made).steps;
+      check_delaunay(made.now(), made.n(), made.points);
+    }
+    if (shares == 1) CHECK(steps[0] != steps[1]);  // it was misled: who asks anew may leave by another edge
   }
 }
 

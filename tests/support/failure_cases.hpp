@@ -84,7 +84,7 @@ inline std::vector<Failure> failures_of_devices() {
        4,
        "mark_first"},
       {"vertices are not found",
-       edit("  for (uint step = 0; step < limit; ++step) {", "  for (; false;) {"),
+       edit("if (ref == GCDT_NONE || --left == 0u)", "if (true)"),
        many,
        {},
        Status::round_limit,
