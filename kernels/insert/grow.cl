@@ -59,6 +59,7 @@ static inline bool own(Mesh mesh, Owner o, uint face, uint word) {
 // What a work-item has done.
 typedef struct Grown {
   u32 steps, flips, on_edges;
+  bool failed;  // the mesh is wrong: nothing more is inserted
 } Grown;
 
 static inline Way way_to(Mesh mesh, Vertex o, uint v) { return gcdt_way_to(o, load_vertex(mesh.points, mesh.n, v)); }
@@ -122,14 +123,15 @@ static inline bool must_flip_by_ways(Mesh mesh, Vertex v, Way x, Way y, Way d, u
 // Flips what v's insertion made illegal: goes once around v, whose star begins with corner 0 of face t. An edge that
 // is illegal against a face that cannot be owned is left. That is all: take the edges that cannot be flipped for
 // constraints; then the faces that are the work-item's own or nobody's were constrained Delaunay before v, and are so
-// again when the edges across from v are legal (as in any incremental insertion). Returns the number of flips. Ends:
-// each pass flips, which happens finitely often (L4), or goes on to the next face of the star.
-static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
+// again when the edges across from v are legal (as in any incremental insertion). Ends: each pass flips, and takes a
+// face into the star, or goes on to the next of the star; so many passes as there are faces twice mean that the mesh is
+// wrong.
+static void settle_star(Mesh mesh, Owner o, uint v, uint t, private Grown* grown) {
   const Vertex vv = load_vertex(mesh.points, mesh.n, v);
   const uint first = face_corner(mesh, t, 1u);
-  uint k = 0, code = face_side(mesh, t, k), flips = 0, xn = first, yn = face_corner(mesh, t, 2u);
+  uint k = 0, code = face_side(mesh, t, k), xn = first, yn = face_corner(mesh, t, 2u);
   Way x = way_to(mesh, vv, xn), y = way_to(mesh, vv, yn);
-  for (;;) {
+  for (uint passes = 2u * gcdt_forest_faces(mesh.n, mesh.roots); passes > 0u; --passes) {
     const uint far = mesh.edge_faces[code ^ 1u];
     bool flipped = false;
     if (far != GCDT_NONE) {
@@ -143,7 +145,7 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
           uint around[4];
           flip_side(mesh, code, (uint2)(GCDT_FACE_REF(t, k), far), mesh.face_data[GCDT_CORNERS(t)],
                     mesh.face_data[GCDT_CORNERS(u)], around);
-          ++flips;
+          ++grown->flips;
           // t is now (v, x, d), v still at corner k, opposite what was between x and d.
           code = around[0];
           yn = dn;
@@ -153,7 +155,7 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
       }
     }
     if (flipped) continue;
-    if (yn == first) return flips;
+    if (yn == first) return;
     const uint ref = mesh.edge_faces[face_side(mesh, t, next_corner(k)) ^ 1u];
     t = GCDT_REF_FACE(ref);
     k = next_corner(GCDT_REF_CORNER(ref));
@@ -163,6 +165,7 @@ static uint settle_star(Mesh mesh, Owner o, uint v, uint t) {
     yn = face_corner(mesh, t, previous_corner(k));
     y = way_to(mesh, vv, yn);
   }
+  grown->failed = true;
 }
 
 // The edges that v brings belong to no constraint. Before they are linked: until then they are nobody else's.
@@ -196,15 +199,16 @@ static inline uint face_to_begin(GCDT_LEVELS_POINTER levels, uint level, Mesh me
   return root_of(mesh.points, mesh.n, v);
 }
 
-// Inserts v, walking from face `last`, or GCDT_NONE. Returns a face of its star, or GCDT_NONE if it is left.
+// Inserts v, walking from face `last`. Returns a face of its star, or GCDT_NONE if it is left, or the mesh is wrong.
 static uint insert_vertex(Mesh mesh, Owner o, uint v, uint last, uint limit, private Grown* grown) {
   uint zero;
+  if (grown->failed) return GCDT_NONE;
   uint t = find_and_own(mesh, o, load_vertex(mesh.points, mesh.n, v), last, limit, &grown->steps, &zero);
   if (t != GCDT_NONE) t = split_at(mesh, o, v, t, zero);
   if (t == GCDT_NONE) return t;
   if (zero != 3u) ++grown->on_edges;
-  grown->flips += settle_star(mesh, o, v, t);
-  return t;
+  settle_star(mesh, o, v, t, grown);
+  return grown->failed ? GCDT_NONE : t;
 }
 
 // What grow_insert does for `items`, of its shares. Returns how many vertices it leaves.
@@ -252,7 +256,7 @@ kernel void grow_insert(uint count, uint begin, uint segments, uint step, uint s
                         volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], true);
-  Grown grown = {0u, 0u, 0u};
+  Grown grown = {0u, 0u, 0u, false};
   const Items shares = items_of_this((segments + step - 1u) / step);
   if (begin == 0u && shares.x < shares.y)
     for (uint word = 0; word < sizeof(Counters) / sizeof(uint); ++word) ((volatile global uint*)counters)[word] = 0u;
@@ -297,7 +301,7 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
                           volatile global Counters* counters) {
   const Mesh mesh = make_mesh(n, points, face_data, edge_faces);
   const Owner o = make_owner(stamp, bits, edge_marks, queue, &counters->list_test[0], false);
-  Grown grown = {0u, 0u, 0u};
+  Grown grown = {0u, 0u, 0u, false};
   const uint lost = grow_trees(problems_of_this(problems, first_ranks(points, n)), limit, levels, mesh, o, &grown);
   if (lost > 0u) atomic_add(&counters->list_insert[0], lost);
   add_wide(&counters->steps_low, &counters->steps_high, grown.steps);
@@ -309,13 +313,14 @@ kernel void grow_problems(uint problems, uint limit, uint stamp, uint bits, GCDT
 // ---- Flips ----------------------------------------------------------------------------------------
 
 // Goes on flipping around an edge that was flipped. Ends: each pass takes an edge from the worklist, and only flips
-// add edges (L4).
+// add edges, as many flips as there are edges at most: further ones are queued, and the host counts its rounds.
 static uint settle(Mesh mesh, Owner o, private uint* around) {
+  const uint most = gcdt_forest_edges(mesh.n, mesh.roots);
   uint work[GROW_WORKLIST];
   uint size = 0, flips = 0;
   for (;;) {
     for (uint i = 0; i < 4u; ++i) {
-      if (size < GROW_WORKLIST)
+      if (size < GROW_WORKLIST && flips < most)
         work[size++] = around[i];
       else
         leave_edge(o, GCDT_SIDE_EDGE(around[i]));
