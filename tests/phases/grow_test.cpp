@@ -159,6 +159,16 @@ TEST_CASE("every problem of a forest is CGAL's triangulation of its own vertices
   }
 }
 
+TEST_CASE("flips that never end are given up, however the mesh becomes wrong by them") {
+  const auto endless =
+      threads_runtime(runtime::Meshes::one, test::editing({{"} else if (is_illegal(mesh, near, far)) {", "} else {"}}));
+  MeshOnDevice made(*endless, make_points("uniform", 30, 13), 30);
+  made.insert(0);
+  REQUIRE(illegal_edges(made.now()) > 0);
+  CHECK_THROWS_WITH(grow_flip(*endless, made.plan, made.vertices, made.mesh, made.lists, made.counters, made.ticker),
+                    "flip: illegal edges are left after the limit of rounds");
+}
+
 TEST_CASE("flips make a mesh Delaunay but for its constrained edges, which stay, and leave no edge queued") {
   for (const std::uint32_t stamps : {2u, 0xFFFFFFFFu})
     for (const std::string kind : {"uniform", "grid", "clusters", "parabola"})
