@@ -61,6 +61,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
   const auto of_lanes = [&](std::uint32_t most, std::uint32_t there) { return lanes ? std::min(most, there) : most; };
 
   Plan plan;
+  plan.works_here = device.works_here;
   plan.order = by_one(sizes.inputs, many ? 1 : Tuning::one_item_orders);
   plan.sort_problems = !is_cpu(device.kind) && sizes.largest <= GCDT_SORT_SMALL ? By::groups
                        : shared_out(sizes.inputs)                               ? By::each
@@ -123,11 +124,14 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
 }
 
 std::string Plan::text() const {
-  std::string all = "order by " + std::string(name(order));
+  std::string all = works_here ? "all by the calling thread; " : "";
+  all += "order by " + std::string(name(order));
   if (problems != By::all || sort_problems != By::all)
     all += "; problems sorted by " + std::string(name(sort_problems)) + ", inserted by " + name(problems);
-  all += grows ? "; vertices one after the other in at most " + std::to_string(grown_shares) + " sequences"
-               : "; vertices in rounds, level by level";
+  all += !grows ? "; vertices in rounds, level by level"
+         : grown_shares == 1
+             ? "; vertices one after the other"
+             : "; vertices one after the other in at most " + std::to_string(grown_shares) + " sequences";
   all += "; constraints by " + std::string(name(constraints));
   if (constraints == By::all && curve_crossings == 0) all += ", along the curve";
   if (!grows)

@@ -40,6 +40,8 @@ struct Plan {
     groups,  ///< one work-group does all of a problem, without launches and reads in between
   };
 
+  bool works_here = false;  ///< the calling thread does all, as the one work-item of each launch
+
   // Order.
   By order = By::all;          ///< all or one
   By sort_problems = By::all;  ///< each problem's keys: all, each, or groups

@@ -182,7 +182,11 @@ TEST_CASE("a plan in words names its ways") {
   const auto has = [](const std::string& all, const char* words) { return all.find(words) != std::string::npos; };
   CHECK(has(text(gpu, one(1000000)), "vertices in rounds, level by level"));
   CHECK(has(text(gpu, one(1000000)), "flips swept from 131072 edges on"));
-  CHECK(has(text(threads, one(1000)), "order by one work-item"));
+  CHECK(text(threads, one(1000)).rfind("order by one work-item; vertices one after the other in at most", 0) == 0);
+  PlannedDevice here = threads;
+  here.works_here = true;
+  CHECK(text(here, one(1000))
+            .rfind("all by the calling thread; order by one work-item; vertices one after the other; ", 0) == 0);
   CHECK(has(text(threads, many(100, 10000, 100)), "constraints by one work-item a problem; output"));
   CHECK(has(text(gpu, many(100, 10000, 100)), "inserted by one work-group a problem"));
 }
