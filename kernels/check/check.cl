@@ -105,8 +105,8 @@ GCDT_INLINE Circle circle_through(global const int2* points, uint3 c) {
 GCDT_INLINE u64 tie_key(global const int2* points, uint v) { return gcdt_tie_key(vertex_at(points, v)); }
 
 // Checks the Delaunay condition of docs/contract.md, 4, on half edge h, the diagonal from a to b between its corner p
-// and vertex q across. `circle`: that of its triangle. It is counter-clockwise, so that q, the third and the second
-// corner are an even permutation of any three of the quadrilateral beside the first, whichever corner p is.
+// and vertex q across. `circle`: that of its triangle. Whichever of its corners p is, q, the third, the second and the
+// first corner are an even permutation of a, q, b and p, and an in-circle determinant does not change by one.
 GCDT_INLINE void check_delaunay(uint h, global const int2* points, Circle circle, uint p, uint a, uint q, uint b,
                                 global CheckReport* report) {
   const int inside = gcdt_incircle_of_ways(way_between(circle.first, points[q]), circle.third, circle.second);

@@ -80,7 +80,7 @@ GCDT_INLINE i64 gcdt_orient2d(Vertex a, Vertex b, Vertex c) {
   return gcdt_orient2d_any(a, b, c);
 }
 
-// The way from a finite vertex o to another one, or a symbol's direction; and its squared length.
+// The way from a finite vertex o to another one, with its squared length; or a symbol's direction, with nothing.
 typedef struct Way {
   i64 x, y, lift;
 } Way;

@@ -27,8 +27,6 @@ struct Tuning {
   /// work-group, large enough that the levels below it would cost more launches than they save flips. (With 16,384 a
   /// grid of a million takes a fifth longer: NOTES, "Fewer levels, larger patches".)
   std::uint32_t coarsest_level = 256;
-  /// The same where the calling thread inserts them: a level costs it nothing, and flips fall to the last.
-  static constexpr std::uint32_t coarsest_here = 64;
   /// How much less deep than evenly spread vertices of a level those have to be that come early because they are
   /// isolated, in depths of the quadtree (phases/levels.hpp): with less, islands of a map come too early; with more,
   /// chains stay (NOTES, "Isolated vertices").

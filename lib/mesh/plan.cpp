@@ -67,8 +67,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
                        : shared_out(sizes.inputs)                               ? By::each
                                                                                 : By::all;
   plan.one_level = shared_out(sizes.vertices);
-  plan.coarsest_level =
-      device.works_here ? std::min(Tuning::coarsest_here, tuning.coarsest_level) : tuning.coarsest_level;
+  plan.coarsest_level = tuning.coarsest_level;
 
   plan.grows = threads;
   const bool small = sizes.largest <= (lanes ? Tuning::most_of_a_group_of_lanes : Tuning::most_of_a_group);
@@ -124,8 +123,7 @@ Plan make_plan(const PlannedDevice& device, const Tuning& tuning, const PlannedS
 }
 
 std::string Plan::text() const {
-  std::string all = works_here ? "all by the calling thread; " : "";
-  all += "order by " + std::string(name(order));
+  std::string all = "order by " + std::string(name(order));
   if (problems != By::all || sort_problems != By::all)
     all += "; problems sorted by " + std::string(name(sort_problems)) + ", inserted by " + name(problems);
   all += !grows ? "; vertices in rounds, level by level"
@@ -139,7 +137,8 @@ std::string Plan::text() const {
            std::to_string(least_divided);
   if (!grows && least_sweep < UINT32_MAX) all += "; flips swept from " + std::to_string(least_sweep) + " edges on";
   if (rounds_before_few > 0) all += "; without programs that only save time, since none is compiled yet";
-  return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check);
+  return all + "; output by " + name(output) + ", numbered by " + name(number) + ", checked by " + name(check) +
+         (works_here ? "; all by the calling thread" : "");
 }
 
 PlannedDevice planned_device(const runtime::Runtime& runtime) {

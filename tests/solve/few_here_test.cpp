@@ -26,7 +26,6 @@ namespace {
 Tuning launching() {
   Tuning tuning;
   tuning.works_here = false;
-  tuning.coarsest_level = Tuning::coarsest_here;  // so that counts are to be the same, too
   return tuning;
 }
 
