@@ -2,7 +2,6 @@
 // The OpenCL devices that tests run on.
 #pragma once
 
-#include <cstdlib>
 #include <stdexcept>
 #include <vector>
 
@@ -10,13 +9,9 @@
 
 namespace gcdt::test {
 
-/// All devices, Mesa's software one included where it is installed: rusticl hides it unless asked,
-/// and it is a second vendor on any CPU. To be called before anything else lists devices. Throws if there is one device
-/// alone: "on every device" would say nothing then.
+/// All devices, Mesa's software one included (`test_main.cpp`). Throws if there is one device alone: "on every device"
+/// would say nothing then.
 inline std::vector<cl::Device> every_device() {
-#ifndef _WIN32
-  setenv("RUSTICL_ENABLE", "swrast", 0);
-#endif
   std::vector<cl::Device> all = runtime::all_devices();
   if (all.size() < 2)
     throw std::runtime_error("the tests need two OpenCL drivers (Debian and Ubuntu: pocl-opencl-icd, mesa-opencl-icd)");

@@ -21,7 +21,6 @@ namespace gcdt::test {
 /// fourth one that treats the device as a GPU.
 inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
   static std::vector<std::unique_ptr<runtime::Runtime>> all = [] {
-    setenv("RUSTICL_ENABLE", "swrast", 0);
     std::vector<std::unique_ptr<runtime::Runtime>> made;
     for (const auto& device : runtime::all_devices()) {
       made.push_back(std::make_unique<runtime::Runtime>(device));
