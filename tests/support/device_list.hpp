@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "device/runtime.hpp"
+#include "mesa.hpp"
 
 namespace gcdt::test {
 
-/// All devices, Mesa's software one included (`test_main.cpp`). Throws if there is one device alone: "on every device"
-/// would say nothing then.
+/// All devices, Mesa's software one included where it is installed. Cases are registered for each before main(). Throws
+/// if there is one device alone: "on every device" would say nothing then.
 inline std::vector<cl::Device> every_device() {
+  ask_for_mesa();
   std::vector<cl::Device> all = runtime::all_devices();
   if (all.size() < 2)
     throw std::runtime_error("the tests need two OpenCL drivers (Debian and Ubuntu: pocl-opencl-icd, mesa-opencl-icd)");

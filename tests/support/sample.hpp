@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "device_list.hpp"
 #include "mesh/mesh.hpp"
 #include "sequential_mesh.hpp"
 
@@ -22,7 +23,7 @@ namespace gcdt::test {
 inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
   static std::vector<std::unique_ptr<runtime::Runtime>> all = [] {
     std::vector<std::unique_ptr<runtime::Runtime>> made;
-    for (const auto& device : runtime::all_devices()) {
+    for (const auto& device : every_device()) {
       made.push_back(std::make_unique<runtime::Runtime>(device));
       runtime::CallHook hook;
       if (!made.back()->contiguous()) continue;
@@ -33,7 +34,6 @@ inline std::vector<std::unique_ptr<runtime::Runtime>>& runtimes() {
       hook.tuning.kind = DeviceKind::gpu;
       made.push_back(std::make_unique<runtime::Runtime>(device, hook));
     }
-    if (made.empty()) throw Error(Status::no_device, "these tests need an OpenCL device");
     return made;
   }();
   return all;

@@ -2,13 +2,10 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
-#include <cstdlib>
+#include "mesa.hpp"
 
-/// Mesa's rusticl, a second vendor on any CPU, hides its software renderer unless it is asked for before anything lists
-/// devices: whoever lists them first, a test or what it calls.
+/// Of any test, whether it or what it calls lists devices first.
 int main(int argc, char** argv) {
-#ifndef _WIN32
-  setenv("RUSTICL_ENABLE", "swrast", 0);
-#endif
+  gcdt::test::ask_for_mesa();
   return doctest::Context(argc, argv).run();
 }
