@@ -166,7 +166,7 @@ GCDT_API void gcdt_solver_release(gcdt_solver* solver);
 GCDT_API int32_t gcdt_solver_device(const gcdt_solver* solver, gcdt_device_info* info);
 
 /* Gives the device memory back that the solver keeps and no result holds, and the host memory that it keeps for
- * transfers. */
+ * transfers, whose threads it ends. */
 GCDT_API int32_t gcdt_solver_trim(gcdt_solver* solver);
 
 /* ---- Input ------------------------------------------------------------------------------------------------- */

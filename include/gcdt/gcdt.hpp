@@ -291,7 +291,8 @@ class Solver {
         [&](const gcdt_options& given, auto** result) { return gcdt_adopt(handle(), &input, &mesh, &given, result); }));
   }
 
-  /// Gives the device memory back that is kept and that no result holds, and the host memory kept for transfers.
+  /// Gives the device memory back that is kept and that no result holds, and the host memory kept for transfers,
+  /// whose threads it ends.
   void trim() { detail::check(gcdt_solver_trim(handle_.get())); }
 
  private:

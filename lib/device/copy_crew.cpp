@@ -34,32 +34,43 @@ void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t 
 
 }  // namespace
 
-CopyCrew::CopyCrew(std::size_t slots, unsigned threads) : busy_(slots) {
-  helpers_.reserve(threads);
-  try {
-    for (unsigned i = 1; i < threads; ++i) helpers_.emplace_back([this] { help(); });
-  } catch (const std::exception&) {
-    // There is no thread to be had: those that are there copy.
-  }
-}
-
 CopyCrew::~CopyCrew() {
+  forget();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     over_ = true;
-    waiting_.clear();
   }
   begun_.notify_all();
   for (std::thread& helper : helpers_) helper.join();
 }
 
+void CopyCrew::limit(unsigned threads) { most_helpers_ = threads > 0 ? threads - 1 : 0; }
+
 void CopyCrew::begin(std::size_t slot, const Copy& copy) {
+  bool enough;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     busy_[slot] = true;
     waiting_.emplace_back(slot, copy);
+    enough = waiting_.size() <= idle_;
   }
-  if (has_helpers()) begun_.notify_one();
+  if (!helpers_.empty()) begun_.notify_one();
+  if (!enough && helpers_.size() < most_helpers_) start_helper();
+}
+
+void CopyCrew::start_helper() {
+  try {
+    helpers_.emplace_back([this] { help(); });
+  } catch (const std::exception&) {
+    most_helpers_ = helpers_.size();  // there is no thread to be had: those that are there copy
+  }
+}
+
+void CopyCrew::forget() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (const auto& [slot, copy] : waiting_) busy_[slot] = false;
+  waiting_.clear();
+  done_.wait(lock, [this] { return std::find(busy_.begin(), busy_.end(), true) == busy_.end(); });
 }
 
 // A slot that is busy while nothing waits is a helper's, who tells when it is done.
@@ -75,10 +86,13 @@ void CopyCrew::wait(std::size_t slot) {
 void CopyCrew::help() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (!over_)
-    if (waiting_.empty())
+    if (waiting_.empty()) {
+      ++idle_;
       begun_.wait(lock);
-    else
+      --idle_;
+    } else {
       make_next(lock);
+    }
 }
 
 void CopyCrew::make_next(std::unique_lock<std::mutex>& lock) {

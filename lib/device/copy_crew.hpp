@@ -2,6 +2,7 @@
 // Copies in host memory, made by several threads.
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -13,15 +14,21 @@ namespace gcdt::runtime {
 
 /// Copies in slots, at most one in each at a time. The thread that begins them makes those that no helper has begun
 /// when it waits, so a crew without helpers copies as well. It alone calls the functions below; helpers do nothing but
-/// copy.
+/// copy. Starting one takes some tens of microseconds, and so does its end: they are started one by one, as copies are
+/// begun that none waits for, and sleep until there are others.
 class CopyCrew {
  public:
-  /// `threads`: with the caller; fewer if the system has no more.
-  CopyCrew(std::size_t slots, unsigned threads);
+  explicit CopyCrew(std::size_t slots) : busy_(slots) {}
   CopyCrew(const CopyCrew&) = delete;
   CopyCrew& operator=(const CopyCrew&) = delete;
-  /// Forgets copies that nobody has begun, and waits for the others: then nothing is read or written any more.
+  /// Ends the helpers, after forget().
   ~CopyCrew();
+
+  /// Starts no helper for the next copies if there are so many threads already, the caller included. There are fewer if
+  /// the system has no more.
+  void limit(unsigned threads);
+  /// Whether there are helpers, or will be.
+  bool has_helpers() const { return std::max(helpers_.size(), most_helpers_) > 0; }
 
   struct Copy {
     unsigned char* to;
@@ -33,18 +40,32 @@ class CopyCrew {
   void begin(std::size_t slot, const Copy& copy);
   /// Waits until the slot is free.
   void wait(std::size_t slot);
-  bool has_helpers() const { return !helpers_.empty(); }
+  /// Drops copies that nobody has begun, and waits for the others: then nothing is read or written any more, and all
+  /// slots are free.
+  void forget();
 
  private:
+  void start_helper();
   void help();
   void make_next(std::unique_lock<std::mutex>& lock);
 
-  std::mutex mutex_;  ///< of all but helpers_
+  std::mutex mutex_;  ///< of all but the helpers
   std::condition_variable begun_, done_;
   std::deque<std::pair<std::size_t, Copy>> waiting_;
   std::vector<bool> busy_;
+  std::size_t idle_ = 0;  ///< helpers that wait for a copy
   bool over_ = false;
+  std::size_t most_helpers_ = 0;  ///< to be started
   std::vector<std::thread> helpers_;
+};
+
+/// A crew during one transfer. When that ends, or throws, nothing is read or written any more.
+struct CrewAtWork {
+  CopyCrew& crew;
+  CrewAtWork(CopyCrew& whole, unsigned threads) : crew(whole) { crew.limit(threads); }
+  CrewAtWork(const CrewAtWork&) = delete;
+  CrewAtWork& operator=(const CrewAtWork&) = delete;
+  ~CrewAtWork() { crew.forget(); }
 };
 
 }  // namespace gcdt::runtime

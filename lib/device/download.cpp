@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <deque>
 
-#include "device/copy_crew.hpp"
-
 namespace gcdt::runtime {
 
 namespace {
@@ -22,7 +20,8 @@ struct Part {
 // Parts go through the chunks by turns. At most `ahead` are left with the device when the next one's turn comes, fewer
 // than there are chunks: so what its chunk held is with the crew by then, which the loop waits for.
 void read_through(TransferChunks& chunks, unsigned threads, const std::vector<HostRead>& reads) {
-  CopyCrew crew(chunks.count(), threads);
+  const CrewAtWork work(chunks.crew(), threads);
+  CopyCrew& crew = work.crew;
   const std::size_t ahead = chunks.count() / 2;
   std::deque<Part> under_way;
   const auto land = [&] {

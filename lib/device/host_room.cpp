@@ -29,10 +29,18 @@ HostRoom::HostRoom(const std::vector<Range>& ranges, unsigned threads) {
       at += bytes;
     }
   states_ = std::vector<std::atomic<State>>(blocks_.size());
-  threads = static_cast<unsigned>(std::min<std::size_t>(threads, blocks_.size()));
-  threads_.reserve(threads);
+  threads_.resize(std::min<std::size_t>(threads, blocks_.size()));
+  start(0);
+}
+
+// Each thread starts the next, which takes some tens of microseconds: the caller waits for one alone.
+void HostRoom::start(std::size_t number) {
+  if (number == threads_.size() || enough_.load(std::memory_order_relaxed)) return;
   try {
-    for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { touch(); });
+    threads_[number] = std::thread([this, number] {
+      start(number + 1);
+      touch();
+    });
   } catch (const std::exception&) {
     // There is no thread to be had: whoever fills the memory touches the rest.
   }
@@ -62,7 +70,8 @@ void HostRoom::leave(const Range& range) {
 
 void HostRoom::stop() {
   enough_ = true;
-  for (std::thread& thread : threads_) thread.join();
+  for (std::thread& thread : threads_)  // once one has ended, the next has been started, or never will be
+    if (thread.joinable()) thread.join();
   threads_.clear();
 }
 

@@ -31,6 +31,7 @@ class HostRoom {
   void stop();
 
  private:
+  void start(std::size_t number);
   void touch();
 
   enum State : unsigned char { untouched, being_touched, left };

@@ -6,7 +6,7 @@
 namespace gcdt::runtime {
 
 TransferChunks::TransferChunks(Runtime& runtime, std::size_t count, std::size_t bytes, bool pinned)
-    : runtime_(runtime), bytes_(bytes), under_way_(count) {
+    : runtime_(runtime), bytes_(bytes), under_way_(count), crew_(count) {
   if (pinned) mapped_.emplace(runtime, count * bytes);
   if (mapped_ && !mapped_->get()) mapped_.reset();
   memory_ = mapped_ ? mapped_->get() : plain_.make<unsigned char>(count * bytes);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "device/copy_crew.hpp"
 #include "device/host_array.hpp"
 #include "device/mapped_memory.hpp"
 
@@ -17,8 +18,8 @@ inline bool prepares_host_memory(const Runtime& runtime) {
 }
 
 /// Chunks of host memory that take turns: while some are on their way to or from the device, the host fills or empties
-/// others. If they can be, they are memory of the driver's own, which it reads six times as fast as other memory, and
-/// without the host (bench/NOTES.md). They are kept from call to call.
+/// others, by several threads if they are many. If they can be, they are memory of the driver's own, which it reads six
+/// times as fast as other memory, and without the host (bench/NOTES.md). They are kept from call to call.
 class TransferChunks {
  public:
   /// `pinned`: of the driver's own, if it has some.
@@ -49,6 +50,8 @@ class TransferChunks {
   void read(std::size_t chunk, cl_mem from, std::size_t offset, std::size_t bytes);
   /// Sees to it that the device begins with what is queued.
   void flush() { runtime_.flush(); }
+  /// Copies to and from the chunks, a slot for each. Its helpers sleep between transfers.
+  CopyCrew& crew() { return crew_; }
 
  private:
   Runtime& runtime_;
@@ -58,6 +61,7 @@ class TransferChunks {
   unsigned char* memory_;
   std::shared_ptr<std::atomic<bool>> lent_ = std::make_shared<std::atomic<bool>>(false);
   std::vector<cl::Event> under_way_;  ///< what the device was last asked to do with each; null if it is done
+  CopyCrew crew_;                     ///< ended before the memory is given back
 };
 
 }  // namespace gcdt::runtime

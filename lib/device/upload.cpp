@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "device/copy_crew.hpp"
-
 namespace gcdt::runtime {
 
 void Upload::append(const unsigned char* from, std::size_t bytes) {
@@ -28,7 +26,8 @@ void Upload::send() {
 // meanwhile; there are fewer of those than chunks, so what a chunk held has been sent when its turn comes again.
 void write_through(TransferChunks& chunks, unsigned threads, cl_mem to, std::size_t offset, const unsigned char* from,
                    std::size_t bytes) {
-  CopyCrew crew(chunks.count(), threads);
+  const CrewAtWork work(chunks.crew(), threads);
+  CopyCrew& crew = work.crew;
   const std::size_t chunk = chunks.chunk_bytes(), parts = (bytes + chunk - 1) / chunk;
   const std::size_t ahead = crew.has_helpers() ? chunks.count() / 2 : 0;
   const auto size = [&](std::size_t part) { return std::min(chunk, bytes - part * chunk); };

@@ -2,12 +2,14 @@
 // Large transfers of a solver, which go through chunks of pinned memory and are copied by several threads.
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <random>
 
 #include "device/copy_crew.hpp"
 #include "device/transfer_chunks.hpp"
 #include "device_list.hpp"
 #include "faulty_device.hpp"
+#include "fresh_memory.hpp"
 
 using namespace gcdt;
 using namespace gcdt::runtime;
@@ -38,6 +40,14 @@ std::vector<unsigned char> random_bytes(std::size_t count, unsigned seed) {
   for (unsigned char& byte : made) byte = static_cast<unsigned char>(random());
   return made;
 }
+
+#ifdef __linux__
+/// Threads of this process.
+std::size_t threads_here() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
+}
+#endif
 
 constexpr std::size_t lengths[] = {0, 1, chunk - 1, chunk, chunk + 1, 2 * chunk, 7 * chunk + 3, 40 * chunk - 1};
 
@@ -187,6 +197,44 @@ TEST_CASE("a solver keeps its chunks until it is trimmed; one on the application
   CHECK(made == 0);
 }
 
+#ifdef __linux__
+TEST_CASE("the threads that copy are kept from call to call, and end when the solver is trimmed") {
+  const Workload work = uniform(3000);
+  CallHook hook = hook_of({3, 4});
+  hook.tuning.works_here = false;
+  Solver solver = hooked_solver(hook);
+  for (int i = 0; i < 2; ++i) solver.triangulate(work.points);
+  const std::size_t kept = threads_here();
+  for (int i = 0; i < 5; ++i) solver.triangulate(work.points);
+  CHECK(threads_here() <= kept + 1);  // a second helper, if the first was never late before
+  const std::size_t before = threads_here();
+  solver.trim();
+  CHECK(comes_true([&] { return threads_here() < before; }));  // a thread is counted for some time after its end
+}
+
+TEST_CASE("a crew starts helpers when copies are begun, as many as it may, and keeps them") {
+  const std::size_t slots = 4, bytes = 1000;
+  const std::vector<unsigned char> given = random_bytes(slots * bytes, 3);
+  std::vector<unsigned char> found(given.size());
+  const std::size_t before = threads_here();
+  CopyCrew crew(slots);
+  crew.limit(2);
+  CHECK(threads_here() == before);
+  const auto copy = [&](std::size_t i) {
+    crew.begin(i, {found.data() + i * bytes, given.data() + i * bytes, bytes, false});
+    crew.wait(i);
+  };
+  for (std::size_t i = 0; i < slots; ++i) {
+    copy(i);
+    CHECK(threads_here() == before + 1);
+  }
+  CHECK(found == given);
+  crew.limit(1);
+  CHECK(crew.has_helpers());
+  CHECK(threads_here() == before + 1);
+}
+#endif
+
 TEST_CASE("a crew copies what it is given, by any number of threads, and forgets the rest when it ends") {
   const std::size_t slots = 4, bytes = 100000;
   const std::vector<unsigned char> given = random_bytes(40 * bytes, 3);
@@ -194,7 +242,8 @@ TEST_CASE("a crew copies what it is given, by any number of threads, and forgets
     for (const bool past_caches : {false, true}) {
       CAPTURE(threads);
       std::vector<unsigned char> found(given.size());
-      CopyCrew crew(slots, threads);
+      CopyCrew crew(slots);
+      crew.limit(threads);
       CHECK(crew.has_helpers() == (threads > 1));
       for (std::size_t i = 0; i < 40; ++i) {
         crew.wait(i % slots);
@@ -203,10 +252,19 @@ TEST_CASE("a crew copies what it is given, by any number of threads, and forgets
       for (std::size_t i = 0; i < slots; ++i) crew.wait(i);
       CHECK(found == given);
     }
+  std::vector<unsigned char> none(slots * bytes);
+  CopyCrew alone(slots);
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < slots; ++i) alone.begin(i, {none.data() + i * bytes, given.data(), bytes, false});
+    alone.forget();
+  }
+  for (std::size_t i = 0; i < slots; ++i) alone.wait(i);
+  CHECK(none == std::vector<unsigned char>(slots * bytes));
   for (int round = 0; round < 50; ++round) {
     std::vector<unsigned char> found(slots * bytes);
     {
-      CopyCrew crew(slots, 3);
+      CopyCrew crew(slots);
+      crew.limit(3);
       for (std::size_t i = 0; i < slots; ++i)
         crew.begin(i, {found.data() + i * bytes, given.data() + i * bytes, bytes, false});
     }
