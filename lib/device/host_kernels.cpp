@@ -5,21 +5,22 @@ namespace gcdt::runtime {
 
 #ifdef GCDT_HOST_KERNELS
 
-// Generated. The last of each has no name.
-#define GCDT_HOST_PROGRAMS(program)                                                                                  \
-  program(core) program(constraints) program(flips) program(enforce) program(holes) program(crossings) program(fans) \
-      program(select) program(split) program(route) program(given) program(check_faults) program(domain)             \
-          program(regions) program(sort32_serial)
-#define GCDT_DECLARE(program) extern const HostKernel host_kernels_of_##program[];
-#define GCDT_NAMED(program) {#program, host_kernels_of_##program},
-GCDT_HOST_PROGRAMS(GCDT_DECLARE)
+// The kernels of each program are generated (kernels/host.cmake), and so is the list of programs. The last kernel of
+// each has no name.
+#define PROGRAM(name) extern const HostKernel host_kernels_of_##name[];
+#include <host_programs.def>
+#undef PROGRAM
 
 namespace {
 struct HostProgram {
   const char* name;
   const HostKernel* kernels;
 };
-const HostProgram host_programs[] = {GCDT_HOST_PROGRAMS(GCDT_NAMED)};
+const HostProgram host_programs[] = {
+#define PROGRAM(name) {#name, host_kernels_of_##name},
+#include <host_programs.def>
+#undef PROGRAM
+};
 }  // namespace
 
 const HostKernel* find_host_kernel(const char* program, const char* kernel) {
