@@ -269,14 +269,16 @@ TEST_CASE("a read beside the runs that fails when no tile is left to make takes 
     if (*began > 0) wait_until(*are_made);
     return beside ? CL_OUT_OF_RESOURCES : CL_SUCCESS;
   };
-  runtime::CallHook waiting = healthy();  // until then: the first device has at least one tile to read
-  waiting.before = [=](const char* call, const char* kernel) {
-    if (std::string(call) == "clEnqueueNDRangeKernel" && std::string(kernel) == "tile_input_numbers")
-      wait_until(*began);
+  // That makes no tile before: so the first device makes a second one, and has the first to read.
+  const auto are_begun = std::make_shared<std::atomic<bool>>(false);
+  runtime::CallHook waiting = healthy();
+  waiting.before = [=](const char* call, const char*) {
+    if (*are_begun && std::string(call) == "clEnqueueNDRangeKernel") wait_until(*began);
     return CL_SUCCESS;
   };
   Options options = in_tiles();
   options.progress = [=](const char* phase, double done) {
+    *are_begun = true;
     const double all_but_one = 0.6;  // of what is told of the whole, of which tiles are 0.7
     if (std::string(phase) != "tiles" || done > all_but_one) *are_made = 1;
     return true;
