@@ -3,8 +3,9 @@
 #include "rates.hpp"
 
 #include <cstdio>
-#include <cstdlib>
 #include <string>
+
+#include "mesa.hpp"
 
 using namespace gcdt;
 using namespace gcdt::bench;
@@ -51,9 +52,7 @@ void found_again(const DeviceInfo& info) {
 }  // namespace
 
 int main() try {
-#ifndef _WIN32
-  setenv("RUSTICL_ENABLE", "swrast", 0);  // Mesa's CPU driver hides otherwise
-#endif
+  test::ask_for_mesa();
   const std::vector<DeviceInfo> all = devices();
   expect(all.size() >= 2, "devices", "the test needs two (pocl-opencl-icd, mesa-opencl-icd)");
   for (const DeviceInfo& info : all) found_again(info);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <deque>
 
+#include "device/copy_crew.hpp"
+
 namespace gcdt::runtime {
 
 namespace {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "device/copy_crew.hpp"
+
 namespace gcdt::runtime {
 
 void Upload::append(const unsigned char* from, std::size_t bytes) {

@@ -6,6 +6,7 @@
 
 #include "device/host_room.hpp"
 #include "fresh_memory.hpp"
+#include "threads_here.hpp"
 
 using gcdt::runtime::HostRoom;
 using namespace gcdt::test;
@@ -29,6 +30,17 @@ TEST_CASE("every page of the ranges is touched, whatever their ends, and no othe
     CHECK(memory.touched() == wanted);
   }
 }
+
+#ifdef __linux__
+TEST_CASE("as many threads touch as are wanted, until they are told to stop") {
+  const Fresh memory(std::size_t{2} << 30);  // which takes them long
+  const std::size_t before = threads_here();
+  HostRoom room({{memory.first, memory.bytes}}, 3);
+  CHECK(comes_true([&] { return threads_here() == before + 3; }));
+  room.stop();
+  CHECK(comes_true([&] { return threads_here() == before; }));
+}
+#endif
 
 TEST_CASE("bytes beside the ranges stay") {
   std::vector<unsigned char> memory(std::size_t{5} << 20, 0xee);

@@ -2,7 +2,6 @@
 // Large transfers of a solver, which go through chunks of pinned memory and are copied by several threads.
 #include <doctest/doctest.h>
 
-#include <filesystem>
 #include <random>
 
 #include "device/copy_crew.hpp"
@@ -10,6 +9,7 @@
 #include "device_list.hpp"
 #include "faulty_device.hpp"
 #include "fresh_memory.hpp"
+#include "threads_here.hpp"
 
 using namespace gcdt;
 using namespace gcdt::runtime;
@@ -40,14 +40,6 @@ std::vector<unsigned char> random_bytes(std::size_t count, unsigned seed) {
   for (unsigned char& byte : made) byte = static_cast<unsigned char>(random());
   return made;
 }
-
-#ifdef __linux__
-/// Threads of this process.
-std::size_t threads_here() {
-  const std::filesystem::directory_iterator tasks("/proc/self/task");
-  return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
-}
-#endif
 
 constexpr std::size_t lengths[] = {0, 1, chunk - 1, chunk, chunk + 1, 2 * chunk, 7 * chunk + 3, 40 * chunk - 1};
 
@@ -209,7 +201,8 @@ TEST_CASE("the threads that copy are kept from call to call, and end when the so
   CHECK(threads_here() <= kept + 1);  // a second helper, if the first was never late before
   const std::size_t before = threads_here();
   solver.trim();
-  CHECK(comes_true([&] { return threads_here() < before; }));  // a thread is counted for some time after its end
+  if (std::thread::hardware_concurrency() > 1)                   // one core has no helpers
+    CHECK(comes_true([&] { return threads_here() < before; }));  // a thread is counted for some time after its end
 }
 
 TEST_CASE("a crew starts helpers when copies are begun, as many as it may, and keeps them") {
@@ -232,6 +225,14 @@ TEST_CASE("a crew starts helpers when copies are begun, as many as it may, and k
   crew.limit(1);
   CHECK(crew.has_helpers());
   CHECK(threads_here() == before + 1);
+  // Awake for a copy that its caller does not wait for.
+  std::vector<unsigned char> by_helper(bytes);
+  CHECK(comes_true([&] {
+    crew.begin(0, {by_helper.data(), given.data(), bytes, false});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    crew.forget();
+    return std::equal(by_helper.begin(), by_helper.end(), given.begin());
+  }));
 }
 #endif
 
@@ -257,6 +258,10 @@ TEST_CASE("a crew copies what it is given, by any number of threads, and forgets
   for (int round = 0; round < 2; ++round) {
     for (std::size_t i = 0; i < slots; ++i) alone.begin(i, {none.data() + i * bytes, given.data(), bytes, false});
     alone.forget();
+  }
+  {
+    const CrewAtWork work(alone, 1);
+    for (std::size_t i = 0; i < slots; ++i) work.crew.begin(i, {none.data() + i * bytes, given.data(), bytes, false});
   }
   for (std::size_t i = 0; i < slots; ++i) alone.wait(i);
   CHECK(none == std::vector<unsigned char>(slots * bytes));
