@@ -32,6 +32,11 @@ void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t 
 #endif
 }
 
+// Of no bytes: one.
+std::size_t pieces_of(const CopyCrew::Copy& copy) {
+  return std::max<std::size_t>(1, (copy.bytes + Tuning::copied_at_once - 1) / Tuning::copied_at_once);
+}
+
 }  // namespace
 
 CopyCrew::~CopyCrew() {
@@ -47,14 +52,19 @@ CopyCrew::~CopyCrew() {
 void CopyCrew::limit(unsigned threads) { most_helpers_ = threads > 0 ? threads - 1 : 0; }
 
 void CopyCrew::begin(std::size_t slot, const Copy& copy) {
+  const std::size_t pieces = pieces_of(copy);
   bool enough;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    busy_[slot] = true;
-    waiting_.emplace_back(slot, copy);
-    enough = waiting_.size() <= idle_;
+    left_[slot] = pieces;
+    waiting_.push_back({slot, copy});
+    waiting_pieces_ += pieces;
+    enough = waiting_pieces_ <= idle_;
   }
-  if (!helpers_.empty()) begun_.notify_one();
+  if (pieces > 1)
+    begun_.notify_all();
+  else
+    begun_.notify_one();
   if (!enough && helpers_.size() < most_helpers_) start_helper();
 }
 
@@ -68,15 +78,16 @@ void CopyCrew::start_helper() {
 
 void CopyCrew::forget() {
   std::unique_lock<std::mutex> lock(mutex_);
-  for (const auto& [slot, copy] : waiting_) busy_[slot] = false;
+  for (const Waiting& waiting : waiting_) left_[waiting.slot] -= pieces_of(waiting.rest);
   waiting_.clear();
-  done_.wait(lock, [this] { return std::find(busy_.begin(), busy_.end(), true) == busy_.end(); });
+  waiting_pieces_ = 0;
+  done_.wait(lock, [this] { return std::all_of(left_.begin(), left_.end(), [](std::size_t n) { return n == 0; }); });
 }
 
-// A slot that is busy while nothing waits is a helper's, who tells when it is done.
+// Pieces that are left while none waits are helpers', who tell when a copy has been made.
 void CopyCrew::wait(std::size_t slot) {
   std::unique_lock<std::mutex> lock(mutex_);
-  while (busy_[slot])
+  while (left_[slot] > 0)
     if (waiting_.empty())
       done_.wait(lock);
     else
@@ -95,17 +106,25 @@ void CopyCrew::help() {
     }
 }
 
+// The rest of a copy is a whole number of pieces at any time, of which only the last one may be shorter.
 void CopyCrew::make_next(std::unique_lock<std::mutex>& lock) {
-  const auto [slot, copy] = waiting_.front();
-  waiting_.pop_front();
+  auto& [slot_of_rest, rest] = waiting_.front();
+  const std::size_t slot = slot_of_rest;
+  Copy part = rest;
+  const bool whole = part.to_caller && waiting_.size() > 1;
+  if (!whole) part.bytes = std::min(part.bytes, Tuning::copied_at_once);
+  const std::size_t pieces = pieces_of(part);
+  rest.to += part.bytes, rest.from += part.bytes, rest.bytes -= part.bytes;
+  waiting_pieces_ -= pieces;
+  if (rest.bytes == 0) waiting_.pop_front();
   lock.unlock();
-  if (copy.past_caches && copy.bytes >= Tuning::least_streamed)
-    copy_past_caches(copy.to, copy.from, copy.bytes);
+  if (part.to_caller && part.bytes >= Tuning::least_streamed)
+    copy_past_caches(part.to, part.from, part.bytes);
   else
-    std::memcpy(copy.to, copy.from, copy.bytes);
+    std::memcpy(part.to, part.from, part.bytes);
   lock.lock();
-  busy_[slot] = false;
-  done_.notify_one();  // only one thread waits
+  left_[slot] -= pieces;
+  if (left_[slot] == 0) done_.notify_one();  // only one thread waits
 }
 
 }  // namespace gcdt::runtime

@@ -12,13 +12,14 @@
 
 namespace gcdt::runtime {
 
-/// Copies in slots, at most one in each at a time. The thread that begins them makes those that no helper has begun
-/// when it waits, so a crew without helpers copies as well. It alone calls the functions below; helpers do nothing but
-/// copy. Starting one takes some tens of microseconds, and so does its end: they are started one by one, as copies are
+/// Copies in slots, at most one in each at a time, each made in pieces by all threads that are free: so the first and
+/// the last of many do not wait for one thread. The thread that begins them makes pieces that no helper has begun when
+/// it waits, so a crew without helpers copies as well. It alone calls the functions below; helpers do nothing but copy.
+/// Starting one takes some tens of microseconds, and so does its end: they are started one by one, as copies are
 /// begun that none waits for, and sleep until there are others.
 class CopyCrew {
  public:
-  explicit CopyCrew(std::size_t slots) : busy_(slots) {}
+  explicit CopyCrew(std::size_t slots) : left_(slots) {}
   CopyCrew(const CopyCrew&) = delete;
   CopyCrew& operator=(const CopyCrew&) = delete;
   /// Ends the helpers, after forget().
@@ -34,13 +35,15 @@ class CopyCrew {
     unsigned char* to;
     const unsigned char* from;
     std::size_t bytes;
-    bool past_caches;  ///< nobody on the host reads it soon
+    /// Nobody on the host reads it soon, and the system may have pages of it yet to clear: two threads that come to one
+    /// for the first time clear it twice, and pages may be of 2 MiB. So while others wait it is made whole.
+    bool to_caller;
   };
   /// The slot must be free.
   void begin(std::size_t slot, const Copy& copy);
   /// Waits until the slot is free.
   void wait(std::size_t slot);
-  /// Drops copies that nobody has begun, and waits for the others: then nothing is read or written any more, and all
+  /// Drops pieces that nobody has begun, and waits for the others: then nothing is read or written any more, and all
   /// slots are free.
   void forget();
 
@@ -51,9 +54,13 @@ class CopyCrew {
 
   std::mutex mutex_;  ///< of all but the helpers
   std::condition_variable begun_, done_;
-  std::deque<std::pair<std::size_t, Copy>> waiting_;
-  std::vector<bool> busy_;
-  std::size_t idle_ = 0;  ///< helpers that wait for a copy
+  struct Waiting {
+    std::size_t slot;
+    Copy rest;  ///< that nobody has begun
+  };
+  std::deque<Waiting> waiting_;
+  std::vector<std::size_t> left_;              ///< pieces of each slot's copy that have not been made
+  std::size_t waiting_pieces_ = 0, idle_ = 0;  ///< of waiting_; helpers that wait for one
   bool over_ = false;
   std::size_t most_helpers_ = 0;  ///< to be started
   std::vector<std::thread> helpers_;

@@ -239,6 +239,9 @@ struct Tuning {
   /// "Batches"). Less than `least_streamed` bytes, counters and the like, are read at once (not
   /// measured).
   static constexpr std::size_t download_chunk = std::size_t{1} << 20, least_streamed = std::size_t{1} << 16;
+  /// Bytes that a thread copies to or from a chunk before it looks for others: some 25 microseconds' work, so that the
+  /// first and the last chunk of a transfer are shared by all threads (NOTES, "The caller's clock").
+  static constexpr std::size_t copied_at_once = std::size_t{1} << 18;
 
   // ---- Scans and sorts --------------------------------------------------------------------------
   // (primitives.cpp; sizes of tiles and digits: kernels/sort/sizes.h)

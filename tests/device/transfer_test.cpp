@@ -2,13 +2,11 @@
 // Large transfers of a solver, which go through chunks of pinned memory and are copied by several threads.
 #include <doctest/doctest.h>
 
-#include <random>
-
-#include "device/copy_crew.hpp"
 #include "device/transfer_chunks.hpp"
 #include "device_list.hpp"
 #include "faulty_device.hpp"
 #include "fresh_memory.hpp"
+#include "random_bytes.hpp"
 #include "threads_here.hpp"
 
 using namespace gcdt;
@@ -32,13 +30,6 @@ CallHook hook_of(const Way& way) {
   tuning.copy_threads = way.threads, tuning.transfer_chunks = way.chunks;
   tuning.transfer_chunk = chunk, tuning.least_chunked = 1, tuning.copied_by_thread = 1;
   return hook;
-}
-
-std::vector<unsigned char> random_bytes(std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::vector<unsigned char> made(count);
-  for (unsigned char& byte : made) byte = static_cast<unsigned char>(random());
-  return made;
 }
 
 constexpr std::size_t lengths[] = {0, 1, chunk - 1, chunk, chunk + 1, 2 * chunk, 7 * chunk + 3, 40 * chunk - 1};
@@ -204,77 +195,4 @@ TEST_CASE("the threads that copy are kept from call to call, and end when the so
   if (std::thread::hardware_concurrency() > 1)                   // one core has no helpers
     CHECK(comes_true([&] { return threads_here() < before; }));  // a thread is counted for some time after its end
 }
-
-TEST_CASE("a crew starts helpers when copies are begun, as many as it may, and keeps them") {
-  const std::size_t slots = 4, bytes = 1000;
-  const std::vector<unsigned char> given = random_bytes(slots * bytes, 3);
-  std::vector<unsigned char> found(given.size());
-  const std::size_t before = threads_here();
-  CopyCrew crew(slots);
-  crew.limit(2);
-  CHECK(threads_here() == before);
-  const auto copy = [&](std::size_t i) {
-    crew.begin(i, {found.data() + i * bytes, given.data() + i * bytes, bytes, false});
-    crew.wait(i);
-  };
-  for (std::size_t i = 0; i < slots; ++i) {
-    copy(i);
-    CHECK(threads_here() == before + 1);
-  }
-  CHECK(found == given);
-  crew.limit(1);
-  CHECK(crew.has_helpers());
-  CHECK(threads_here() == before + 1);
-  // Awake for a copy that its caller does not wait for.
-  std::vector<unsigned char> by_helper(bytes);
-  CHECK(comes_true([&] {
-    crew.begin(0, {by_helper.data(), given.data(), bytes, false});
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    crew.forget();
-    return std::equal(by_helper.begin(), by_helper.end(), given.begin());
-  }));
-}
 #endif
-
-TEST_CASE("a crew copies what it is given, by any number of threads, and forgets the rest when it ends") {
-  const std::size_t slots = 4, bytes = 100000;
-  const std::vector<unsigned char> given = random_bytes(40 * bytes, 3);
-  for (const unsigned threads : {0u, 1u, 2u, 7u})
-    for (const bool past_caches : {false, true}) {
-      CAPTURE(threads);
-      std::vector<unsigned char> found(given.size());
-      CopyCrew crew(slots);
-      crew.limit(threads);
-      CHECK(crew.has_helpers() == (threads > 1));
-      for (std::size_t i = 0; i < 40; ++i) {
-        crew.wait(i % slots);
-        crew.begin(i % slots, {found.data() + i * bytes, given.data() + i * bytes, bytes, past_caches});
-      }
-      for (std::size_t i = 0; i < slots; ++i) crew.wait(i);
-      CHECK(found == given);
-    }
-  std::vector<unsigned char> none(slots * bytes);
-  CopyCrew alone(slots);
-  for (int round = 0; round < 2; ++round) {
-    for (std::size_t i = 0; i < slots; ++i) alone.begin(i, {none.data() + i * bytes, given.data(), bytes, false});
-    alone.forget();
-  }
-  {
-    const CrewAtWork work(alone, 1);
-    for (std::size_t i = 0; i < slots; ++i) work.crew.begin(i, {none.data() + i * bytes, given.data(), bytes, false});
-  }
-  for (std::size_t i = 0; i < slots; ++i) alone.wait(i);
-  CHECK(none == std::vector<unsigned char>(slots * bytes));
-  for (int round = 0; round < 50; ++round) {
-    std::vector<unsigned char> found(slots * bytes);
-    {
-      CopyCrew crew(slots);
-      crew.limit(3);
-      for (std::size_t i = 0; i < slots; ++i)
-        crew.begin(i, {found.data() + i * bytes, given.data() + i * bytes, bytes, false});
-    }
-    const std::vector<unsigned char> at_end = found;
-    if (round % 10 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    CHECK(found == at_end);
-  }
-}
