@@ -32,9 +32,8 @@ void copy_past_caches(unsigned char* to, const unsigned char* from, std::size_t 
 #endif
 }
 
-// Of no bytes: one.
 std::size_t pieces_of(const CopyCrew::Copy& copy) {
-  return std::max<std::size_t>(1, (copy.bytes + Tuning::copied_at_once - 1) / Tuning::copied_at_once);
+  return (copy.bytes + Tuning::copied_at_once - 1) / Tuning::copied_at_once;
 }
 
 }  // namespace
@@ -52,16 +51,16 @@ CopyCrew::~CopyCrew() {
 void CopyCrew::limit(unsigned threads) { most_helpers_ = threads > 0 ? threads - 1 : 0; }
 
 void CopyCrew::begin(std::size_t slot, const Copy& copy) {
-  const std::size_t pieces = pieces_of(copy);
   bool enough;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    left_[slot] = pieces;
+    left_[slot] = copy.bytes;
     waiting_.push_back({slot, copy});
-    waiting_pieces_ += pieces;
-    enough = waiting_pieces_ <= idle_;
+    std::size_t pieces = 0;
+    for (const Waiting& waiting : waiting_) pieces += pieces_of(waiting.rest);
+    enough = pieces <= idle_;
   }
-  if (pieces > 1)
+  if (pieces_of(copy) > 1)
     begun_.notify_all();
   else
     begun_.notify_one();
@@ -78,13 +77,12 @@ void CopyCrew::start_helper() {
 
 void CopyCrew::forget() {
   std::unique_lock<std::mutex> lock(mutex_);
-  for (const Waiting& waiting : waiting_) left_[waiting.slot] -= pieces_of(waiting.rest);
+  for (const Waiting& waiting : waiting_) left_[waiting.slot] -= waiting.rest.bytes;
   waiting_.clear();
-  waiting_pieces_ = 0;
   done_.wait(lock, [this] { return std::all_of(left_.begin(), left_.end(), [](std::size_t n) { return n == 0; }); });
 }
 
-// Pieces that are left while none waits are helpers', who tell when a copy has been made.
+// Bytes that are left while none wait are helpers', who tell when a copy has been made.
 void CopyCrew::wait(std::size_t slot) {
   std::unique_lock<std::mutex> lock(mutex_);
   while (left_[slot] > 0)
@@ -106,16 +104,13 @@ void CopyCrew::help() {
     }
 }
 
-// The rest of a copy is a whole number of pieces at any time, of which only the last one may be shorter.
 void CopyCrew::make_next(std::unique_lock<std::mutex>& lock) {
   auto& [slot_of_rest, rest] = waiting_.front();
   const std::size_t slot = slot_of_rest;
   Copy part = rest;
   const bool whole = part.to_caller && waiting_.size() > 1;
   if (!whole) part.bytes = std::min(part.bytes, Tuning::copied_at_once);
-  const std::size_t pieces = pieces_of(part);
   rest.to += part.bytes, rest.from += part.bytes, rest.bytes -= part.bytes;
-  waiting_pieces_ -= pieces;
   if (rest.bytes == 0) waiting_.pop_front();
   lock.unlock();
   if (part.to_caller && part.bytes >= Tuning::least_streamed)
@@ -123,7 +118,7 @@ void CopyCrew::make_next(std::unique_lock<std::mutex>& lock) {
   else
     std::memcpy(part.to, part.from, part.bytes);
   lock.lock();
-  left_[slot] -= pieces;
+  left_[slot] -= part.bytes;
   if (left_[slot] == 0) done_.notify_one();  // only one thread waits
 }
 

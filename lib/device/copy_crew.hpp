@@ -59,8 +59,8 @@ class CopyCrew {
     Copy rest;  ///< that nobody has begun
   };
   std::deque<Waiting> waiting_;
-  std::vector<std::size_t> left_;              ///< pieces of each slot's copy that have not been made
-  std::size_t waiting_pieces_ = 0, idle_ = 0;  ///< of waiting_; helpers that wait for one
+  std::vector<std::size_t> left_;  ///< bytes of each slot's copy that have not been copied
+  std::size_t idle_ = 0;           ///< helpers that wait for a copy
   bool over_ = false;
   std::size_t most_helpers_ = 0;  ///< to be started
   std::vector<std::thread> helpers_;

@@ -5,6 +5,7 @@
 #include "device/pinned_store.hpp"
 #include "device/shared_upload.hpp"
 #include "faulty_device.hpp"
+#include "random_bytes.hpp"
 
 using namespace gcdt;
 using namespace gcdt::runtime;
@@ -33,12 +34,6 @@ struct Counted {
   }
 };
 
-std::vector<unsigned char> some_bytes(std::size_t count, unsigned seed) {
-  std::vector<unsigned char> made(count);
-  for (std::size_t i = 0; i < count; ++i) made[i] = static_cast<unsigned char>((i + seed) * 2654435761u >> 13);
-  return made;
-}
-
 }  // namespace
 
 TEST_CASE("memory is known to be pinned from its first to its last byte, and as often as it was added") {
@@ -66,7 +61,7 @@ TEST_CASE("memory is known to be pinned from its first to its last byte, and as 
 }
 
 TEST_CASE("what is pinned is written and read in one piece, and what is not through chunks") {
-  const std::vector<unsigned char> given = some_bytes(length, 1);
+  const std::vector<unsigned char> given = random_bytes(length, 1);
   const auto ranges = std::make_shared<PinnedRanges>();
   for (const bool is_pinned : {false, true}) {
     CAPTURE(is_pinned);
@@ -86,13 +81,13 @@ TEST_CASE("what is pinned is written and read in one piece, and what is not thro
     CHECK(counted.reads == (is_pinned ? 1 : 40));
     CHECK(found == given);
     // Some of several reads.
-    runtime.write(other, some_bytes(length, 2).data(), length);
+    runtime.write(other, random_bytes(length, 2).data(), length);
     std::fill(found.begin(), found.end(), static_cast<unsigned char>(0));
     counted.reads = 0;
     runtime.read_all({{buffer.handle(), found.data(), length}, {other.handle(), beside.data(), length}});
     CHECK(counted.reads == (is_pinned ? 41 : 80));
     CHECK(found == given);
-    CHECK(beside == some_bytes(length, 2));
+    CHECK(beside == random_bytes(length, 2));
     // Errors, after which all is as before.
     for (const char* const call : {"clEnqueueWriteBuffer", "clEnqueueReadBuffer", "clWaitForEvents", "clFlush"}) {
       CAPTURE(call);
@@ -110,7 +105,7 @@ TEST_CASE("what is pinned is written and read in one piece, and what is not thro
 }
 
 TEST_CASE("several devices are sent what is pinned from where it is, each by one write") {
-  const std::vector<unsigned char> given = some_bytes(length, 3), others = some_bytes(length, 4);
+  const std::vector<unsigned char> given = random_bytes(length, 3), others = random_bytes(length, 4);
   const auto ranges = std::make_shared<PinnedRanges>();
   const KnownPinned known(*ranges, given.data(), length);
   Counted counted[2];

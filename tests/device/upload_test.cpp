@@ -6,6 +6,7 @@
 
 #include "device/upload.hpp"
 #include "opencl_app.hpp"
+#include "random_bytes.hpp"
 
 using namespace gcdt;
 using namespace gcdt::runtime;
@@ -24,14 +25,6 @@ Runtime mapping_runtime(const char* refused = nullptr) {
   return Runtime(app_device(), hook);
 }
 
-/// Bytes that are different in every upload.
-std::vector<unsigned char> bytes(std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::vector<unsigned char> made(count);
-  for (unsigned char& byte : made) byte = static_cast<unsigned char>(random());
-  return made;
-}
-
 /// Uploads of several lengths one right after the other, in pieces of all sizes; then what each brought.
 void check_uploads(Runtime& runtime) {
   TransferChunks chunks = upload_chunks(runtime);
@@ -40,7 +33,7 @@ void check_uploads(Runtime& runtime) {
   std::vector<std::vector<unsigned char>> given;
   std::vector<Buffer<cl_uchar>> buffers;
   for (const std::size_t length : lengths) {
-    given.push_back(bytes(length, static_cast<unsigned>(given.size())));
+    given.push_back(random_bytes(length, static_cast<unsigned>(given.size())));
     buffers.push_back(runtime.allocate<cl_uchar>("uploaded", length));
     Upload upload(chunks, buffers.back().handle());
     std::mt19937 random(7);
